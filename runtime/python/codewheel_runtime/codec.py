@@ -88,7 +88,7 @@ class BitField(NamedTuple):
         return (index(number) & self.mask) >> self.low
 
 
-def shown(value: object) -> str:
+def shortened(value: object) -> str:
     """Return ``value`` as text for a message, shortened if it is long."""
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:60]}..."
@@ -98,7 +98,7 @@ def decided(kind: type[_Answer], answer: _Answer | None) -> _Answer:
     """Return the answer to a question that the manual leaves open. Raises TypeError unless it is a ``kind``."""
     if not isinstance(answer, kind):
         answers = " or ".join(f"{kind.__name__}.{member.name}" for member in kind)
-        raise TypeError(f"expected {answers}, got {shown(answer)}: the manual leaves this open")
+        raise TypeError(f"expected {answers}, got {shortened(answer)}: the manual leaves this open")
     return answer
 
 
@@ -107,7 +107,7 @@ def check_kind(kind: object, kinds: object) -> None:
     sent_kinds: tuple[type, ...] = get_args(kinds) or (cast(type, kinds),)
     if kind not in sent_kinds:
         names = ", ".join(sent_kind.__name__ for sent_kind in sent_kinds)
-        raise TypeError(f"{shown(kind)} is not a kind of frame that this encoder sends; it sends {names}")
+        raise TypeError(f"{shortened(kind)} is not a kind of frame that this encoder sends; it sends {names}")
 
 
 def whole_number(name: str, value: SupportsIndex) -> int:
@@ -117,7 +117,7 @@ def whole_number(name: str, value: SupportsIndex) -> int:
             return index(value)
         except TypeError:
             pass
-    raise TypeError(f"{name} must be an integer, got {shown(value)}")
+    raise TypeError(f"{name} must be an integer, got {shortened(value)}")
 
 
 def as_word(frame: Word, length: int, bits: int | None) -> int:
@@ -160,7 +160,7 @@ def as_bytes(data: Data) -> bytes:
         view = memoryview(data)
     except TypeError:
         wanted = "bytes.fromhex(text)" if isinstance(data, str) else "bytes or another buffer of bytes"
-        raise TypeError(f"expected bytes, got {shown(data)}: pass {wanted}") from None
+        raise TypeError(f"expected bytes, got {shortened(data)}: pass {wanted}") from None
     if view.ndim != 1 or view.itemsize != 1 or view.format[-1] not in "Bbc":
         shape = "items" if view.ndim == 1 else f"items in {view.ndim} dimensions"
         raise TypeError(f"expected a row of bytes, got a buffer of {shape} of the format '{view.format}': pass bytes")

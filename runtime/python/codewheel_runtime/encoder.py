@@ -8,7 +8,7 @@ from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, NoReturn, Protocol, TypeVar, cast, runtime_checkable
 
-from .codec import PositionRange, shown
+from .codec import PositionRange, shortened
 from .errors import FamilyError, FrameError, InterfaceError
 from .order_codes import OrderCode, checked
 from .reports import Family, Interface, Report, Verdict
@@ -343,7 +343,7 @@ def wrong_encoder(
         return InterfaceError(variant.code, variant_interface, interface, instead)
     if isinstance(variant, Encoder):
         return FamilyError(variant.code, variant.family.name, kind.family.name)
-    return TypeError(f"expected an encoder, got {shown(variant)}; lookup() returns one for an order code")
+    return TypeError(f"expected an encoder, got {shortened(variant)}; lookup() returns one for an order code")
 
 
 def check_encoder(

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Literal, NamedTuple, Protocol, SupportsIndex
 
-from .codec import Data, as_bytes, check_limits, check_width, shown, whole_number
+from .codec import Data, as_bytes, check_limits, check_width, shortened, whole_number
 from .encoder import Encoder
 from .errors import FrameError, LengthError, RangeError
 from .reports import Interface
@@ -28,7 +28,7 @@ def whole(
         return value.encode()
     if not isinstance(value, SupportsIndex):
         name = f"{kind.__module__}.{kind.__qualname__}"
-        raise TypeError(f"{register} must be an integer or an object of {name}, got {shown(value)}")
+        raise TypeError(f"{register} must be an integer or an object of {name}, got {shortened(value)}")
     return check_width(register, value, 8 * length).to_bytes(length, order)
 
 

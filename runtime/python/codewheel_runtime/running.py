@@ -119,7 +119,7 @@ class _Procedure:
                     progress(at, count, step)
                 self.do(step)
             except BaseException as error:
-                left_open = self.put_back(steps[at:])
+                left_open = self.restore(steps[at:])
                 logger.warning("step %d of %d failed: %r; left open: %s", at + 1, count, error, left_open or "nothing")
                 if not isinstance(error, Exception):
                     raise
@@ -189,7 +189,7 @@ class _Procedure:
             self.wait(step.every_us / 1_000_000)
         line.drain()
 
-    def put_back(self, remaining: Sequence[Step]) -> tuple[str, ...]:
+    def restore(self, remaining: Sequence[Step]) -> tuple[str, ...]:
         """Close the registers that remaining steps would have closed, and restore the modified ones.
 
         Return the names of the registers for which this failed.
@@ -197,12 +197,12 @@ class _Procedure:
         failed: list[str] = []
         for step in remaining:
             if isinstance(step, Write) and step.closes and step.address in self._written:
-                failed += self._tried(step.register, step.address, step.data)
+                failed += self._try_to_write(step.register, step.address, step.data)
         for address, (register, data) in reversed(self._before.items()):
-            failed += self._tried(register, address, data)
+            failed += self._try_to_write(register, address, data)
         return tuple(failed)
 
-    def _tried(self, register: str, address: int, data: bytes) -> list[str]:
+    def _try_to_write(self, register: str, address: int, data: bytes) -> list[str]:
         try:
             cast(Bus, self.bus).write(address, data)
         except Exception:  # The original error is the one to report.

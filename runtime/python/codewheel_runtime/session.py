@@ -169,7 +169,7 @@ class Session:
             raise InterfaceError(encoder.code, encoder.interface, Interface.RS485)
         self.encoder, self.timeout_s, self.retries, self.clock = encoder, timeout_s, retries, clock
         self.exchanges = encoder.exchanges()
-        self.kinds = {} if self.exchanges else _kinds(encoder)
+        self.kinds = {} if self.exchanges else _request_kinds(encoder)
         captures = [kind for kind in self.kinds.values() if kind.purpose == "capture"]
         self._marks = [kind.control for kind in captures]
         #: First byte of the last request, if it failed.
@@ -211,7 +211,7 @@ class Session:
         kind = pending.kind
         end = self.clock() + _BUSY_S
         while True:
-            reply = yield from self._repeated(pending)
+            reply = yield from self._send_with_retries(pending)
             frame = cast(Frame, pending.decode(reply))
             busy = kind.purpose in ("read", "write") and any(getattr(frame, name) for name in kind.flags)
             if not busy:
@@ -240,7 +240,7 @@ class Session:
                 if isinstance(step, Wait):
                     yield from self.pause(step.microseconds / 1e6)
                 elif isinstance(step, Send):
-                    yield from self._succession(step)
+                    yield from self._send_series(step)
                 else:
                     raise LinkError(f"RS-485 has no registers for {type(step).__name__}")
             except LinkError as error:
@@ -252,13 +252,13 @@ class Session:
         while (remaining_s := end - self.clock()) > 0:
             yield Ask(b"", remaining_s)
 
-    def _succession(self, step: Send) -> Work[None]:
+    def _send_series(self, step: Send) -> Work[None]:
         pending = self._pending(step.request)
         attempts_left = self.retries
         done = 0
         while done < step.times:
             try:
-                yield from self._safely(pending)
+                yield from self._send_in_step(pending)
                 yield from self.pause(step.every_us / 1e6)
                 done += 1
             except LinkError:
@@ -267,22 +267,22 @@ class Session:
                 # The request of another kind that follows also ends the count of the encoder.
                 attempts_left, done = attempts_left - 1, 0
 
-    def _repeated(self, pending: _PendingRequest) -> Work[bytes]:
+    def _send_with_retries(self, pending: _PendingRequest) -> Work[bytes]:
         attempts_left = self.retries
         while True:
             try:
-                return (yield from self._safely(pending))
+                return (yield from self._send_in_step(pending))
             except LinkError:
                 if not attempts_left:
                     raise
                 attempts_left -= 1
 
-    def _safely(self, pending: _PendingRequest) -> Work[bytes]:
+    def _send_in_step(self, pending: _PendingRequest) -> Work[bytes]:
         """Send a request once, after resynchronisation if the previous one failed."""
         if self._failed:
             yield from self._resynchronise(self._failed)
         self._failed = pending.data[0]
-        reply = yield from self._once(pending)
+        reply = yield from self._send_once(pending)
         self._failed = self._odd_replies = 0
         return reply
 
@@ -291,14 +291,14 @@ class Session:
         for mark in self._marks:
             if mark != control:
                 try:
-                    yield from self._once(self._pending(bytes([mark])))
+                    yield from self._send_once(self._pending(bytes([mark])))
                     return
                 except LinkError:
                     continue
         # There are no other kinds. Wait for late replies.
         yield from self.pause(_LATE * self.timeout_s)
 
-    def _once(self, pending: _PendingRequest) -> Work[bytes]:
+    def _send_once(self, pending: _PendingRequest) -> Work[bytes]:
         """Send a request once, and return the valid reply."""
         for _ in range(_MOST_BYTES):
             if not (yield Ask(b"", 0.0)):
@@ -365,8 +365,8 @@ class Session:
             text = f"the line is low after {request_text}: only 00 arrives; check whether A and B are swapped"
             return DisturbedError(text, received)
         if self.exchanges:
-            return self._unanswered(received, pending, request_text, bytes_text)
-        odd = self._odd(received, pending)
+            return self._exchange_failure(received, pending, request_text, bytes_text)
+        odd = self._sign_of_other_encoder(received, pending)
         # 1 in 256 corrupted replies has a valid CRC, so one odd reply proves nothing.
         self._odd_replies = self._odd_replies + 1 if odd else 0
         if self._odd_replies > 1:
@@ -383,7 +383,9 @@ class Session:
             return DisturbedError(text, received)
         return DisturbedError(f"no valid reply to {request_text} in {bytes_text}", received)
 
-    def _unanswered(self, received: bytes, pending: _PendingRequest, request_text: str, bytes_text: str) -> LinkError:
+    def _exchange_failure(
+        self, received: bytes, pending: _PendingRequest, request_text: str, bytes_text: str
+    ) -> LinkError:
         """Return the error for bytes without a valid reply of an exchange."""
         if len(received) < pending.kind.length:
             text = f"incomplete reply to {request_text}: {len(received)} of {pending.kind.length} bytes, {bytes_text}"
@@ -392,7 +394,7 @@ class Session:
         differs = self._difference(pending, pending.decode(reply)) if self._error_in(reply, pending) is None else ""
         return DisturbedError(differs or f"no valid reply to {request_text} in {bytes_text}", received)
 
-    def _odd(self, received: bytes, pending: _PendingRequest) -> str:
+    def _sign_of_other_encoder(self, received: bytes, pending: _PendingRequest) -> str:
         """Return why the bytes look like a reply from another kind of encoder, or an empty string."""
         if received[0] != pending.kind.control or len(received) < 3 or _xor(received):
             return ""
@@ -457,7 +459,7 @@ def _request_in(exchange: Exchanged, data: bytes) -> Any:
         return None
 
 
-def _kinds(encoder: Encoder) -> dict[int, _Kind]:
+def _request_kinds(encoder: Encoder) -> dict[int, _Kind]:
     """Return the requests of an encoder by their first byte."""
     module: Any = import_module(type(encoder).__module__)
     replies = [(kind, any_shape(kind, encoder)) for kind in get_args(module.Reply) or (module.Reply,)]

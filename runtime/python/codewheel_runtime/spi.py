@@ -99,7 +99,7 @@ class Pipeline:
             RangeError: A value does not fit its field.
             RuntimeError: The word that was received with the previous request has not been taken.
         """
-        return self._asked(request, None)
+        return self._start_request(request, None)
 
     def read(self, register: type) -> int:
         """Return the word that reads a register. Its answer has the value in ``register``.
@@ -112,7 +112,7 @@ class Pipeline:
             RuntimeError: The word that was received with the previous request has not been taken.
         """
         address, _ = self._place_of(register)
-        return self._asked(self._reading(address), register)
+        return self._start_request(self._reading(address), register)
 
     def write(self, value: Value) -> Iterator[int]:
         """Yield the words that write a register. Exchange and take each one before the next.
@@ -127,7 +127,7 @@ class Pipeline:
         """
         address, _ = self._place_of(type(value))
         for request in self._writing(address, value.encode()):
-            yield self._asked(request, type(value))
+            yield self._start_request(request, type(value))
 
     def bus(self, exchange: Callable[[int], int]) -> RegisterBus:
         """Return a bus for ``run``, which carries out procedures.
@@ -185,7 +185,7 @@ class Pipeline:
         for kind in self._write:
             yield kind(**{name: values[name] for name in kind._fields if name in values})
 
-    def _asked(self, request: Any, register: type | None) -> int:
+    def _start_request(self, request: Any, register: type | None) -> int:
         if type(request) not in self._replies:
             request_names = ", ".join(kind.__name__ for kind in self._replies)
             raise TypeError(f"{self._encoder.code} answers {request_names}, not {type(request).__name__}")
@@ -244,4 +244,4 @@ class RegisterBus:
             self._sent(request)
 
     def _sent(self, request: Request) -> Any:
-        return self._line.take(self._exchange(self._line._asked(request, None)))
+        return self._line.take(self._exchange(self._line._start_request(request, None)))

@@ -131,7 +131,7 @@ def parity_bits(chunk: Chunk, check: Check) -> Any:
 def crc_difference(chunk: Chunk, crc: CrcOf) -> Any:
     """Return the bits in which each CRC differs from the computed one, 0 if it matches."""
     if crc.steps:
-        return _folded(chunk.limbs[0], crc, chunk.bits)
+        return _fold(chunk.limbs[0], crc, chunk.bits)
     if crc.is_xor:
         number = reduce(np.bitwise_xor, chunk.limbs)
         half = (number ^ number >> np.uint64(32)).astype(np.uint32)
@@ -146,7 +146,7 @@ def crc_difference(chunk: Chunk, crc: CrcOf) -> Any:
     return difference
 
 
-def _folded(number: Any, crc: CrcOf, bits: int) -> Any:
+def _fold(number: Any, crc: CrcOf, bits: int) -> Any:
     """Return remainders. Each step folds high bits onto lower ones, in 32 bits as soon as the numbers fit."""
     remainder, word_type = number ^ np.uint64(crc.xorout) if crc.xorout else number, np.uint64
     for step in crc.steps:

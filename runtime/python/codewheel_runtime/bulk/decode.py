@@ -15,12 +15,12 @@ from .shape import (
     Check,
     Column,
     Shape,
-    kinds,
+    column_types,
     late_fields,
     measured,
     quick_checks,
     scales,
-    smallest,
+    smallest_type,
     unused_bits,
     unused_groups,
     width_of,
@@ -40,7 +40,7 @@ def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Ta
         frames = of_column(frames, shape)
     source, wrong_rows = rows_of(frames, shape.length) if shape.length else _words_of(frames, shape.bits)
     count = len(source)
-    out = _columns(count, {**kinds(shape), "fault": "u1"})
+    out = _columns(count, {**column_types(shape), "fault": "u1"})
     fault = out.pop("fault")
     fault[:] = 0
     for start in range(0, count, CHUNK):
@@ -231,7 +231,7 @@ def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
 
 def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
     """Write the unused bits that differ from the manual, in as few bytes as possible."""
-    kind = np.dtype(smallest(unused_bits(shape))).type
+    kind = np.dtype(smallest_type(unused_bits(shape))).type
     number = kind(0)
     for low, mask, value, place in unused_groups(shape):
         width = mask.bit_length()

@@ -112,22 +112,22 @@ def _encoded(arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -
     for column in shape.columns:
         if all(name in arrays for name in names_of(column)):
             for low, width, bits in _bits(arrays, column, first_error):
-                _put(limbs, low, width, bits)
+                _insert(limbs, low, width, bits)
         elif column.kind == "not_flag":
-            _put(limbs, column.low, column.width, np.ones(count, np.uint64))
+            _insert(limbs, column.low, column.width, np.ones(count, np.uint64))
     for join in shape.joins:
         if join.name in arrays:
-            _put_join(limbs, arrays, shape, join, first_error)
-    _put_unused(limbs, arrays, shape, first_error)
+            _insert_join(limbs, arrays, shape, join, first_error)
+    _insert_unused(limbs, arrays, shape, first_error)
     chunk = Chunk(limbs, shape.bits)
     for check in shape.parities:
-        _put(limbs, check.low, check.width, parity_bits(chunk, check).astype(np.uint64))
+        _insert(limbs, check.low, check.width, parity_bits(chunk, check).astype(np.uint64))
     _check_values(limbs, arrays, shape, first_error)
     _finish(limbs, shape)
     return limbs
 
 
-def _put(limbs: list[Any], low: int, width: int, bits: Any) -> None:
+def _insert(limbs: list[Any], low: int, width: int, bits: Any) -> None:
     """Insert bits at a position where all bits are still 0."""
     at, shift = divmod(low, 64)
     if width:
@@ -206,7 +206,9 @@ def _text(values: Any, column: Column, first_error: FirstError) -> Iterator[tupl
         yield column.low + 8 * (length - 1 - place), 8, letters[:, place].astype(np.uint64)
 
 
-def _put_join(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, join: Join, first_error: FirstError) -> None:
+def _insert_join(
+    limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, join: Join, first_error: FirstError
+) -> None:
     """Insert the fields of a joined number. Fields that are also given separately must agree with it."""
     width = width_of(shape, join)
     whole = _unsigned(arrays[join.name], first_error, join.name, (1 << width) - 1)
@@ -220,10 +222,10 @@ def _put_join(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, join: J
             separate_bits = Chunk(limbs, shape.bits).take(column.low, column.width)
             first_error.add(separate_bits != bits, join.name, arrays[join.name], "equal to its fields")
         else:
-            _put(limbs, column.low, column.width, bits)
+            _insert(limbs, column.low, column.width, bits)
 
 
-def _put_unused(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
+def _insert_unused(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
     """Insert unused bits as in the manual, inverted where the column ``unused`` is 1."""
     values = arrays.get("unused", np.zeros(len(limbs[0]), np.uint8))
     bits = values.astype(np.uint64)
@@ -233,7 +235,7 @@ def _put_unused(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, first
     )
     for unused in shape.unused:
         mask = np.uint64((1 << unused.width) - 1)
-        _put(limbs, unused.low, unused.width, (bits >> np.uint64(unused.place) ^ np.uint64(unused.value)) & mask)
+        _insert(limbs, unused.low, unused.width, (bits >> np.uint64(unused.place) ^ np.uint64(unused.value)) & mask)
 
 
 def _check_values(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
@@ -264,7 +266,7 @@ def _finish(limbs: list[Any], shape: Shape) -> None:
         limbs[0] ^= number >> np.uint64(1) << np.uint64(low)
     if shape.crc is not None:
         crc_bits = crc_difference(Chunk(limbs, shape.bits), shape.crc).astype(np.uint64)
-        _put(limbs, shape.crc.low, shape.crc.width, crc_bits)
+        _insert(limbs, shape.crc.low, shape.crc.width, crc_bits)
 
 
 def _rows(limbs: list[Any], shape: Shape) -> Any:

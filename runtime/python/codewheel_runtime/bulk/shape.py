@@ -190,7 +190,7 @@ class Shape(NamedTuple):
     frame: str = ""
 
 
-def kinds(shape: Shape) -> dict[str, str]:
+def column_types(shape: Shape) -> dict[str, str]:
     """Return the columns that are written, with their NumPy types."""
     late = {name for join in shape.joins for name, _, _ in late_fields(shape, join)}
     types: dict[str, str] = {}
@@ -200,7 +200,7 @@ def kinds(shape: Shape) -> dict[str, str]:
     for join in shape.joins:
         types[join.name] = "u8" if width_of(shape, join) == 64 else "i8"
     if shape.unused:
-        types["unused"] = smallest(unused_bits(shape))
+        types["unused"] = smallest_type(unused_bits(shape))
     if shape.otherwise is not None:
         types["verdict"] = "u1"
     return types
@@ -216,14 +216,14 @@ def _types_of(column: Column) -> dict[str, str]:
         case "flag" | "not_flag":
             return {column.name: "?"}
         case "choice":
-            return {column.name: smallest(column.width)}
+            return {column.name: smallest_type(column.width)}
         case "number" | "signed":
             return {column.name: "u8" if column.width == 64 else "i8"}
         case _:
             assert_never(column.kind)
 
 
-def smallest(width: int) -> str:
+def smallest_type(width: int) -> str:
     """Return the smallest unsigned NumPy type with at least ``width`` bits."""
     for bits, type_name in ((8, "u1"), (16, "u2"), (32, "u4")):
         if width <= bits:

@@ -161,7 +161,7 @@ class _Opened(NamedTuple):
 
 
 @contextmanager
-def _opened(
+def _open_capture(
     encoder: Encoder | BissLayout, source: Captured, probes: Probes, layout: str, answers: Mapping[str, Any]
 ) -> Generator[_Opened, None, None]:
     if isinstance(encoder, Encoder) and encoder.interface is Interface.SPI:
@@ -180,10 +180,10 @@ def _opened(
         name = paths[0] if paths else "the capture"
         opening = opened_signals(paths, names, probes.rate)
     with opening as signals:
-        yield _frames(encoder, signals, name, probes, layout, answers)
+        yield _find_frames(encoder, signals, name, probes, layout, answers)
 
 
-def _frames(
+def _find_frames(
     encoder: Encoder | BissLayout,
     signals: Signals,
     name: str,
@@ -193,7 +193,7 @@ def _frames(
 ) -> _Opened:
     time = "sample" if signals.seconds is None else "time"
     if isinstance(encoder, Encoder) and encoder.interface is Interface.RS485:
-        kinds = _kinds(encoder, layout, answers)
+        kinds = _frame_kinds(encoder, layout, answers)
         stretches = replies(signals, name, _baud(encoder, probes), kinds)
         first = next(stretches)
         if not first.kind:
@@ -218,7 +218,7 @@ def _chained(
     yield from following
 
 
-def _kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Kinds:
+def _frame_kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Kinds:
     """Return all kinds of frames on a serial line. Those with unanswered questions are left out, unless requested."""
     wanted = layout_of(encoder, layout).name if layout else ""
     shapes: dict[str, dict[str, Shape]] = {"encoder": {}, "master": {}}
@@ -322,7 +322,7 @@ class Captures(NamedTuple):
         chosen = self._encoder(encoder)
         output = Output(os.fspath(target), target_format(target, to), columns, raw, force, si)
         sources = _paths(source)
-        opening = _opened(chosen, source, Probes(clock, data, rate, rest, baud), layout, answers)
+        opening = _open_capture(chosen, source, Probes(clock, data, rate, rest, baud), layout, answers)
         return _decode_capture(opening, chosen, sources, output, limit, progress)
 
     def _encoder(self, encoder: Encoder | BissLayout | str) -> Encoder | BissLayout:
@@ -338,7 +338,7 @@ def _read_capture(
     log = _Log(None)
     frames: list[Any] = []
     times: list[Any] = []
-    with _opened(encoder, source, probes, layout, answers) as opened:
+    with _open_capture(encoder, source, probes, layout, answers) as opened:
         for stretch in opened.stretches:
             log.add(stretch)
             frames.append(stretch.frames)

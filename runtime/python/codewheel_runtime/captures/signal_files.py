@@ -58,14 +58,14 @@ def opened_signals(paths: Sequence[str], names: Names, rate: float | None = None
         elif len(files) != 1:
             raise UsageError("give one file: only binary files of Saleae have one signal each")
         else:
-            signals = _one(stack, files[0], paths[0], heads[0], names, rate)
+            signals = _single_file(stack, files[0], paths[0], heads[0], names, rate)
         try:
             yield signals
         finally:
             signals.edges.close()
 
 
-def _one(stack: ExitStack, file: BinaryIO, path: str, head: bytes, names: Names, rate: float | None) -> Signals:
+def _single_file(stack: ExitStack, file: BinaryIO, path: str, head: bytes, names: Names, rate: float | None) -> Signals:
     if head.startswith(b"PK"):
         return _session(stack, file, path, names, rate)
     if head.startswith(b"\x93NUMPY"):
@@ -97,8 +97,9 @@ def _session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: fl
         config.read_string(text)
         devices = [dict(config[name]) for name in config.sections() if "capturefile" in config[name]]
         device: dict[str, str] = devices[0] if devices else {}
-        size, stem = _whole(device.get("unitsize", "1")), device.get("capturefile", "")
-        probes = {_whole(key[5:]): value for key, value in device.items() if re.fullmatch(r"probe[0-9]{1,3}", key)}
+        size, stem = _small_number(device.get("unitsize", "1")), device.get("capturefile", "")
+        probe_keys = [key for key in device if re.fullmatch(r"probe[0-9]{1,3}", key)]
+        probes = {_small_number(key[5:]): device[key] for key in probe_keys}
     except (KeyError, ConfigError, ValueError, *_DAMAGED):
         raise InputError(path, "", "this is not a valid sigrok session") from None
     if not stem:
@@ -160,7 +161,7 @@ def _unpacked(
         raise InputError(path, f"offset {done}", f"the samples are damaged: {error or 'they end early'}") from None
 
 
-def _whole(text: str) -> int:
+def _small_number(text: str) -> int:
     if not (text.isascii() and text.isdigit() and len(text) < 10):
         raise ValueError(text)
     return int(text)

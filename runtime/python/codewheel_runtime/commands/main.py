@@ -108,9 +108,9 @@ def main(package: str, arguments: Sequence[str] | None = None) -> int:
     try:
         code: int = chosen.run(package, chosen) or DONE
     except Failed as failure:
-        return _told(package, failure, failure.code)
+        return _print_failure(package, failure, failure.code)
     except KeyboardInterrupt:
-        return _told(package, "interrupted; no file was written", INTERRUPTED)
+        return _print_failure(package, "interrupted; no file was written", INTERRUPTED)
     except BrokenPipeError:
         # The reader has closed the pipe. Without this, Python would report the error again at exit.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
@@ -118,39 +118,43 @@ def main(package: str, arguments: Sequence[str] | None = None) -> int:
     return code
 
 
-def _told(package: str, message: object, code: int) -> int:
+def _print_failure(package: str, message: object, code: int) -> int:
     print(f"{distribution(package)}: {message}", file=sys.stderr)
     return code
 
 
 def _parser(package: str) -> argparse.ArgumentParser:
-    def shaped(prog: str) -> argparse.RawDescriptionHelpFormatter:
+    def formatter(prog: str) -> argparse.RawDescriptionHelpFormatter:
         return argparse.RawDescriptionHelpFormatter(prog, width=80)
 
-    top = argparse.ArgumentParser(prog=distribution(package), formatter_class=shaped, allow_abbrev=False)
+    top = argparse.ArgumentParser(prog=distribution(package), formatter_class=formatter, allow_abbrev=False)
     top.description = "Decode frames and captures of absolute encoders, given the order code on the label."
     top.add_argument(
         "--version", action="version", version=f"{distribution(package)} {import_module(package).__version__}"
     )
     commands = top.add_subparsers(metavar="COMMAND", required=True)
 
-    def add(name: str, run: Callable[..., int | None], summary: str, description: str = "", epilog: str = "") -> Any:
+    def add_command(
+        name: str, run: Callable[..., int | None], summary: str, description: str = "", epilog: str = ""
+    ) -> Any:
         description = description or f"{summary[0].upper()}{summary[1:]}."
         parser = commands.add_parser(
-            name, help=summary, description=description, epilog=epilog, formatter_class=shaped, allow_abbrev=False
+            name, help=summary, description=description, epilog=epilog, formatter_class=formatter, allow_abbrev=False
         )
         parser.set_defaults(run=run)
         return parser
 
-    _add_decode(add)
-    _add_monitor(add)
-    _add_capture_command(add, "capture", "decode a capture of a logic analyser into a file of columns")
-    _add_capture_command(add, "plot", "plot position and speed over time, of a capture or of frames with a time")
+    _add_decode(add_command)
+    _add_monitor(add_command)
+    capture_summary = "decode a capture of a logic analyser into a file of columns"
+    plot_summary = "plot position and speed over time, of a capture or of frames with a time"
+    _add_capture_command(add_command, "capture", capture_summary)
+    _add_capture_command(add_command, "plot", plot_summary)
     return top
 
 
-def _add_decode(add: Callable[..., Any]) -> None:
-    parser = add(
+def _add_decode(add_command: Callable[..., Any]) -> None:
+    parser = add_command(
         "decode",
         _decode,
         "decode a frame, or a file of frames into a file of columns",
@@ -169,8 +173,8 @@ def _add_decode(add: Callable[..., Any]) -> None:
     add_encoder(parser)
 
 
-def _add_monitor(add: Callable[..., Any]) -> None:
-    parser = add(
+def _add_monitor(add_command: Callable[..., Any]) -> None:
+    parser = add_command(
         "monitor",
         partial(_bench, "monitor"),
         "show an encoder live, over RS-485",
@@ -183,8 +187,8 @@ def _add_monitor(add: Callable[..., Any]) -> None:
     add_encoder(parser)
 
 
-def _add_capture_command(add: Callable[..., Any], name: str, summary: str) -> None:
-    parser = add(name, partial(_bench, name), summary, epilog=_BENCH)
+def _add_capture_command(add_command: Callable[..., Any], name: str, summary: str) -> None:
+    parser = add_command(name, partial(_bench, name), summary, epilog=_BENCH)
     parser.add_argument(
         "files",
         metavar="[ORDER-CODE] FILE",

@@ -77,7 +77,7 @@ class _Screen:
         self._range: PositionRange | None = None
         self._recent: deque[tuple[float, int | None]] = deque()
         self._errors: Counter[str] = Counter()
-        self._shown, self._height, self._said = 0.0, 0, ""
+        self._drawn_at, self._height, self._last_error = 0.0, 0, ""
         self._began = monotonic()
         self.frames = self.failures = 0
 
@@ -106,7 +106,7 @@ class _Screen:
         """Add a failure."""
         self.failures += 1
         self._errors[_kind(error)] += 1
-        self._said = str(error)
+        self._last_error = str(error)
         if not self._is_live:
             self._out.write(f"{monotonic() - self._began:.3f} {error}\n")
             self._out.flush()
@@ -135,8 +135,8 @@ class _Screen:
         if not self._is_live:
             self._out.write(f"{now - self._began:.3f} {' '.join(value for _, value in self._values()[:4])}\n")
             self._out.flush()
-        elif now - self._shown >= 1 / _RATE:
-            self._shown = now
+        elif now - self._drawn_at >= 1 / _RATE:
+            self._drawn_at = now
             self._draw()
 
     def _draw(self) -> None:
@@ -170,7 +170,7 @@ class _Screen:
             ("alarms", ", ".join(report.name for report in reports) or "none"),
             ("rate", f"{rate:.0f} readings/s"),
             ("errors", self._counts()),
-            ("", self._said),
+            ("", self._last_error),
         ]
 
     def _counts(self) -> str:

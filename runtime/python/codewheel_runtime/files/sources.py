@@ -91,16 +91,16 @@ def _binary(
             forms = ((f"--words {words}", _first(head, words, shape)) for words in _other_forms(stored.words, shape))
             check_form(name, _first(head, stored.words, shape), forms, share)
         if not done and size is not None and size % length and not stored.cut:
-            raise _rest(name, size, length)
+            raise _incomplete_frame(name, size, length)
         done += len(data)
         excess = len(data) % length
         if excess and not stored.cut:
-            raise _rest(name, done, length)
+            raise _incomplete_frame(name, done, length)
         rows = np.frombuffer(data, np.uint8, len(data) - excess).reshape(-1, length)
         yield Part(rows if shape.length else numbers(rows, stored.words), done)
 
 
-def _rest(name: str, size: int, length: int) -> InputError:
+def _incomplete_frame(name: str, size: int, length: int) -> InputError:
     whole, excess = divmod(size, length)
     more = "1 more byte follows" if excess == 1 else f"{excess} more bytes follow"
     problem = f"{whole} complete frames of {length} bytes end here, and {more}"
