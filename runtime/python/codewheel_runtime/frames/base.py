@@ -293,7 +293,7 @@ class RegisterOf(ByEncoder[_Encoder], InBytes):
 def decode_many(frames: object, kind: type, encoder: Encoder | None, *arguments: object) -> Table:
     """Decode many frames of one class. ``arguments`` are the encoder and the answers that the class needs."""
     shape = shape_of(kind, *arguments)
-    from .bulk import decode as bulk_decode
+    from ..bulk import decode as bulk_decode
 
     return bulk_decode.decode_many(frames, shape, encoder)
 
@@ -301,6 +301,6 @@ def decode_many(frames: object, kind: type, encoder: Encoder | None, *arguments:
 def encode_many(columns: Mapping[str, Any], kind: type, *arguments: object) -> Any:
     """Encode many frames of one class. ``arguments`` are the encoder and the answers that the class needs."""
     shape = shape_of(kind, *arguments)
-    from .bulk import encode as bulk_encode
+    from ..bulk import encode as bulk_encode
 
     return bulk_encode.encode_many(columns, shape)
