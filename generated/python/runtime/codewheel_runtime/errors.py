@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from enum import IntEnum
-from typing import Any, Protocol
+from typing import Any, ClassVar, Protocol
 
 from .reports import Family, Interface
 
@@ -20,17 +20,15 @@ class ErrorKind(IntEnum):
 
 
 class Sender(Protocol):
-    """Encoder that sent a frame, for the error of that frame. See ``codewheel_runtime.Encoder``."""
+    """Encoder that sent a frame, for the error of that frame. See ``codewheel_runtime.Encoder``.
 
-    @property
-    def family(self) -> Family:
-        """Family of the encoder."""
-        ...
+    Attributes:
+        family: Family of the encoder.
+        interface: Interface of the encoder.
+    """
 
-    @property
-    def interface(self) -> Interface:
-        """Interface of the encoder."""
-        ...
+    family: ClassVar[Family]
+    interface: ClassVar[Interface]
 
     @property
     def code(self) -> str:

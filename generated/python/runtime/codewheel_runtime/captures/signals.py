@@ -198,14 +198,14 @@ def merged(
     alive = [True] * len(signals)
     while any(alive):
         # Continue with the signal whose edges end first.
-        signal_index = min(np.flatnonzero(alive), key=lambda index: _last(waiting[index]))
+        signal_index = min(_true_indices(alive), key=lambda index: _last(waiting[index]))
         part = next(signals[signal_index], None)
         alive[signal_index] = part is not None
         if part is not None:
             _, times, amount = part
             waiting[signal_index] = np.concatenate([waiting[signal_index], times])
             done[signal_index] = amount
-        until = min((_last(waiting[index]) for index in np.flatnonzero(alive)), default=end())
+        until = min((_last(waiting[index]) for index in _true_indices(alive)), default=end())
         counts = [int(np.searchsorted(times, until, "right")) for times in waiting]
         edge_times = tuple(times[:count] for times, count in zip(waiting, counts, strict=True))
         yield Edges(tuple(levels), edge_times, begin, until, sum(done))
@@ -216,3 +216,7 @@ def merged(
 
 def _last(times: Any) -> float:
     return float(times[-1]) if len(times) else -np.inf
+
+
+def _true_indices(values: Sequence[bool]) -> list[int]:
+    return [index for index, value in enumerate(values) if value]
