@@ -14,7 +14,7 @@ HEADERS = "generated/c/include"
 MODULES = "generated/python"
 RUNTIME = "generated/python/runtime/codewheel_runtime"
 #: Modules of the runtime that programs use directly, or through the package of a manufacturer.
-_RUNTIME_MODULES = "biss encoder errors facts order_codes reports running steps stream table".split()
+_RUNTIME_MODULES = "biss encoder errors facts layouts order_codes reports running steps stream table".split()
 #: A documentation comment with the declaration below it: a whole type, or a function without its body.
 _DECLARED = re.compile(
     r"/\*\*(?! @file)(?P<comment>(?:(?!\*/).)*)\*/\n"
@@ -29,7 +29,7 @@ def api_pages(root: Path) -> Iterator[tuple[str, str]]:
     headers = [path for path in sorted((root / HEADERS).glob("*/*.h")) if path.parent.name != "codewheel"]
     packages = [path.parent for path in (root / MODULES).rglob("*_encoders/__init__.py")]
     modules = [path for folder in sorted(packages) for path in sorted(folder.glob("[!_]*.py")) if path.stem != "biss"]
-    runtime = [path for path in sorted((root / RUNTIME).glob("*.py")) if path.stem in _RUNTIME_MODULES]
+    runtime = [path for path in sorted((root / RUNTIME).rglob("*.py")) if path.stem in _RUNTIME_MODULES]
     yield "api/c.md", _index("c", "C headers", "generated/c", headers)
     yield "api/python.md", _index("python", "Python package", "generated/python", modules)
     yield "api/runtime.md", _index("runtime", "Python runtime", "generated/python/runtime", runtime)
@@ -40,8 +40,9 @@ def api_pages(root: Path) -> Iterator[tuple[str, str]]:
         )
     for path in (*modules, *runtime):
         found = python_entries(ast.parse(path.read_text(encoding="utf-8")))
-        kind = "runtime" if path in runtime else "python"
-        yield f"api/{kind}/{path.stem}.md", _page(f"{path.parent.name}.{path.stem}", "python", found)
+        kind, folder = ("runtime", (root / RUNTIME).parent) if path in runtime else ("python", path.parent.parent)
+        module = ".".join(path.relative_to(folder).with_suffix("").parts)
+        yield f"api/{kind}/{path.stem}.md", _page(module, "python", found)
 
 
 def _index(kind: str, title: str, folder: str, files: list[Path]) -> str:

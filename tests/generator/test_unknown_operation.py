@@ -20,8 +20,10 @@ from codewheel.plan import values
 from codewheel.plan.codec import Bits, bits_of
 from codewheel.plan.refusals import _of_field
 from codewheel.targets import Library, Target
-from codewheel_runtime import bulk_decode, bulk_encode, frames
-from codewheel_runtime.shape import Column, Shape, kinds
+from codewheel_runtime.bulk import decode as bulk_decode
+from codewheel_runtime.bulk import encode as bulk_encode
+from codewheel_runtime.bulk.shape import Column, Shape, column_types
+from codewheel_runtime.frames import encode as frame_encode
 
 ROOT = Path(__file__).parents[2]
 #: Specs that between them have every operation, registers, examples and parameters that registers hold.
@@ -187,8 +189,8 @@ def test_an_unknown_kind_is_refused(decision: str) -> None:
 LEVEL = Column("level", 0, 8, kind=cast("Any", "unknown"))
 #: Parts of the Python runtime that go by the kind of a column.
 INTERPRETERS: dict[str, Callable[[], object]] = {
-    "types": lambda: kinds(Shape(8, columns=(LEVEL,))),
-    "encode": lambda: frames._bits(SimpleNamespace(level=1), LEVEL),
+    "types": lambda: column_types(Shape(8, columns=(LEVEL,))),
+    "encode": lambda: frame_encode._bits(SimpleNamespace(level=1), LEVEL),
     "decode_many": lambda: bulk_decode._write_column(cast("Any", None), LEVEL, {}),
     "encode_many": lambda: list(bulk_encode._bits({"level": [1]}, LEVEL, cast("Any", None))),
 }

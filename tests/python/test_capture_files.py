@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy
 import pytest
-from codewheel_runtime import signal_files, signals
-from codewheel_runtime.any_biss import biss_layout
-from codewheel_runtime.capture import Capture, Captures
-from codewheel_runtime.inputs import InputError, UsageError
+from codewheel_runtime.captures import signal_files, signal_text, signals
+from codewheel_runtime.captures.any_biss import biss_layout
+from codewheel_runtime.captures.capture import Capture, Captures
+from codewheel_runtime.errors import InputError, UsageError
 from lines import Biss, Wave, biss_word
 
 LAYOUT = biss_layout("position=32,error,warning,crc=6:0x43")
@@ -156,7 +156,7 @@ FORMATS: dict[str, tuple[Writer, dict[str, Any]]] = {
     [(form, block) for form in FORMATS for block in (1 << 20, 4096, 500) if (form, block) != ("VCD", 500)],
 )
 def test_every_format(form: str, block: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(signal_files, "_BLOCK", block)
+    monkeypatch.setattr(signal_text, "_BLOCK", block)
     monkeypatch.setattr(signals, "SAMPLES", block)
     monkeypatch.setattr(signal_files, "SAMPLES", block)
     write, options = FORMATS[form]

@@ -15,10 +15,11 @@ from typing import Any
 
 import numpy
 import pytest
-from codewheel_runtime import biss, signals
-from codewheel_runtime.any_biss import biss_layout
-from codewheel_runtime.capture import Captures
-from codewheel_runtime.command import main
+from codewheel_runtime import biss
+from codewheel_runtime.captures import signals
+from codewheel_runtime.captures.any_biss import biss_layout
+from codewheel_runtime.captures.capture import Captures
+from codewheel_runtime.commands.main import main
 from lines import Biss, Wave, biss_word, serial
 
 SERIAL = "AMM5A23/65KJP1"

@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy
 import pytest
-from codewheel_runtime.clocked import Lost, clocked
-from codewheel_runtime.signals import Names, of_array
+from codewheel_runtime.captures.clocked import Lost, clocked
+from codewheel_runtime.captures.signals import Names, of_array
 from lines import Biss, Wave, biss_word, ssi
 
 BITS = 40

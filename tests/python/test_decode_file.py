@@ -22,9 +22,9 @@ import numpy
 import pyarrow
 import pyarrow.parquet
 import pytest
-from codewheel_runtime import inputs
-from codewheel_runtime.command import main
-from codewheel_runtime.table import ErrorKind
+from codewheel_runtime.commands.main import main
+from codewheel_runtime.errors import ErrorKind
+from codewheel_runtime.files import inputs
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from python_path import python_path

@@ -19,7 +19,7 @@ from codewheel.reference import codec
 from codewheel.targets import Library
 from codewheel.targets.python import names
 from codewheel.targets.python.files import generate
-from codewheel_runtime import frames
+from codewheel_runtime.frames import descriptions
 from hostile_specs import BISS_CLOCK, HEAD, Item, crc, digits, flag, layout_of
 
 pytestmark = pytest.mark.slow
@@ -189,7 +189,7 @@ def _works(given: list[str], folder: Path, import_generated: Callable[..., Any])
                 getattr(module, f"own_set_{index}")(encoder, 2 ** variant.parameters["own_bits"], 9)
         assert encoder.turns(3) > 0
         # Some of its frames have signed positions, so their ranges differ.
-        kinds = [item for item in frames.kinds_of(encoder) if hasattr(item, "usable_position")]
+        kinds = [item for item in descriptions.kinds_of(encoder) if hasattr(item, "usable_position")]
         assert kinds
         assert {encoder.range_of(item).unwrap(0, 1) for item in kinds} == {1}
 

@@ -32,7 +32,7 @@ def test_lookup_loads_one_family(generated_python: tuple[Path, ModuleType]) -> N
     )
     assert {name for name in FAMILIES if f"lika_encoders.{name}" in found} == {"sma21"}
     heavy = {"lika_encoders.facts", "lika_encoders._codes", "dataclasses", "inspect", "numpy"}
-    heavy |= {f"codewheel_runtime.{name}" for name in ("facts", "causes", "biss", "stream", "table", "shape")}
+    heavy |= {f"codewheel_runtime.{name}" for name in ("facts", "causes", "biss", "bulk", "captures", "files")}
     assert heavy.isdisjoint(found)
 
 

@@ -14,9 +14,9 @@ import numpy
 import pyarrow
 import pyarrow.parquet
 import pytest
-from codewheel_runtime import fast_csv
-from codewheel_runtime.command import main
-from codewheel_runtime.inputs import InputError
+from codewheel_runtime.commands.main import main
+from codewheel_runtime.errors import InputError
+from codewheel_runtime.files import fast_csv
 
 CODE = "AMM5A21/65KSC1"
 #: The frame of AMM5's manual page, 42 revolutions and 1821973 counts, also with a wrong bit and with an error bit.

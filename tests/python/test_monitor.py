@@ -7,7 +7,7 @@ import itertools
 from typing import Any
 
 import pytest
-from codewheel_runtime import monitor
+from codewheel_runtime.commands import monitor
 
 GOOD, SPOILT = 0x55BCD15E2, 0x55BCD1564
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.targets import Library
-from codewheel_runtime.command import main
+from codewheel_runtime.commands.main import main
 
 pytestmark = pytest.mark.slow
 

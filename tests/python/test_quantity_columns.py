@@ -16,7 +16,7 @@ import pyarrow
 import pyarrow.parquet
 import pytest
 from codewheel.commands.cli import main
-from codewheel_runtime.command import main as command
+from codewheel_runtime.commands.main import main as command
 
 # Generates the package of another manufacturer, which no wording and no rule of check touches.
 pytestmark = pytest.mark.slow

@@ -3,7 +3,7 @@
 
 import sys
 
-from codewheel_runtime import command
+from codewheel_runtime.commands import main as command
 
 
 def main() -> int:

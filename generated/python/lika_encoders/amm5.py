@@ -66,7 +66,6 @@ from codewheel_runtime.codec import (
     Words,
     as_bytes,
     as_word,
-    check_encoder,
     check_kind,
     check_width,
     choice,
@@ -76,36 +75,29 @@ from codewheel_runtime.codec import (
     decided,
     made,
     too_long,
-    wrong_encoder,
 )
-from codewheel_runtime.encoder import Positioned, fact, looked_up
+from codewheel_runtime.encoder import Positioned, check_encoder, fact, looked_up, wrong_encoder
 from codewheel_runtime.measures import Rotary, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError, RangeError
-from codewheel_runtime.frames import (
+from codewheel_runtime.frames.base import (
     BitsOf,
     BytesOf,
-    Failed,
     FixedBytes,
     FixedRegister,
     InBytes,
     RegisterOf,
     Sent,
-    bound,
     decode_many,
-    decoder,
     encode_many,
-    needed_by,
-    raised,
-    reported,
-    returned,
-    shape_of,
 )
+from codewheel_runtime.frames.decoders import Failed, bound, decoder, raised, reported, returned
+from codewheel_runtime.frames.descriptions import needed_by, shape_of
 from codewheel_runtime.registers import agrees, held_bytes
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 from codewheel_runtime.steps import Send, Step, Verify, Wait, writes
 
 if TYPE_CHECKING:
-    from codewheel_runtime.table import Table
+    from codewheel_runtime.bulk.table import Table
 
     from . import _codes
     from .facts.amm5 import (

@@ -51,7 +51,6 @@ from codewheel_runtime.codec import (
     Words,
     as_bytes,
     as_word,
-    check_encoder,
     choice,
     crc_of_bits,
     crc_tables,
@@ -59,33 +58,19 @@ from codewheel_runtime.codec import (
     from_gray,
     made,
     too_long,
-    wrong_encoder,
 )
-from codewheel_runtime.encoder import Positioned, fact, looked_up
+from codewheel_runtime.encoder import Positioned, check_encoder, fact, looked_up, wrong_encoder
 from codewheel_runtime.measures import Rotary, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
-from codewheel_runtime.frames import (
-    BitsOf,
-    Failed,
-    FixedRegister,
-    InBits,
-    RegisterOf,
-    Sent,
-    bound,
-    decode_many,
-    decoder,
-    encode_many,
-    raised,
-    reported,
-    returned,
-    shape_of,
-)
+from codewheel_runtime.frames.base import BitsOf, FixedRegister, InBits, RegisterOf, Sent, decode_many, encode_many
+from codewheel_runtime.frames.decoders import Failed, bound, decoder, raised, reported, returned
+from codewheel_runtime.frames.descriptions import shape_of
 from codewheel_runtime.registers import agrees, held_bytes
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 from codewheel_runtime.steps import Poll, Read, Step, writes
 
 if TYPE_CHECKING:
-    from codewheel_runtime.table import Table
+    from codewheel_runtime.bulk.table import Table
 
     from . import _codes
     from .facts.asc85 import (

@@ -61,7 +61,6 @@ from codewheel_runtime.codec import (
     Words,
     as_bytes,
     as_word,
-    check_encoder,
     check_kind,
     check_limits,
     choice,
@@ -72,34 +71,28 @@ from codewheel_runtime.codec import (
     made,
     signed,
     too_long,
-    wrong_encoder,
 )
-from codewheel_runtime.encoder import Positioned, fact, looked_up
+from codewheel_runtime.encoder import Positioned, check_encoder, fact, looked_up, wrong_encoder
 from codewheel_runtime.measures import Linear, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError, RangeError
-from codewheel_runtime.frames import (
+from codewheel_runtime.frames.base import (
     BitsOf,
     BytesOf,
-    Failed,
     FixedBytes,
     FixedRegister,
     RegisterOf,
     Sent,
-    bound,
     decode_many,
-    decoder,
     encode_many,
-    needed_by,
-    raised,
-    reported,
-    returned,
 )
+from codewheel_runtime.frames.decoders import Failed, bound, decoder, raised, reported, returned
+from codewheel_runtime.frames.descriptions import needed_by
 from codewheel_runtime.registers import Held, agrees, held_bytes, held_parameters, held_text, whole
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 from codewheel_runtime.steps import Modify, Read, Send, Step, Verify, Wait, writes
 
 if TYPE_CHECKING:
-    from codewheel_runtime.table import Table
+    from codewheel_runtime.bulk.table import Table
 
     from . import _codes
     from .facts.sma21 import (

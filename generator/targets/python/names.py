@@ -31,43 +31,50 @@ STANDARD: Mapping[str, tuple[str, ...]] = {
 }
 
 
-def _runtime_modules(**names: str) -> Mapping[str, tuple[str, ...]]:
+def _runtime_modules(names: Mapping[str, str]) -> Mapping[str, tuple[str, ...]]:
     """Return the names by their module of the runtime, from a text with the names of each."""
     return {f"codewheel_runtime.{module}": tuple(text.split()) for module, text in names.items()}
 
 
 PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
-    codec="""BitField Data PositionRange Rows Word Words as_bytes as_word check_encoder check_kind check_limits
-        check_width choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed text_number
-        too_long wrong_encoder""",
-    encoder="Encoder Exchanged Positioned fact looked_up",
-    measures="FineLinear Linear Rotary Wrapping",
-    errors="ConstantError CrcError FrameError LengthError RangeError",
-    frames="""BitsOf BytesOf Failed FixedBits FixedBytes FixedRegister InBits InBytes RegisterOf Sent bound
-        decode_many decoder encode_many needed_by raised reported returned shape_of""",
-    registers="Held agrees held_bytes held_parameters held_text whole",
-    reports="Family Interface Movement Report Verdict",
-    spi="Pipeline",
-    steps="Modify Poll Read Send Step Verify Wait write_whole writes",
+    {
+        "codec": """BitField Data PositionRange Rows Word Words as_bytes as_word check_kind check_limits check_width
+            choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed text_number too_long""",
+        "encoder": "Encoder Exchanged Positioned check_encoder fact looked_up wrong_encoder",
+        "measures": "FineLinear Linear Rotary Wrapping",
+        "errors": "ConstantError CrcError FrameError LengthError RangeError",
+        "frames.base": """BitsOf BytesOf FixedBits FixedBytes FixedRegister InBits InBytes RegisterOf Sent decode_many
+            encode_many""",
+        "frames.decoders": "Failed bound decoder raised reported returned",
+        "frames.descriptions": "needed_by shape_of",
+        "registers": "Held agrees held_bytes held_parameters held_text whole",
+        "reports": "Family Interface Movement Report Verdict",
+        "spi": "Pipeline",
+        "steps": "Modify Poll Read Send Step Verify Wait write_whole writes",
+    }
 )
 
 #: Names that the facts of a device can import, by source module.
 FACTS: Mapping[str, tuple[str, ...]] = _runtime_modules(
-    facts="""AboveMax Access Alarm Alignment BissFacts ByteOrder CableLength Characteristic Clock Connector
+    {
+        "facts": """AboveMax Access Alarm Alignment BissFacts ByteOrder CableLength Characteristic Clock Connector
         ConnectorKind Contact ControlField Crc DataIdFacts Document Edition Erratum Exchange FieldFacts Input
         Led LedState LostFigure Manual MemoryAccess NamedValue Network Port PrintedTimeout Purpose Quantity
         Register RegisterMeaning Revision Rs485Facts Scale Severity SpiFacts SsiFacts Status Table Timeout
         TimeoutRule Timing""",
-    order_codes="OrderCode Part PartValue SpelledValue Spelling",
-    reports="Interface ReadOnly Report Reports Verdict",
+        "order_codes": "OrderCode Part PartValue SpelledValue Spelling",
+        "reports": "Interface ReadOnly Report Reports Verdict",
+    }
 )
 
 #: Names that the descriptions of frames can import, by source module.
 SHAPES: Mapping[str, tuple[str, ...]] = {
+    "codewheel_runtime.bulk.shape": tuple(
+        "Check Column CrcOf Fold Join Shape Speaks Tells Unused of_bits of_bytes".split()
+    ),
     "codewheel_runtime.codec": ("BitField",),
+    "codewheel_runtime.errors": ("ErrorKind",),
     "codewheel_runtime.reports": ("Verdict",),
-    "codewheel_runtime.shape": tuple("Check Column CrcOf Fold Join Shape Speaks Tells Unused of_bits of_bytes".split()),
-    "codewheel_runtime.table": ("ErrorKind",),
 }
 
 #: Modules of the package that do not belong to a device.

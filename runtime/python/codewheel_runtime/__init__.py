@@ -9,15 +9,7 @@ from __future__ import annotations
 
 from .codec import BitField, PositionRange
 from .encoder import Encoder, Frame, PositionFrame
-from .errors import (
-    ConstantError,
-    CrcError,
-    FamilyError,
-    FrameError,
-    InterfaceError,
-    LengthError,
-    RangeError,
-)
+from .errors import ConstantError, CrcError, FamilyError, FrameError, InterfaceError, LengthError, RangeError
 from .order_codes import OrderCodeError
 from .reports import Family, Interface, Movement, Report, Verdict
 from .running import Bus, Line, Reading, StepError, VerifyError, run

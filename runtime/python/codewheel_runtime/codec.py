@@ -3,16 +3,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from enum import Enum, IntEnum
 from functools import cache
 from operator import index
-from types import MappingProxyType
 from typing import Any, Final, NamedTuple, NoReturn, Protocol, SupportsIndex, TypeAlias, TypeVar, cast, get_args
 
-from .encoder import Encoder
-from .errors import FamilyError, FrameError, InterfaceError, LengthError, RangeError
-from .reports import Interface
+from .errors import FrameError, LengthError, RangeError
 
 #: A frame or register made of bytes: any buffer of single bytes, such as one row of an array.
 Data = bytes | bytearray | memoryview
@@ -91,54 +88,26 @@ class BitField(NamedTuple):
         return (index(number) & self.mask) >> self.low
 
 
-def shown(value: object) -> str:
+def shortened(value: object) -> str:
     """Return ``value`` as text for a message, shortened if it is long."""
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:60]}..."
 
 
-#: No procedures to suggest instead.
-_NONE: Final[Mapping[Interface, tuple[str, ...]]] = MappingProxyType({})
-
-
-def wrong_encoder(
-    found: object, kind: type[Encoder], interface: Interface, procedures: Mapping[Interface, tuple[str, ...]] = _NONE
-) -> Exception:
-    """Return the error for an encoder that belongs to another family or does not have the interface ``interface``."""
-    if isinstance(found, kind):
-        own = found.interface
-        instead = f". Procedures over {own.title}: {', '.join(procedures[own])}" if own in procedures else ""
-        return InterfaceError(found.code, own, interface, instead)
-    if isinstance(found, Encoder):
-        return FamilyError(found.code, found.family.name, kind.family.name)
-    return TypeError(f"expected an encoder, got {shown(found)}; lookup() returns one for an order code")
-
-
-def check_encoder(
-    found: object, kind: type[Encoder], interface: Interface, procedures: Mapping[Interface, tuple[str, ...]] = _NONE
-) -> None:
-    """Raise an error if the encoder belongs to another family or has another interface.
-
-    ``procedures`` lists the procedures for each interface. The message suggests them to callers of a procedure.
-    """
-    if not isinstance(found, kind) or found.interface is not interface:
-        raise wrong_encoder(found, kind, interface, procedures)
-
-
 def decided(kind: type[_Answer], answer: _Answer | None) -> _Answer:
     """Return the answer to a question that the manual leaves open. Raises TypeError unless it is a ``kind``."""
     if not isinstance(answer, kind):
-        answers = " or ".join(f"{kind.__name__}.{item.name}" for item in kind)
-        raise TypeError(f"expected {answers}, got {shown(answer)}: the manual leaves this open")
+        answers = " or ".join(f"{kind.__name__}.{member.name}" for member in kind)
+        raise TypeError(f"expected {answers}, got {shortened(answer)}: the manual leaves this open")
     return answer
 
 
 def check_kind(kind: object, kinds: object) -> None:
     """Raise TypeError unless ``kind`` is one of ``kinds``: a union of classes, or one class."""
-    known: tuple[type, ...] = get_args(kinds) or (cast(type, kinds),)
-    if kind not in known:
-        names = ", ".join(item.__name__ for item in known)
-        raise TypeError(f"{shown(kind)} is not a kind of frame that this encoder sends; it sends {names}")
+    sent_kinds: tuple[type, ...] = get_args(kinds) or (cast(type, kinds),)
+    if kind not in sent_kinds:
+        names = ", ".join(sent_kind.__name__ for sent_kind in sent_kinds)
+        raise TypeError(f"{shortened(kind)} is not a kind of frame that this encoder sends; it sends {names}")
 
 
 def whole_number(name: str, value: SupportsIndex) -> int:
@@ -148,7 +117,7 @@ def whole_number(name: str, value: SupportsIndex) -> int:
             return index(value)
         except TypeError:
             pass
-    raise TypeError(f"{name} must be an integer, got {shown(value)}")
+    raise TypeError(f"{name} must be an integer, got {shortened(value)}")
 
 
 def as_word(frame: Word, length: int, bits: int | None) -> int:
@@ -191,7 +160,7 @@ def as_bytes(data: Data) -> bytes:
         view = memoryview(data)
     except TypeError:
         wanted = "bytes.fromhex(text)" if isinstance(data, str) else "bytes or another buffer of bytes"
-        raise TypeError(f"expected bytes, got {shown(data)}: pass {wanted}") from None
+        raise TypeError(f"expected bytes, got {shortened(data)}: pass {wanted}") from None
     if view.ndim != 1 or view.itemsize != 1 or view.format[-1] not in "Bbc":
         shape = "items" if view.ndim == 1 else f"items in {view.ndim} dimensions"
         raise TypeError(f"expected a row of bytes, got a buffer of {shape} of the format '{view.format}': pass bytes")
@@ -249,7 +218,7 @@ def choice(kind: type[_Choice], field: str, value: SupportsIndex) -> _Choice:
     try:
         return kind(number)
     except ValueError:
-        raise RangeError(field, number, "one of " + ", ".join(str(int(item)) for item in kind)) from None
+        raise RangeError(field, number, "one of " + ", ".join(str(int(member)) for member in kind)) from None
 
 
 def text_number(field: str, text: str, length: int) -> int:
@@ -381,20 +350,20 @@ def crc_tables(
     ``crc`` computes the CRC over ``covered`` bits of the word. ``gap`` bits are between them and the ``width`` bits of
     the CRC, which are the last ones of the word.
     """
-    none = crc(0, covered)
+    zero_crc = crc(0, covered)
     changes = [*(1 << place for place in range(width)), *([0] * gap)]
-    changes += [crc(1 << place, covered) ^ none for place in range(covered)]
+    changes += [crc(1 << place, covered) ^ zero_crc for place in range(covered)]
     changes += [0] * (16 * count - len(changes))
     tables: list[Sequence[int]] = []
     for low in range(0, 16 * count, 16):
-        first = none if low == 0 else 0
+        first = zero_crc if low == 0 else 0
         table = [first]
         small = bytes(table) if width <= 8 else b""
         for change in changes[low : low + 16]:
             if small:
-                small += small.translate(bytes(item ^ change for item in range(256)))
+                small += small.translate(bytes(byte ^ change for byte in range(256)))
             else:
-                table += [item ^ change for item in table]
+                table += [difference ^ change for difference in table]
         tables.append(small or table)
     return tuple(tables)
 

@@ -259,8 +259,8 @@ def serial_transport(port: str, encoder: Encoder, *, rs485: bool = False) -> Ser
     Raises:
         PortError: The port cannot be opened, or pyserial is not installed.
     """
-    of = rs485_facts(encoder).port
-    return SerialTransport(port, of.baud, rs485=rs485, parity=of.parity, stop_bits=of.stop_bits)
+    port_facts = rs485_facts(encoder).port
+    return SerialTransport(port, port_facts.baud, rs485=rs485, parity=port_facts.parity, stop_bits=port_facts.stop_bits)
 
 
 class Ports:
@@ -303,8 +303,8 @@ def _cannot_open(port: str, error: Exception) -> str:
     number = getattr(error, "errno", None)
     reason = os.strerror(number) if number else str(error)
     try:
-        found: Any = import_module("serial.tools.list_ports").comports()
-        ports = ", ".join(item.device for item in found)
+        comports: Any = import_module("serial.tools.list_ports").comports()
+        ports = ", ".join(comport.device for comport in comports)
     except (ImportError, OSError):
         ports = ""
     return f"cannot open {port}: {reason}; ports here: {ports or 'none'}"

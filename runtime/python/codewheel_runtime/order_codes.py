@@ -92,6 +92,13 @@ class Spelling(NamedTuple):
     then: str = ""
     source: str = ""
 
+    def listed_text(self, part: str, text: str) -> str:
+        """Return the text of a part in the usual spelling."""
+        for spelled in self.values:
+            if spelled.part == part and spelled.text.upper() == text.upper():
+                return spelled.value
+        return text
+
 
 class Label(NamedTuple):
     """Label split into its parts.
@@ -150,87 +157,88 @@ class OrderCode(NamedTuple):
         for spelling in self.also_written:
             match = re.fullmatch(f"{self._expression_of(spelling)}{_AFTER}", text, re.IGNORECASE)
             if match is not None:
-                listed = {(item.part, item.text.upper()): item.value for item in spelling.values}
-                found = {
-                    part.name: listed.get((part.name, match[part.name].upper()), match[part.name])
-                    for part in self.parts
-                }
-                return self._label(text, match, found, codes)._replace(written_as_in=spelling.where)
+                texts = {part.name: spelling.listed_text(part.name, match[part.name]) for part in self.parts}
+                return self._label(text, match, texts, codes)._replace(written_as_in=spelling.where)
         raise self._error(text, family, codes)
 
     def _label(
-        self, text: str, match: re.Match[str], found: Mapping[str, str], codes: Mapping[str, tuple[str, ...]]
+        self, text: str, match: re.Match[str], texts: Mapping[str, str], codes: Mapping[str, tuple[str, ...]]
     ) -> Label:
-        """Return the label with the parts ``found``."""
-        known = {part.name: _listed(part, found[part.name]) for part in self.parts}
-        unlisted = tuple(name for name, value in known.items() if value is None)
-        shown = {name: found[name] if value is None else value for name, value in known.items()}
-        listed = self._fitting(known, codes)
+        """Return the label with these texts of its parts."""
+        listed_values = {part.name: _listed(part, texts[part.name]) for part in self.parts}
+        unlisted = tuple(name for name, value in listed_values.items() if value is None)
+        part_texts = {name: value or texts[name] for name, value in listed_values.items()}
+        listed = self._fitting(listed_values, codes)
         if listed is None:
-            raise self._clash(text, shown, known, codes)
-        code = _BRACES.sub(lambda brace: shown[brace[1]], self.pattern)
-        return Label(code, tuple(shown.values()), listed, unlisted, match["tail_"] or "", match["special_"] or "")
+            raise self._clash(text, part_texts, listed_values, codes)
+        return Label(
+            code=_BRACES.sub(lambda brace: part_texts[brace[1]], self.pattern),
+            parts=tuple(part_texts.values()),
+            listed=listed,
+            unlisted=unlisted,
+            tail=match["tail_"] or "",
+            special=match["special_"] or "",
+        )
 
-    def _fitting(self, known: Mapping[str, str | None], codes: Mapping[str, tuple[str, ...]]) -> tuple[str, ...] | None:
+    def _fitting(
+        self, listed_values: Mapping[str, str | None], codes: Mapping[str, tuple[str, ...]]
+    ) -> tuple[str, ...] | None:
         """Return the parts of the first listed code with these values. None represents an unlisted value."""
         names = [part.name for part in self.parts]
         for values in codes.values():
-            found = dict(zip(names, values, strict=False))
-            if any(value not in (None, found[name]) for name, value in known.items()):
+            values_by_part = dict(zip(names, values, strict=False))
+            if any(value not in (None, values_by_part[name]) for name, value in listed_values.items()):
                 continue
-            open_parts = [part for part in self.parts if known[part.name] is None]
-            if all(
-                known[other] is None or known[other] in allowed
-                for part in open_parts
-                for other, allowed in part.open_only_with.items()
-            ):
+            if all(_goes_with(part, listed_values) for part in self.parts if listed_values[part.name] is None):
                 return values
         return None
 
     def _clash(
         self,
         text: str,
-        shown: Mapping[str, str],
-        known: Mapping[str, str | None],
+        part_texts: Mapping[str, str],
+        listed_values: Mapping[str, str | None],
         codes: Mapping[str, tuple[str, ...]],
     ) -> OrderCodeError:
         """Return the error for valid parts that cannot be combined. It names the parts to change."""
-        names = [
-            part.name
-            for part in self.parts
-            if any(self._fitting({**known, part.name: value.text}, codes) for value in part.values)
-        ]
-        listed = " and ".join(f"{name} '{shown[name]}'" for name in names) or "its parts"
-        part = names[0] if names else ""
-        return OrderCodeError(text, part, f"has {listed}, which cannot be combined", nearest(codes, text))
+        names: list[str] = []
+        for part in self.parts:
+            replacements = ({**listed_values, part.name: value.text} for value in part.values)
+            if any(self._fitting(changed_values, codes) for changed_values in replacements):
+                names.append(part.name)
+        listed = " and ".join(f"{name} '{part_texts[name]}'" for name in names) or "its parts"
+        first_name = names[0] if names else ""
+        return OrderCodeError(text, first_name, f"has {listed}, which cannot be combined", nearest(codes, text))
 
     def _expression(self, any_for: str = "") -> str:
         """Return a regular expression for the whole code, with any text allowed for the part ``any_for``."""
-        expressions = {part.name: "[A-Z0-9]*" if part.name == any_for else _alternatives(part) for part in self.parts}
+        expressions = {part.name: _alternatives(part) for part in self.parts}
+        if any_for:
+            expressions[any_for] = "[A-Z0-9]*"
         return _joined(self.pattern, expressions)
 
     def _expression_of(self, spelling: Spelling) -> str:
         """Return a regular expression for the whole code in another spelling."""
         expressions = {part.name: _alternatives(part) for part in self.parts}
-        for name in {item.part for item in spelling.values}:
-            expressions[name] = _any_of(item.text for item in spelling.values if item.part == name)
+        for name in {spelled.part for spelled in spelling.values}:
+            expressions[name] = _any_of(spelled.text for spelled in spelling.values if spelled.part == name)
         then = f"(?:{spelling.then})" if spelling.then else ""
         return _joined(spelling.pattern, expressions) + then
 
     def _error(self, text: str, family: str, codes: Mapping[str, tuple[str, ...]]) -> OrderCodeError:
-        found: list[tuple[int, Part, str]] = []
+        candidates: list[tuple[int, Part, str]] = []
         for part in self.parts:
             match = re.fullmatch(f"{self._expression(part.name)}{_AFTER}", text, re.IGNORECASE)
             if match:
-                others = [other for other in self.parts if other is not part]
-                unlisted = sum(_listed(other, match[other.name]) is None for other in others)
-                found.append((unlisted, part, match[part.name]))
-        if found:
+                neighbours = [neighbour for neighbour in self.parts if neighbour is not part]
+                unlisted = sum(_listed(neighbour, match[neighbour.name]) is None for neighbour in neighbours)
+                candidates.append((unlisted, part, match[part.name]))
+        if candidates:
             # Blame the part whose removal leaves the fewest unlisted values, and among equals a missing part.
-            _, part, given = min(found, key=lambda item: (item[0], item[2] != ""))
-            wrong = f"has {part.name} '{given}'" if given else f"has no {part.name}"
+            _, part, part_text = min(candidates, key=lambda candidate: (candidate[0], candidate[2] != ""))
+            problem = f"has {part.name} '{part_text}'" if part_text else f"has no {part.name}"
             valid = ", ".join(value.text for value in part.values)
-            return OrderCodeError(text, part.name, f"{wrong}; valid values: {valid}", nearest(codes, text))
+            return OrderCodeError(text, part.name, f"{problem}; valid values: {valid}", nearest(codes, text))
         return OrderCodeError(text, "", f"is not an order code of {family}", nearest(codes, text))
 
 
@@ -261,6 +269,15 @@ def nearest(codes: Iterable[str], text: str) -> tuple[str, ...]:
     return tuple(sorted(codes, key=likeness, reverse=True)[:3])
 
 
+def _goes_with(part: Part, listed_values: Mapping[str, str | None]) -> bool:
+    """Return whether an unlisted value of a part can be combined with the values of the other parts."""
+    for name, allowed in part.open_only_with.items():
+        value = listed_values[name]
+        if value is not None and value not in allowed:
+            return False
+    return True
+
+
 def _listed(part: Part, text: str) -> str | None:
     return next((value.text for value in part.values if value.text.upper() == text.upper()), None)
 
@@ -275,10 +292,10 @@ def _any_of(texts: Iterable[str]) -> str:
 
 
 def _joined(pattern: str, expressions: Mapping[str, str]) -> str:
-    pieces = [
-        f"(?P<{piece}>{expressions[piece]})" if index % 2 else re.escape(_without_blanks(piece))
-        for index, piece in enumerate(_BRACES.split(pattern))
-    ]
+    pieces = _BRACES.split(pattern)
+    # Every second piece is the name of a part.
+    pieces[::2] = [re.escape(_without_blanks(text)) for text in pieces[::2]]
+    pieces[1::2] = [f"(?P<{name}>{expressions[name]})" for name in pieces[1::2]]
     return "".join(pieces)
 
 

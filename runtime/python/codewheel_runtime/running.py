@@ -92,12 +92,12 @@ class VerifyError(ValueError):
         self.register, self.address, self.written, self.found, self.mask = register, address, written, found, mask
 
     def __str__(self) -> str:
-        was, held = self.written.hex(" ").upper(), self.found.hex(" ").upper()
-        return f"register {self.register} at {self.address:02X}h holds {held}, but {was} was written"
+        found, written = self.found.hex(" ").upper(), self.written.hex(" ").upper()
+        return f"register {self.register} at {self.address:02X}h holds {found}, but {written} was written"
 
 
-class _Run:
-    """One run of a procedure, with the values to restore if it fails."""
+class _Procedure:
+    """Procedure that is carried out, with the values to restore if it fails."""
 
     def __init__(self, bus: object, poll_s: float, wait: Callable[[float], object]) -> None:
         self.bus, self.poll_s, self.wait = bus, poll_s, wait
@@ -106,6 +106,24 @@ class _Run:
         #: Last value of each byte, by its address, or by that of its register and its index there.
         self._stored: dict[tuple[int, int], int] = {}
         self._before: dict[int, tuple[str, bytes]] = {}
+
+    def carry_out(self, steps: Sequence[Step], progress: Callable[[int, int, Step], object] | None) -> None:
+        """Carry out steps. If one fails, the encoder is put back as far as possible."""
+        from logging import getLogger
+
+        logger, count = getLogger("codewheel_runtime"), len(steps)
+        for at, step in enumerate(steps):
+            logger.debug("step %d of %d: %r", at + 1, count, step)
+            try:
+                if progress is not None:
+                    progress(at, count, step)
+                self.do(step)
+            except BaseException as error:
+                left_open = self.restore(steps[at:])
+                logger.warning("step %d of %d failed: %r; left open: %s", at + 1, count, error, left_open or "nothing")
+                if not isinstance(error, Exception):
+                    raise
+                raise StepError(step, at, tuple(steps[:at]), left_open, str(error) or repr(error)) from error
 
     def do(self, step: Step) -> None:
         bus = cast(Bus, self.bus)
@@ -142,9 +160,9 @@ class _Run:
         written = bytes(byte for byte in last if byte is not None)
         if len(written) < step.length:
             raise ValueError(f"no earlier step wrote to {step.register}, so it cannot be verified")
-        found = self._read(step)
-        if (int.from_bytes(written, step.order) ^ int.from_bytes(found, step.order)) & step.mask:
-            raise VerifyError(step.register, step.address, written, found, step.mask)
+        data = self._read(step)
+        if (int.from_bytes(written, step.order) ^ int.from_bytes(data, step.order)) & step.mask:
+            raise VerifyError(step.register, step.address, written, data, step.mask)
 
     def _read(self, step: Read | Modify | Poll | Verify) -> bytes:
         data = bytes(cast(Bus, self.bus).read(step.address, step.length))
@@ -171,20 +189,20 @@ class _Run:
             self.wait(step.every_us / 1_000_000)
         line.drain()
 
-    def put_back(self, left: Sequence[Step]) -> tuple[str, ...]:
+    def restore(self, remaining: Sequence[Step]) -> tuple[str, ...]:
         """Close the registers that remaining steps would have closed, and restore the modified ones.
 
         Return the names of the registers for which this failed.
         """
         failed: list[str] = []
-        for step in left:
+        for step in remaining:
             if isinstance(step, Write) and step.closes and step.address in self._written:
-                failed += self._tried(step.register, step.address, step.data)
+                failed += self._try_to_write(step.register, step.address, step.data)
         for address, (register, data) in reversed(self._before.items()):
-            failed += self._tried(register, address, data)
+            failed += self._try_to_write(register, address, data)
         return tuple(failed)
 
-    def _tried(self, register: str, address: int, data: bytes) -> list[str]:
+    def _try_to_write(self, register: str, address: int, data: bytes) -> list[str]:
         try:
             cast(Bus, self.bus).write(address, data)
         except Exception:  # The original error is the one to report.
@@ -194,19 +212,19 @@ class _Run:
 
 def _check_reply(step: Send, reply: bytes) -> None:
     """Raise an error unless ``reply`` is a complete reply to the request of the step."""
-    shown = f"the reply to {step.request.hex(' ').upper()} is {reply.hex(' ').upper()}"
+    reply_text = f"the reply to {step.request.hex(' ').upper()} is {reply.hex(' ').upper()}"
     if not reply:
         raise TimeoutError(f"no reply to {step.request.hex(' ').upper()}")
     if len(reply) != step.reply:
-        raise ValueError(f"{shown}: expected {step.reply} bytes, got {len(reply)}")
+        raise ValueError(f"{reply_text}: expected {step.reply} bytes, got {len(reply)}")
     if reply[0] != step.request[0]:
-        raise ValueError(f"{shown}: it is the reply to another request")
+        raise ValueError(f"{reply_text}: it is the reply to another request")
     crc = 0
     for byte in reply[:-1]:
         crc ^= byte
     if step.is_xor and crc != reply[-1]:
         echo = ". Is it an echo of the request?" if reply.startswith(step.request * 2) else ""
-        raise ValueError(f"{shown}: expected CRC {crc:#04x}, got {reply[-1]:#04x}{echo}")
+        raise ValueError(f"{reply_text}: expected CRC {crc:#04x}, got {reply[-1]:#04x}{echo}")
 
 
 def run(
@@ -242,19 +260,6 @@ def run(
         StepError: A step failed. Its ``__cause__`` is the reason, a ``VerifyError`` if a register does not hold the
             value that was written.
     """
-    from logging import getLogger
-
-    logger, going = getLogger("codewheel_runtime"), _Run(bus, poll_s, wait)
-    for at, step in enumerate(steps):
-        logger.debug("step %d of %d: %r", at + 1, len(steps), step)
-        try:
-            if progress is not None:
-                progress(at, len(steps), step)
-            going.do(step)
-        except BaseException as error:
-            left_open = going.put_back(steps[at:])
-            logger.warning("step %d of %d failed: %r; left open: %s", at + 1, len(steps), error, left_open or "nothing")
-            if not isinstance(error, Exception):
-                raise
-            raise StepError(step, at, tuple(steps[:at]), left_open, str(error) or repr(error)) from error
-    return tuple(going.readings)
+    procedure = _Procedure(bus, poll_s, wait)
+    procedure.carry_out(steps, progress)
+    return tuple(procedure.readings)

@@ -8,7 +8,8 @@ from typing import Any, NamedTuple, Protocol
 
 from .codec import Word, as_word
 from .encoder import Encoder
-from .frames import ByEncoder, decoder, raised
+from .frames.base import ByEncoder
+from .frames.decoders import decoder, raised
 
 
 class Request(Protocol):
@@ -98,7 +99,7 @@ class Pipeline:
             RangeError: A value does not fit its field.
             RuntimeError: The word that was received with the previous request has not been taken.
         """
-        return self._asked(request, None)
+        return self._start_request(request, None)
 
     def read(self, register: type) -> int:
         """Return the word that reads a register. Its answer has the value in ``register``.
@@ -111,7 +112,7 @@ class Pipeline:
             RuntimeError: The word that was received with the previous request has not been taken.
         """
         address, _ = self._place_of(register)
-        return self._asked(self._reading(address), register)
+        return self._start_request(self._reading(address), register)
 
     def write(self, value: Value) -> Iterator[int]:
         """Yield the words that write a register. Exchange and take each one before the next.
@@ -126,7 +127,7 @@ class Pipeline:
         """
         address, _ = self._place_of(type(value))
         for request in self._writing(address, value.encode()):
-            yield self._asked(request, type(value))
+            yield self._start_request(request, type(value))
 
     def bus(self, exchange: Callable[[int], int]) -> RegisterBus:
         """Return a bus for ``run``, which carries out procedures.
@@ -178,29 +179,29 @@ class Pipeline:
         return request
 
     def _writing(self, address: int, data: bytes) -> Iterator[Request]:
-        given = {"address": address, "data": int.from_bytes(data, "big")}
+        values = {"address": address, "data": int.from_bytes(data, "big")}
         if not self._write:
             raise TypeError(f"{self._encoder.code} has no request that writes a register")
         for kind in self._write:
-            yield kind(**{name: given[name] for name in kind._fields if name in given})
+            yield kind(**{name: values[name] for name in kind._fields if name in values})
 
-    def _asked(self, request: Any, register: type | None) -> int:
+    def _start_request(self, request: Any, register: type | None) -> int:
         if type(request) not in self._replies:
-            known = ", ".join(kind.__name__ for kind in self._replies)
-            raise TypeError(f"{self._encoder.code} answers {known}, not {type(request).__name__}")
+            request_names = ", ".join(kind.__name__ for kind in self._replies)
+            raise TypeError(f"{self._encoder.code} answers {request_names}, not {type(request).__name__}")
         if self._sent is not None:
             raise RuntimeError("take the word that was received with the previous request first")
         word: int = request.encode()
-        bits: int = request.frame_bits(*request._given())
+        bits: int = request.frame_bits(*request._arguments())
         self._bits = bits
         self._sent = _Sent(request, register, bits)
         return word
 
     def _place_of(self, register: type) -> tuple[int, int]:
         if register not in self._registers:
-            known = ", ".join(kind.__name__ for kind in self._registers) or "none"
+            register_names = ", ".join(kind.__name__ for kind in self._registers) or "none"
             raise TypeError(
-                f"'{getattr(register, '__name__', register)}' is not a register over SPI; these are: {known}"
+                f"'{getattr(register, '__name__', register)}' is not a register over SPI; these are: {register_names}"
             )
         return self._registers[register]
 
@@ -243,4 +244,4 @@ class RegisterBus:
             self._sent(request)
 
     def _sent(self, request: Request) -> Any:
-        return self._line.take(self._exchange(self._line._asked(request, None)))
+        return self._line.take(self._exchange(self._line._start_request(request, None)))

@@ -58,11 +58,12 @@ from codewheel_runtime import (
 from codewheel_runtime.package import Package
 
 if TYPE_CHECKING:
-    from codewheel_runtime.any_biss import biss_layout
-    from codewheel_runtime.capture import Captures
+    from codewheel_runtime.bulk.table import Table
+    from codewheel_runtime.captures.any_biss import biss_layout
+    from codewheel_runtime.captures.capture import Captures
+    from codewheel_runtime.errors import ErrorKind
+    from codewheel_runtime.files.stream import Files
     from codewheel_runtime.link import Link, LinkError, Ports
-    from codewheel_runtime.stream import Files
-    from codewheel_runtime.table import ErrorKind, Table
 
     from . import _codes, biss, icmu
 
@@ -139,11 +140,11 @@ _FAMILIES: Final = ("icmu",)
 
 #: Names that are imported from a module of the runtime on first use.
 _LATE: Final = {
-    "ErrorKind": "table",
+    "ErrorKind": "errors",
     "Link": "link",
     "LinkError": "link",
-    "Table": "table",
-    "biss_layout": "any_biss",
+    "Table": "bulk.table",
+    "biss_layout": "captures.any_biss",
 }
 
 if not TYPE_CHECKING:
@@ -152,11 +153,11 @@ if not TYPE_CHECKING:
         if name == "FAMILIES":
             return tuple(import_module(f".{family}", __name__).FAMILY for family in _FAMILIES)
         if name in ("decode_file", "decode_partition"):
-            return getattr(import_module("codewheel_runtime.stream").Files(__name__), name)
+            return getattr(import_module("codewheel_runtime.files.stream").Files(__name__), name)
         if name == "open_encoder":
             return import_module("codewheel_runtime.link").Ports(_PACKAGE.lookup).open_encoder
         if name in ("decode_capture", "read_capture"):
-            return getattr(import_module("codewheel_runtime.capture").Captures(__name__), name)
+            return getattr(import_module("codewheel_runtime.captures.capture").Captures(__name__), name)
         if name in _LATE:
             return getattr(import_module(f"codewheel_runtime.{_LATE[name]}"), name)
         if name in __all__:

@@ -54,27 +54,15 @@ from codewheel_runtime.codec import (
     crc_tables,
     made,
     too_long,
-    wrong_encoder,
 )
-from codewheel_runtime.encoder import Encoder, Positioned, fact, looked_up
+from codewheel_runtime.encoder import Encoder, Positioned, fact, looked_up, wrong_encoder
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
-from codewheel_runtime.frames import (
-    BitsOf,
-    Failed,
-    FixedRegister,
-    Sent,
-    bound,
-    decode_many,
-    decoder,
-    encode_many,
-    raised,
-    reported,
-    returned,
-)
+from codewheel_runtime.frames.base import BitsOf, FixedRegister, Sent, decode_many, encode_many
+from codewheel_runtime.frames.decoders import Failed, bound, decoder, raised, reported, returned
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 
 if TYPE_CHECKING:
-    from codewheel_runtime.table import Table
+    from codewheel_runtime.bulk.table import Table
 
     from . import _codes
     from .facts.icmu import (

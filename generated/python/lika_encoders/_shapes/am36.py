@@ -10,9 +10,9 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
+from codewheel_runtime.bulk.shape import Column, CrcOf, Fold, Join, Shape, Speaks, Tells, Unused, of_bits
 from codewheel_runtime.codec import BitField
 from codewheel_runtime.reports import Verdict
-from codewheel_runtime.shape import Column, CrcOf, Fold, Join, Shape, Speaks, Tells, Unused, of_bits
 from ..am36 import (
     BissEncoder,
     Configuration,

@@ -8,10 +8,10 @@ from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Final
 
+from codewheel_runtime.bulk.shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, Unused, of_bits, of_bytes
 from codewheel_runtime.codec import BitField
+from codewheel_runtime.errors import ErrorKind
 from codewheel_runtime.reports import Verdict
-from codewheel_runtime.shape import Check, Column, CrcOf, Fold, Shape, Speaks, Tells, Unused, of_bits, of_bytes
-from codewheel_runtime.table import ErrorKind
 from ..sma21 import (
     AbsoluteResolution,
     BissEncoder,

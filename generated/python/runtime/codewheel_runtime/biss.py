@@ -112,8 +112,8 @@ def crc(value: int, bits: int) -> int:
         The CRC, 4 bits.
     """
     value, register = index(value), 0
-    for left in range(bits - 1, -1, -1):
-        out = (register >> 3 ^ value >> left) & 1
+    for place in range(bits - 1, -1, -1):
+        out = (register >> 3 ^ value >> place) & 1
         register = register << 1 & 0xF ^ out * 0x3
     return register ^ 0xF
 
@@ -210,15 +210,15 @@ class Request:
             raise ConstantError("CTS", 0, 1)
         if access not in (_READS, _WRITES):
             raise ConstantError("R W S", access >> 14, _READS >> 14)
-        rest = word & (0x3FFF if value is None else 0x3)
-        if rest:
-            raise ConstantError("the zeros at the end", rest, 0)
+        trailing_bits = word & (0x3FFF if value is None else 0x3)
+        if trailing_bits:
+            raise ConstantError("the zeros at the end", trailing_bits, 0)
         return cls(head >> 7 & 0x7, head & 0x7F, value)
 
     def bits(self) -> tuple[int, ...]:
         """Return the CDM bits of the whole access, one for each BiSS frame, for a slave that is never busy."""
         word = self.encode()
-        return (0,) * ZEROS + (1,) + tuple(word >> left & 1 for left in range(31, -1, -1))
+        return (0,) * ZEROS + (1,) + tuple(word >> place & 1 for place in range(31, -1, -1))
 
     def _echo(self, answers: int) -> Outcome:
         """Return the outcome of 18 answers, from IDL0 in bit 17 to W in bit 0. RUNNING if the slave participates."""
@@ -366,9 +366,9 @@ class Master:
     def _begin(self, slave_id: int, address: int, values: list[int | None], busy_limit: int) -> None:
         slave_id, address = whole_number("slave_id", slave_id), whole_number("address", address)
         head = Request(slave_id, address, values[0] if values else None).encode()
-        most = REGISTERS - (address & 0x3F)
-        if not 0 < len(values) <= most:
-            raise RangeError("the number of registers", len(values), f"1 to {most} from address {address:02X}h")
+        count_limit = REGISTERS - (address & 0x3F)
+        if not 0 < len(values) <= count_limit:
+            raise RangeError("the number of registers", len(values), f"1 to {count_limit} from address {address:02X}h")
         self.outcome = Outcome.RUNNING
         self.slaves = self.done = self._at = self._answers = 0
         self.data = b""
@@ -407,7 +407,7 @@ class Master:
         self._zeros = 0 if cdm else self._zeros + 1
         return cdm
 
-    def _ends(self, outcome: Outcome) -> int:
+    def _end(self, outcome: Outcome) -> int:
         self.outcome = outcome
         self._phase = _Phase.WAIT
         return 0
@@ -421,7 +421,7 @@ class Master:
         self.slaves = _slaves(self._answers >> 2)
         echo = self._requests[0]._echo(self._answers)
         if echo is not Outcome.RUNNING:
-            return self._ends(echo)
+            return self._end(echo)
         return self._register()
 
     def _register(self) -> int:
@@ -434,7 +434,7 @@ class Master:
         """Return the bit of step 4: S until it is answered, and then DATA7."""
         if not cds:
             if self._busy >= self._busy_limit:
-                return self._ends(Outcome.BUSY)
+                return self._end(Outcome.BUSY)
             self._busy += 1
             return 1
         self._phase = _Phase.BYTE
@@ -446,19 +446,19 @@ class Master:
     def _byte(self, cds: int) -> int:
         """Return the bits of steps 5 to 7: the rest of DATA and CRC, P, and S if a register follows."""
         if self._at == 12:
-            return self._ends(Outcome.REFUSED) if cds else self._register()
+            return self._end(Outcome.REFUSED) if cds else self._register()
         self._answers = self._answers << 1 | cds
         self._at += 1
         if self._at < 12:
             return self._sending >> 11 - self._at & 1
         outcome, value = self._requests[self.done]._data(self._answers)
         if outcome is not Outcome.DONE:
-            return self._ends(outcome)
+            return self._end(outcome)
         if value is not None:
             self.data += bytes([value])
         self.done += 1
         # The answer to the last P does not matter, because it concerns a register that was not requested.
-        return self._ends(outcome) if self.done == len(self._requests) else 0
+        return self._end(outcome) if self.done == len(self._requests) else 0
 
 
 class AccessError(RuntimeError):
@@ -557,7 +557,7 @@ class Slave:
         self._phase = _Phase.WAIT
         self._locked = False
         self._writes = False
-        self._given: int | None = None
+        self._byte_to_send: int | None = None
         self._current = 0
         self._zeros = 0
         self._at = 0
@@ -575,7 +575,7 @@ class Slave:
         bits = encode_byte(value)
         if self.wants is Wants.BYTE:
             self.wants = Wants.NOTHING
-            self._given = bits
+            self._byte_to_send = bits
 
     def stored(self) -> None:
         """Confirm that the value has been stored. This has no effect if nothing is to be stored."""
@@ -596,7 +596,7 @@ class Slave:
         cdm, upstream, ready = int(cdm & 1), int(upstream & 1), self._zeros >= ZEROS
         self._zeros = 0 if cdm else self._zeros + 1
         if self._zeros >= ZEROS:
-            return self._leaves(upstream)
+            return self._leave(upstream)
         if self._phase is _Phase.HEADER:
             return self._header(cdm, upstream)
         if self._phase is _Phase.START:
@@ -609,32 +609,32 @@ class Slave:
         self._at = self._received = 0
         self.slave_id = None
         self._locked = False
-        return self._lock(upstream)
+        return self._take_id(upstream)
 
-    def _may(self) -> bool:
+    def _is_allowed(self) -> bool:
         """Return whether the master is allowed this kind of access to the current register."""
         return self._current in (self.writable if self._writes else self.readable)
 
     def _fetch(self) -> None:
         """Request the byte from the current register, unless a previous write has not been stored yet."""
-        if not self._writes and self._given is None and self.wants is Wants.NOTHING:
+        if not self._writes and self._byte_to_send is None and self.wants is Wants.NOTHING:
             self.wants = Wants.BYTE
             self.address = self._current
 
-    def _leaves(self, cds: int) -> int:
+    def _leave(self, cds: int) -> int:
         """Leave the control frame, because the rest of it is not for this slave."""
         self._phase = _Phase.WAIT
         if self.wants is Wants.BYTE:
             self.wants = Wants.NOTHING
         return cds
 
-    def _awaits(self) -> None:
+    def _await_start(self) -> None:
         """Fetch the current register, after W or P, and wait for S."""
         self._phase = _Phase.START
-        self._given = None
+        self._byte_to_send = None
         self._fetch()
 
-    def _lock(self, upstream: int) -> int:
+    def _take_id(self, upstream: int) -> int:
         """Take the first IDL bit that no slave further from the master has taken."""
         if upstream or self._locked or self._at > IDS:
             return upstream
@@ -648,12 +648,12 @@ class Slave:
         self._received = self._received << 1 | cdm
         self._at += 1
         if self._at <= 15:
-            cds = self._lock(upstream)
+            cds = self._take_id(upstream)
             if self._at < 15:
                 return cds
             head, received = self._received >> 4, self._received & 0xF
             if not head >> 10 or received != crc(head, 11) or head >> 7 & 0x7 != self.slave_id:
-                return self._leaves(cds)
+                return self._leave(cds)
             self._current = head & 0x7F
             return cds
         if self._at == 16:
@@ -661,16 +661,16 @@ class Slave:
         self._writes = bool(cdm)
         if self._received >> 1 & 1 == cdm:
             # R W is neither 10 nor 01. It is echoed as received, to inform the master.
-            return self._leaves(cdm)
-        if not self._may():
-            return self._leaves(1 - cdm)
-        self._awaits()
+            return self._leave(cdm)
+        if not self._is_allowed():
+            return self._leave(1 - cdm)
+        self._await_start()
         return cdm
 
     def _start(self, cdm: int, upstream: int) -> int:
         """Return the result of step 4: S once every request is fulfilled."""
         if not cdm:
-            return self._leaves(upstream)
+            return self._leave(upstream)
         self._fetch()
         if self.wants is not Wants.NOTHING:
             return 0
@@ -685,18 +685,18 @@ class Slave:
         if self._at > 12:
             last = self._current & 0x3F == 0x3F
             self._current += not last
-            if cdm or last or not self._may():
-                return self._leaves(1)
-            self._awaits()
+            if cdm or last or not self._is_allowed():
+                return self._leave(1)
+            self._await_start()
             return 0
-        if self._given is not None:
-            return self._given >> 12 - self._at & 1
+        if self._byte_to_send is not None:
+            return self._byte_to_send >> 12 - self._at & 1
         if self._at == 12:
             try:
                 self.value = decode_byte(self._received)
             except CrcError:
                 # The byte has a CRC error and is not stored. The master notices by the echo.
-                return self._leaves(cdm)
+                return self._leave(cdm)
             self.wants = Wants.STORE
             self.address = self._current
         return cdm

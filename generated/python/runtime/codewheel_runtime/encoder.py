@@ -5,17 +5,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from importlib import import_module
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, NoReturn, Protocol, TypeVar, cast, runtime_checkable
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, NoReturn, Protocol, TypeVar, cast, runtime_checkable
 
+from .codec import PositionRange, shortened
+from .errors import FamilyError, FrameError, InterfaceError
 from .order_codes import OrderCode, checked
 from .reports import Family, Interface, Report, Verdict
 
 if TYPE_CHECKING:
-    from .codec import PositionRange
-    from .errors import FrameError
-    from .table import Table
+    from .bulk.table import Table
 
 _Same = TypeVar("_Same", bound="Encoder")
+#: Names of the procedures for each interface.
+_Procedures = Mapping[Interface, tuple[str, ...]]
+_NO_PROCEDURES: Final[_Procedures] = MappingProxyType({})
 
 
 class Frame(Protocol):
@@ -128,10 +132,9 @@ class Encoder:
         **parameters: int,
     ) -> None:
         if parameters.keys() != set(self._parameters):
-            wrong = sorted(parameters.keys() ^ set(self._parameters))
-            raise TypeError(
-                f"{type(self).__name__} takes {', '.join(self._parameters)}; missing or unknown: {', '.join(wrong)}"
-            )
+            expected = ", ".join(self._parameters)
+            unmatched = ", ".join(sorted(parameters.keys() ^ set(self._parameters)))
+            raise TypeError(f"{type(self).__name__} takes {expected}; missing or unknown: {unmatched}")
         self.__dict__.update(
             parameters,
             code=code,
@@ -230,9 +233,7 @@ class Encoder:
         """
         if not hasattr(kind, "usable_position"):
             raise TypeError(f"frames of the class {kind.__name__} have no position")
-        from .frames import any_shape
-
-        return self._range_in(any_shape(kind, self).frame)
+        return self._range_in(kind._frame_name(self))
 
     def _range_in(self, frame: str, /) -> PositionRange:
         """Return the range of the positions in a frame of this name."""
@@ -241,6 +242,12 @@ class Encoder:
     def _ranges(self) -> Mapping[str, PositionRange]:
         """Return the ranges of the positions by the names of frames, if they differ."""
         return {}
+
+    def _hint(self, frame: object) -> str:
+        """Return the common mistake that would explain an invalid frame, or an empty string."""
+        from .causes import hint
+
+        return hint(self, frame)
 
     def _key(self) -> tuple[object, ...]:
         """Return the key by which encoders are compared. Two labels may denote the same encoder."""
@@ -305,15 +312,49 @@ def looked_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
         return variants[text]
     codes = {code: variant.parts for code, variant in variants.items()}
     family = next(iter(variants.values())).family
-    found = cast(OrderCode, fact(module, "ORDER_CODE")).read(text, family.name.upper(), codes)
-    variant = next(item for item in variants.values() if item.parts == found.listed)
-    if not (found.unlisted or found.tail or found.special or found.written_as_in):
+    parsed_label = cast(OrderCode, fact(module, "ORDER_CODE")).read(text, family.name.upper(), codes)
+    variant = next(listed for listed in variants.values() if listed.parts == parsed_label.listed)
+    if not (parsed_label.unlisted or parsed_label.tail or parsed_label.special or parsed_label.written_as_in):
         return variant
     return variant._replaced(
-        code=found.code,
-        parts=found.parts,
-        unlisted=found.unlisted,
-        tail=found.tail,
-        special_code=found.special,
-        written_as_in=found.written_as_in,
+        code=parsed_label.code,
+        parts=parsed_label.parts,
+        unlisted=parsed_label.unlisted,
+        tail=parsed_label.tail,
+        special_code=parsed_label.special,
+        written_as_in=parsed_label.written_as_in,
     )
+
+
+def wrong_encoder(
+    variant: object,
+    kind: type[Encoder],
+    interface: Interface,
+    procedures: _Procedures = _NO_PROCEDURES,
+) -> Exception:
+    """Return the error for an encoder that belongs to another family or does not have the interface ``interface``."""
+    if isinstance(variant, kind):
+        variant_interface = variant.interface
+        instead = (
+            f". Procedures over {variant_interface.title}: {', '.join(procedures[variant_interface])}"
+            if variant_interface in procedures
+            else ""
+        )
+        return InterfaceError(variant.code, variant_interface, interface, instead)
+    if isinstance(variant, Encoder):
+        return FamilyError(variant.code, variant.family.name, kind.family.name)
+    return TypeError(f"expected an encoder, got {shortened(variant)}; lookup() returns one for an order code")
+
+
+def check_encoder(
+    variant: object,
+    kind: type[Encoder],
+    interface: Interface,
+    procedures: _Procedures = _NO_PROCEDURES,
+) -> None:
+    """Raise an error if the encoder belongs to another family or has another interface.
+
+    ``procedures`` lists the procedures for each interface. The message suggests them to callers of a procedure.
+    """
+    if not isinstance(variant, kind) or variant.interface is not interface:
+        raise wrong_encoder(variant, kind, interface, procedures)

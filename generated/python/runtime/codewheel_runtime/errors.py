@@ -1,14 +1,45 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Errors of all encoders. Each is a ``ValueError``, and errors of frames are a ``FrameError``."""
+"""Errors of encoders and files. Each is a ``ValueError``, and errors of frames are a ``FrameError``."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from enum import IntEnum
+from typing import Any, ClassVar, Protocol
 
-from .reports import Interface
+from .reports import Family, Interface
 
-if TYPE_CHECKING:
-    from .encoder import Encoder
+
+class ErrorKind(IntEnum):
+    """Frame errors, in the order in which ``decode`` checks for them."""
+
+    NONE = 0
+    LENGTH = 1
+    CRC = 2
+    CONSTANT = 3
+    RANGE = 4
+
+
+class Sender(Protocol):
+    """Encoder that sent a frame, for the error of that frame. See ``codewheel_runtime.Encoder``.
+
+    Attributes:
+        family: Family of the encoder.
+        interface: Interface of the encoder.
+    """
+
+    family: ClassVar[Family]
+    interface: ClassVar[Interface]
+
+    @property
+    def code(self) -> str:
+        """Order code, without any text that follows it on the label."""
+        ...
+
+    def decode(self, frame: Any) -> object:
+        """Decode a frame that the encoder sent."""
+        ...
+
+    def _hint(self, frame: object) -> str: ...
 
 
 class FrameError(ValueError):
@@ -22,11 +53,11 @@ class FrameError(ValueError):
     """
 
     frame: object = None
-    encoder: Encoder | None = None
+    encoder: Sender | None = None
     order_code: str = ""
     usable_position: None = None
 
-    def add(self, frame: object, encoder: Encoder) -> None:
+    def add(self, frame: object, encoder: Sender) -> None:
         """Record the frame and the encoder."""
         self.frame, self.encoder, self.order_code = frame, encoder, encoder.code
 
@@ -45,11 +76,7 @@ class FrameError(ValueError):
 
         Computed on access.
         """
-        if self.encoder is None:
-            return ""
-        from .causes import hint
-
-        return hint(self.encoder, self.frame)
+        return "" if self.encoder is None else self.encoder._hint(self.frame)
 
 
 class LengthError(FrameError):
@@ -62,7 +89,8 @@ class LengthError(FrameError):
         self.unit = unit
 
     def __str__(self) -> str:
-        return f"expected {self.expected} {self.unit if self.expected != 1 else self.unit[:-1]}, got {self.found}"
+        unit = self.unit if self.expected != 1 else self.unit[:-1]
+        return f"expected {self.expected} {unit}, got {self.found}"
 
 
 class CrcError(FrameError):
@@ -128,3 +156,24 @@ class InterfaceError(ValueError):
 
     def __str__(self) -> str:
         return f"{self.code} has the interface {self.found.title}, but this needs {self.expected.title}{self.instead}"
+
+
+class InputError(ValueError):
+    """A file does not contain the expected frames.
+
+    Attributes:
+        file: Name of the file.
+        place: Offset, line, row or column.
+        message: What is wrong.
+    """
+
+    def __init__(self, file: str, place: str, message: str) -> None:
+        super().__init__(file, place, message)
+        self.file, self.place, self.message = file, place, message
+
+    def __str__(self) -> str:
+        return f"{self.file}{', ' if self.place else ''}{self.place}: {self.message}"
+
+
+class UsageError(ValueError):
+    """The arguments are wrong, regardless of the contents of the file."""

@@ -161,9 +161,9 @@ class Scale(NamedTuple):
     @property
     def places(self) -> int:
         """Number of decimals: as many as exact decimals need, otherwise enough for a tenth of a count."""
-        rest = self.denominator // gcd(self.numerator, self.offset, self.denominator)
-        for places in range(rest.bit_length()):
-            if 10**places % rest == 0:
+        reduced = self.denominator // gcd(self.numerator, self.offset, self.denominator)
+        for places in range(reduced.bit_length()):
+            if 10**places % reduced == 0:
                 return places
         places = 0
         while 10**places * self.numerator < 10 * self.denominator:
@@ -174,10 +174,10 @@ class Scale(NamedTuple):
         """Return the quantity for a number with ``places`` decimals. It is rounded if the exact decimals never end."""
         from decimal import Decimal
 
-        found = number * self.numerator + self.offset
-        size = (2 * abs(found) * 10**self.places + self.denominator) // (2 * self.denominator)
+        counts = number * self.numerator + self.offset
+        size = (2 * abs(counts) * 10**self.places + self.denominator) // (2 * self.denominator)
         # Arithmetic with decimals would round to the precision of the context.
-        return Decimal(f"{'-' if found < 0 and size else ''}{size}E-{self.places}")
+        return Decimal(f"{'-' if counts < 0 and size else ''}{size}E-{self.places}")
 
 
 class FieldFacts(NamedTuple):
@@ -346,7 +346,7 @@ class Timeout(NamedTuple):
         if self.half_clock_periods is not None:
             return self.half_clock_periods * 500_000_000 / clock_hz
         if self.rule is TimeoutRule.FOLLOWS_CLOCK:
-            return next((item.timeout_ns for item in self.printed if item.clock_hz == clock_hz), None)
+            return next((timeout.timeout_ns for timeout in self.printed if timeout.clock_hz == clock_hz), None)
         return self.typical_ns if self.typical_ns is not None else self.at_most_ns
 
 

@@ -32,18 +32,18 @@ class Package(NamedTuple):
         text = checked(label)
         families = [family for family, special in self.specials if text.upper().endswith(f"/{special}")]
         families += [family for family, beginnings in self.beginnings.items() if text.startswith(beginnings)]
-        found: Encoder | None = None
+        best: Encoder | None = None
         for family in families:
             try:
-                here: Encoder = self._module(family).lookup(text)
+                encoder: Encoder = self._module(family).lookup(text)
             except OrderCodeError:
                 continue  # Several families can have special models of that name, or codes with that prefix.
             # What is a tail after the code of one family can be a part of the code of another one.
-            if found is None or len(here.tail) < len(found.tail):
-                found = here
-            if not found.tail:
-                return found
-        return found if found is not None else self._refuse(text)
+            if best is None or len(encoder.tail) < len(best.tail):
+                best = encoder
+            if not best.tail:
+                return best
+        return best if best is not None else self._refuse(text)
 
     def identify(self, read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
         """Return the order codes of all families that match registers. See ``identify`` of the package."""

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import Any, Literal, NamedTuple, Protocol, SupportsIndex
 
-from .codec import Data, as_bytes, check_limits, check_width, shown, whole_number
+from .codec import Data, as_bytes, check_limits, check_width, shortened, whole_number
 from .encoder import Encoder
 from .errors import FrameError, LengthError, RangeError
 from .reports import Interface
@@ -28,7 +28,7 @@ def whole(
         return value.encode()
     if not isinstance(value, SupportsIndex):
         name = f"{kind.__module__}.{kind.__qualname__}"
-        raise TypeError(f"{register} must be an integer or an object of {name}, got {shown(value)}")
+        raise TypeError(f"{register} must be an integer or an object of {name}, got {shortened(value)}")
     return check_width(register, value, 8 * length).to_bytes(length, order)
 
 
@@ -59,13 +59,13 @@ class Held(NamedTuple):
         Raises:
             RangeError: The register holds a code that is not allowed.
         """
-        held = int.from_bytes(data, self.order) >> self.low & ((1 << self.width) - 1)
+        bits = int.from_bytes(data, self.order) >> self.low & ((1 << self.width) - 1)
         if not self.codes:
-            return held or self.zero_means
+            return bits or self.zero_means
         codes = dict(self.codes)
-        if held not in codes:
-            raise RangeError(f"code for {self.parameter}", held, ", ".join(map(str, codes)))
-        return codes[held]
+        if bits not in codes:
+            raise RangeError(f"code for {self.parameter}", bits, ", ".join(map(str, codes)))
+        return codes[bits]
 
     def bytes_with(self, value: int) -> bytes:
         """Return the bytes of the register with this parameter and factory defaults for the rest."""
@@ -78,35 +78,45 @@ class Held(NamedTuple):
         return (number | bits << self.low).to_bytes(len(self.default), self.order)
 
 
-def held_parameters(items: tuple[Held, ...], held: Mapping[int, int], variant: Encoder) -> dict[str, int]:
+def held_parameters(
+    parameters: tuple[Held, ...], register_bytes: Mapping[int, int], variant: Encoder
+) -> dict[str, int]:
     """Return the parameters for bytes keyed by address. Missing bytes are taken from ``variant``."""
-    found: dict[str, int] = {}
-    known: set[int] = set()
-    here = [item for item in items if item.interface is variant.interface]
-    for item in here:
-        places = range(item.address, item.address + len(item.default))
-        if not any(place in held for place in places):
+    values: dict[str, int] = {}
+    known_addresses: set[int] = set()
+    own_parameters = _over_interface(parameters, variant)
+    for parameter in own_parameters:
+        name = parameter.parameter
+        addresses = range(parameter.address, parameter.address + len(parameter.default))
+        if not any(address in register_bytes for address in addresses):
             continue
-        known.update(places)
-        old = item.bytes_with(getattr(variant, item.parameter))
-        data = bytes(
-            check_width(f"register 0x{place:02X}", held[place], 8) if place in held else byte
-            for place, byte in zip(places, old, strict=True)
-        )
-        found[item.parameter] = check_limits(item.parameter, item.value_in(data), (item.min, item.max))
-    unknown = sorted(held.keys() - known)
+        known_addresses.update(addresses)
+        data = bytearray(parameter.bytes_with(getattr(variant, name)))
+        for index, address in enumerate(addresses):
+            if address in register_bytes:
+                data[index] = check_width(f"register 0x{address:02X}", register_bytes[address], 8)
+        values[name] = check_limits(name, parameter.value_in(bytes(data)), (parameter.min, parameter.max))
+    unknown = sorted(register_bytes.keys() - known_addresses)
     if unknown:
-        listed = ", ".join(f"0x{address:02X}" for address in sorted({item.address for item in here})) or "none"
+        own_addresses = sorted({parameter.address for parameter in own_parameters})
+        listed = ", ".join(f"0x{address:02X}" for address in own_addresses) or "none"
         raise ValueError(f"register 0x{unknown[0]:02X} does not affect decoding; registers that do: {listed}")
-    return found
+    return values
 
 
-def held_text(items: tuple[Held, ...], variant: Encoder) -> str:
+def _over_interface(parameters: tuple[Held, ...], variant: Encoder) -> list[Held]:
+    """Return the parameters that apply to the interface of an encoder."""
+    return [parameter for parameter in parameters if parameter.interface is variant.interface]
+
+
+def held_text(parameters: tuple[Held, ...], variant: Encoder) -> str:
     """Return the parameters that differ from the factory default, as text. Without a default, they are always shown."""
-    here = [item for item in items if item.interface is variant.interface]
-    values = [(item, getattr(variant, item.parameter)) for item in here]
-    shown = ((item, value) for item, value in values if item.by_order_code or value != item.value_in(item.default))
-    return "".join(f" {item.parameter}={value}" for item, value in shown)
+    texts: list[str] = []
+    for parameter in _over_interface(parameters, variant):
+        value = getattr(variant, parameter.parameter)
+        if parameter.by_order_code or value != parameter.value_in(parameter.default):
+            texts.append(f" {parameter.parameter}={value}")
+    return "".join(texts)
 
 
 class Located(Protocol):
@@ -125,11 +135,11 @@ class Located(Protocol):
 
 def held_bytes(read: Mapping[int, int] | Mapping[str, Data], registers: Mapping[str, Located]) -> dict[int, int]:
     """Return ``read`` as bytes keyed by address. It may also contain whole registers keyed by name."""
-    held: dict[int, int] = {}
+    bytes_by_address: dict[int, int] = {}
     value: Any
     for key, value in read.items():
         if not isinstance(key, str):
-            held[whole_number("an address", key)] = check_width(f"the byte at {key!r}", value, 8)
+            bytes_by_address[whole_number("an address", key)] = check_width(f"the byte at {key!r}", value, 8)
             continue
         register = registers.get(key)
         if register is None:
@@ -137,14 +147,14 @@ def held_bytes(read: Mapping[int, int] | Mapping[str, Data], registers: Mapping[
         data = as_bytes(value)
         if len(data) != register.length:
             raise LengthError(register.length, len(data))
-        held.update(zip(range(register.address, register.address + register.length), data, strict=True))
-    return held
+        bytes_by_address.update(zip(range(register.address, register.address + register.length), data, strict=True))
+    return bytes_by_address
 
 
-def agrees(held: Mapping[int, int], address: int, length: int, expected: Callable[[bytes], bool]) -> bool:
+def agrees(register_bytes: Mapping[int, int], address: int, length: int, expected: Callable[[bytes], bool]) -> bool:
     """Return whether a register has the expected value. True if it was not read completely."""
-    found = [held[place] for place in range(address, address + length) if place in held]
+    data = [register_bytes[place] for place in range(address, address + length) if place in register_bytes]
     try:
-        return len(found) < length or expected(bytes(found))
+        return len(data) < length or expected(bytes(data))
     except FrameError:
         return False

@@ -111,7 +111,7 @@ class Reports(Mapping[str, Report]):
 
     @cached_property
     def _items(self) -> dict[str, Report]:
-        return {item.name: item for item in self._make()}
+        return {report.name: report for report in self._make()}
 
     def __getitem__(self, key: str) -> Report:
         return self._items[key]

@@ -30,8 +30,8 @@ def require(package: str, needed: str) -> str:
     Raises:
         ImportError: The runtime has another major version, or is older.
     """
-    found, lowest = _numbers(__version__), _numbers(needed)
-    if found[0] != lowest[0] or found < lowest:
+    installed, lowest = _numbers(__version__), _numbers(needed)
+    if installed[0] != lowest[0] or installed < lowest:
         message = f"{package} needs codewheel-runtime {needed} or a later {lowest[0]}.x, but {__version__} is installed"
         raise ImportError(message, name="codewheel_runtime")
     return __version__

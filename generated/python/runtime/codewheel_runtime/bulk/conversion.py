@@ -1,0 +1,87 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Converts columns of decoded frames for Arrow and pandas."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from importlib import import_module
+from typing import Any, Final, Protocol
+
+from ..errors import ErrorKind
+from ..facts import Scale
+from ..reports import Verdict
+
+#: Words that replace the numbers of a column, because readers of a file may not have this package.
+WORDS: Final[Mapping[str, tuple[str, ...]]] = {
+    "fault": tuple(kind.name.lower() for kind in ErrorKind),
+    "verdict": tuple(verdict.value for verdict in Verdict),
+}
+#: Number of digits of quantities in Arrow, which is enough for every scale.
+_DIGITS: Final = 38
+
+
+class Columns(Protocol):
+    """Columns of decoded frames, such as a table."""
+
+    def __getitem__(self, name: str, /) -> Any: ...
+
+    def hidden(self, name: str) -> Any:
+        """Return a mask of the rows in which a column has no meaning, or None if it always has one."""
+        ...
+
+    def scale(self, name: str) -> Scale | None:
+        """Return the scale of a column of quantities, or None for other columns."""
+        ...
+
+
+def none_where(hidden: Iterable[bool], cells: Iterable[Any]) -> list[Any]:
+    """Return the cells of a column, with None for those that are hidden."""
+    return [None if is_hidden else cell for cell, is_hidden in zip(cells, hidden, strict=True)]
+
+
+def texts_of(column: Any) -> list[str]:
+    """Return the cells of a column of byte strings as text."""
+    return [cell.decode("latin-1") for cell in column.tolist()]
+
+
+def arrow_columns(table: Columns, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
+    """Return columns as Arrow arrays, ``fault`` and ``verdict`` as strings. Positions can be null unless ``raw``."""
+    pa: Any = import_module("pyarrow")
+    arrays: dict[str, Any] = {}
+    for name in names:
+        column, hidden = table[name], None if raw else table.hidden(name)
+        if name in WORDS:
+            arrays[name] = pa.DictionaryArray.from_arrays(pa.array(column.view("i1")), pa.array(WORDS[name]))
+        elif (scale := table.scale(name)) is not None:
+            arrays[name] = pa.array(column, pa.decimal128(_DIGITS, scale.places), mask=hidden)
+        else:
+            arrays[name] = _arrow_array(pa, column, hidden)
+    return arrays
+
+
+def _arrow_array(pa: Any, column: Any, hidden: Any) -> Any:
+    """Return a column as an Arrow array. Values at ``hidden``, and NaN, become null."""
+    kind = getattr(column, "dtype", None)
+    if getattr(kind, "kind", "") == "S":
+        return pa.array(texts_of(column), pa.string())
+    return pa.array(column, mask=hidden, from_pandas=True) if hasattr(kind, "kind") else pa.array(column)
+
+
+def pandas_columns(table: Columns, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
+    """Return columns for pandas, with ``fault`` and ``verdict`` as categories. Positions can be null unless ``raw``."""
+    pd: Any = import_module("pandas")
+    columns: dict[str, Any] = {}
+    for name in names:
+        column, hidden = table[name], None if raw else table.hidden(name)
+        if name in WORDS:
+            columns[name] = pd.Categorical.from_codes(column.view("i1"), WORDS[name])
+        elif table.scale(name) is not None:
+            cells = column.tolist()
+            columns[name] = cells if hidden is None else none_where(hidden, cells)
+        elif hidden is not None:
+            is_flag = column.dtype == bool
+            columns[name] = (pd.arrays.BooleanArray if is_flag else pd.arrays.IntegerArray)(column, hidden)
+        else:
+            is_text = getattr(getattr(column, "dtype", None), "kind", "") == "S"
+            columns[name] = texts_of(column) if is_text else column
+    return columns

@@ -1,0 +1,314 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Decodes many frames into NumPy arrays. Loaded only by ``decode_many`` and ``encode_many``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import reduce
+from typing import Any, Final, cast
+
+from ..codec import as_bytes, assert_never, whole_number
+from ..errors import ErrorKind
+from ..reports import Verdict
+from .chunk import Chunk, crc_difference, limbs_of, np, parity_bits, within
+from .shape import (
+    Check,
+    Column,
+    Shape,
+    column_types,
+    late_fields,
+    measured,
+    quick_checks,
+    scales,
+    smallest_type,
+    unused_bits,
+    unused_groups,
+    width_of,
+)
+from .table import FrameSource, Table, all_match
+from .words import of_floats
+
+#: Number of frames decoded at once: small enough for the cache, large enough to keep the overhead of calls low.
+CHUNK: Final = 32_768
+
+
+def decode_many(frames: object, shape: Shape, encoder: FrameSource | None) -> Table:
+    """Decode ``frames`` into columns. For the arguments, see ``decode_many`` of the frame's class."""
+    if _is_arrow(frames):
+        from .arrow import of_column
+
+        frames = of_column(frames, shape)
+    source, wrong_rows = rows_of(frames, shape.length) if shape.length else _words_of(frames, shape.bits)
+    count = len(source)
+    out = _columns(count, {**column_types(shape), "fault": "u1"})
+    fault = out.pop("fault")
+    fault[:] = 0
+    for start in range(0, count, CHUNK):
+        rows = slice(start, start + CHUNK)
+        _decode(source[rows], shape, {name: column[rows] for name, column in out.items()}, fault[rows])
+    if len(wrong_rows):
+        fault[wrong_rows] = ErrorKind.LENGTH
+    verdicts = out.pop("verdict", None)
+    if verdicts is not None and len(wrong_rows):
+        verdicts[wrong_rows] = 0
+    parts = {name: (join.name, low, width) for join in shape.joins for name, low, width in late_fields(shape, join)}
+    return Table(
+        encoder=encoder,
+        columns=out,
+        fault=fault,
+        verdict=verdicts,
+        position=shape.position,
+        parts=parts,
+        tells=shape.tells,
+        measured=measured(shape),
+        scales=scales(shape),
+        frame=shape.frame,
+    )
+
+
+def _is_arrow(frames: object) -> bool:
+    """Return whether frames are a column from Arrow, polars, or another library with Arrow's C interface."""
+    return hasattr(frames, "__arrow_c_stream__") or hasattr(frames, "__arrow_c_array__")
+
+
+def _columns(count: int, wanted: Mapping[str, str]) -> dict[str, Any]:
+    """Return columns in one block of memory. The system uses larger pages for it than for many small blocks."""
+    size = {name: np.dtype(kind).itemsize for name, kind in wanted.items()}
+    space = np.empty(count * sum(size.values()), np.uint8)
+    columns, start = {}, 0
+    for name in sorted(wanted, key=lambda name: -size[name]):
+        end = start + count * size[name]
+        columns[name], start = space[start:end].view(wanted[name]), end
+    return {name: columns[name] for name in wanted}
+
+
+def rows_of(frames: Any, length: int) -> tuple[Any, Any]:
+    """Return frames as rows of bytes, and the indices of those with the wrong length."""
+    if isinstance(frames, (list, tuple)):
+        rows = [b"" if _is_missing(frame) else as_bytes(frame) for frame in cast(Iterable[Any], frames)]
+        wrong_rows = [index for index, row in enumerate(rows) if len(row) != length]
+        for index in wrong_rows:
+            rows[index] = bytes(length)
+        return np.frombuffer(b"".join(rows), np.uint8).reshape(-1, length), np.array(wrong_rows, np.intp)
+    if isinstance(frames, np.ndarray) and frames.dtype.kind == "O":
+        return rows_of(frames.tolist(), length)
+    array: Any = np.frombuffer(frames, np.uint8) if isinstance(frames, (bytes, bytearray, memoryview)) else frames
+    if not isinstance(array, np.ndarray) or array.dtype != np.uint8:
+        raise TypeError(f"frames must be rows of {length} bytes, got {type(array).__name__} of other items")
+    if array.ndim == 1 and len(array) % length == 0:
+        array = array.reshape(-1, length)
+    if array.ndim != 2 or array.shape[1] != length:
+        raise ValueError(f"expected complete frames of {length} bytes, got an array of the shape {array.shape}")
+    return array, ()
+
+
+def _words_of(frames: Any, bits: int) -> tuple[Any, Any]:
+    """Return frames as 64-bit numbers, and the indices of those that are longer or missing."""
+    if isinstance(frames, (bytes, bytearray, memoryview)):
+        data = cast(Any, frames)
+        if len(data) % 8:
+            raise ValueError(f"expected eight bytes per frame, got {len(data)} bytes")
+        return np.frombuffer(frames, "<u8").astype(np.uint64, copy=False), ()
+    if isinstance(frames, np.ndarray) and frames.dtype.kind != "O":
+        if frames.dtype.kind == "f" and frames.ndim == 1:
+            frames = of_floats(frames, bits)
+        if frames.dtype.kind not in "ui" or frames.ndim != 1:
+            raise TypeError(f"frames must be integers in one dimension, got an array of {frames.dtype} {frames.shape}")
+        if isinstance(frames, np.ma.MaskedArray):
+            return frames.filled(0).astype(np.uint64, copy=False), np.flatnonzero(np.ma.getmaskarray(frames))
+        return frames.astype(np.uint64, copy=False), ()
+    if not isinstance(frames, Iterable) or isinstance(frames, str):
+        raise TypeError(f"frames must be numbers or packed bytes, got {type(frames).__name__}")
+    words: list[int] = []
+    for row, frame in enumerate(cast(list[Any], frames), 1):
+        # A missing frame is replaced by -1, because both have a length error.
+        words.append(-1 if _is_missing(frame) else whole_number(f"the frame in row {row}", frame))
+    wrong_rows = [index for index, word in enumerate(words) if not 0 <= word < 1 << 64]
+    for index in wrong_rows:
+        words[index] = 0
+    return np.array(words, np.uint64), np.array(wrong_rows, np.intp)
+
+
+def _is_missing(frame: object) -> bool:
+    """Return True if the frame is None, NaN or ``pandas.NA``."""
+    if type(frame) is int or type(frame) is bytes:
+        return False
+    return frame is None or type(frame).__name__ == "NAType" or (isinstance(frame, float) and frame != frame)
+
+
+def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
+    """Decode some frames into columns. Frames that fail the quick checks are examined for their errors."""
+    limbs, bits, doubts = limbs_of(source, shape) if shape.length else [source], shape.bits, []
+    if not shape.length and bits < 64 and int(source.max()) >> bits:
+        doubts = [source >> np.uint64(bits)]
+        limbs = [source & np.uint64((1 << bits) - 1)]
+    chunk = Chunk(limbs, bits)
+    if shape.crc is not None:
+        doubts.append(crc_difference(chunk, shape.crc))
+    if shape.gray is not None:
+        chunk.ungray(*shape.gray)
+    doubts += _doubts(chunk, shape)
+    doubtful = [doubt for doubt in doubts if doubt.any()]
+    _write(chunk, shape, out)
+    if shape.otherwise is not None:
+        _judge(shape, out)
+    if doubtful:
+        where = np.flatnonzero(reduce(np.logical_or, doubtful))
+        _write_faults(source.take(where, 0), [limb.take(where) for limb in limbs], where, shape, out, fault)
+
+
+def _write_faults(source: Any, limbs: list[Any], where: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
+    """Write the errors of the frames with the indexes ``where``. A frame with an error has no usable position."""
+    fault[where] = _faults(source, limbs, shape)
+    if shape.otherwise is not None:
+        verdicts: Any = out["verdict"]
+        verdicts *= fault == 0
+
+
+def _doubts(chunk: Chunk, shape: Shape) -> list[Any]:
+    """Return arrays that are nonzero for frames that fail a check other than the CRC."""
+    checks = quick_checks(shape)
+    doubts: list[Any] = []
+    for limb, (mask, value) in zip(chunk.limbs, checks.fixed, strict=False):
+        if mask:
+            doubts.append(limb & np.uint64(mask) ^ np.uint64(value))
+    for place, values in checks.bytes:
+        byte = chunk.byte(place)
+        doubts.append(~reduce(np.logical_or, (byte == np.uint8(value) for value in values)))
+    return [*doubts, *(~_holds(chunk, check) for check in checks.remaining)]
+
+
+def _faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
+    """Return the error of each frame. If there are several, it is the one that ``decode`` checks first."""
+    chunk = Chunk(limbs, shape.bits)
+    errors = [(ErrorKind.CRC, crc_difference(chunk, shape.crc) != 0)] if shape.crc is not None else []
+    if shape.gray is not None:
+        chunk.ungray(*shape.gray)
+    errors += [(check.fault, np.logical_not(_holds(chunk, check))) for check in shape.checks]
+    if not shape.length and shape.bits < 64:
+        errors.append((ErrorKind.LENGTH, source >> np.uint64(shape.bits) != 0))
+    fault = np.zeros(len(source), np.uint8)
+    for kind, where in sorted(errors, key=lambda error: -error[0]):
+        fault *= np.logical_not(where)
+        fault += where * np.uint8(kind)
+    return fault
+
+
+def _holds(chunk: Chunk, check: Check) -> Any:
+    bits = chunk.take(check.low, check.width)
+    if check.parity_of:
+        return bits == parity_bits(chunk, check)
+    if check.limit is not None:
+        return within(bits, check, check.limit)
+    values = [value for value in check.values if not value >> check.width]
+    if len(values) > 16:
+        return np.isin(bits, np.array(values, bits.dtype))
+    is_allowed = np.zeros(len(bits), bool)
+    for value in values:
+        is_allowed |= bits == bits.dtype.type(value)
+    return is_allowed
+
+
+def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
+    """Write the columns of the fields, of the joined numbers and of unused bits."""
+    by_name = {column.name: column for column in shape.columns}
+    for column in shape.columns:
+        if column.name in out or column.runs:
+            _write_column(chunk, column, out)
+    for join in shape.joins:
+        fields = [(by_name[name], low) for name, low in join.fields]
+        low, number = fields[0][0].low, out[join.name].view(np.uint64)
+        if all(column.low == low + place for column, place in fields):
+            chunk.take(low, width_of(shape, join), number)
+            continue
+        chunk.take(low, fields[0][0].width, number)
+        for column, place in fields[1:]:
+            part = chunk.take(column.low, column.width).astype(np.uint64, copy=False)
+            number |= part << np.uint64(place)
+    if shape.unused:
+        _write_unused(chunk, shape, out["unused"])
+
+
+def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
+    """Write the unused bits that differ from the manual, in as few bytes as possible."""
+    kind = np.dtype(smallest_type(unused_bits(shape))).type
+    number = kind(0)
+    for low, mask, value, place in unused_groups(shape):
+        width = mask.bit_length()
+        small = low % 8 + width <= 8
+        turned = chunk.small(low, mask) if small else chunk.take(low, width) & np.uint64(mask)
+        if value:
+            turned = turned ^ turned.dtype.type(value)
+        turned = turned.astype(kind, copy=False)
+        number = number | (turned << kind(place) if place else turned)
+    out[:] = number
+
+
+def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
+    match column.kind:
+        case "flag" | "not_flag":
+            chunk.flag(column.low, column.kind == "flag", out[column.name])
+        case "choice":
+            out[column.name][:] = chunk.take(column.low, column.width)
+        case "digits":
+            bits = chunk.take(column.low, column.width).astype(np.uint64, copy=False)
+            for name, divisor, modulus in column.runs:
+                out[name][:] = bits // np.uint64(divisor) % np.uint64(modulus)
+        case "text":
+            out[column.name][:] = _text(chunk, column)
+        case "number":
+            number = out[column.name].view(np.uint64)
+            chunk.take(column.low, column.width, number)
+            if column.zero_means:
+                number[number == 0] = column.zero_means
+        case "signed":
+            number = out[column.name].view(np.uint64)
+            chunk.take(column.low, column.width, number)
+            if column.width:
+                top = np.uint64(1 << column.width - 1)
+                number ^= top
+                number -= top
+        case _:
+            assert_never(column.kind)
+
+
+def _text(chunk: Chunk, column: Column) -> Any:
+    """Return the strings of a field, whose first character is the most significant."""
+    length = column.width // 8
+    rows = np.empty((len(chunk.limbs[0]), length), np.uint8)
+    for place in range(length):
+        rows[:, place] = chunk.take(column.low + 8 * (length - 1 - place), 8)
+    return rows.view(f"S{length}")[:, 0]
+
+
+def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
+    """Write the verdict on the position of each valid frame.
+
+    The computation has no branches, so the time does not depend on the frames.
+    """
+    otherwise, verdicts = VERDICTS.index(shape.otherwise), out["verdict"]
+    unused: Any = out.get("unused")
+    any_unused_differs = bool(shape.unused) and unused.any()
+    speaking: dict[Verdict, list[Any]] = {}
+    for condition in shape.speaks:
+        if condition.when:
+            where = all_match(out, condition.when)
+        elif condition.flag:
+            where = out[condition.flag]
+            for name in condition.unless:
+                where = np.greater(where, out[name])
+        elif any_unused_differs:
+            where = unused & unused.dtype.type(condition.mask & (1 << 8 * unused.itemsize) - 1) != 0
+        else:
+            continue
+        speaking.setdefault(condition.verdict, []).append(where)
+    verdicts[:] = otherwise
+    if Verdict.USABLE_WITH_WARNING in speaking:
+        less = np.uint8((otherwise - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
+        verdicts -= reduce(np.logical_or, speaking[Verdict.USABLE_WITH_WARNING]).view(np.uint8) * less
+    if Verdict.NOT_USABLE in speaking:
+        verdicts *= np.logical_not(reduce(np.logical_or, speaking[Verdict.NOT_USABLE])).view(np.uint8)
+
+
+#: Verdicts in the order of their numbers in a column. The worst is 0.
+VERDICTS: Final[list[Verdict | None]] = [*Verdict]

@@ -1,0 +1,276 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Encodes many frames from columns. Loaded only by ``encode_many``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from ..codec import assert_never
+from ..errors import RangeError
+from .chunk import Chunk, crc_difference, np, parity_bits, within
+from .decode import CHUNK
+from .shape import Column, Join, Shape, scales, width_of
+
+
+class RowError(RangeError):
+    """A field cannot be encoded. ``row`` is the index of the first row that has such a field."""
+
+    def __init__(self, row: int, field: str, value: object, allowed: str) -> None:
+        super().__init__(field, value, allowed)
+        self.row = row
+        self.args = (row, field, value, allowed)
+
+    def __str__(self) -> str:
+        return f"row {self.row}: {super().__str__()}"
+
+
+class FirstError:
+    """First error in the rows: the first wrong field of the first row with an error."""
+
+    def __init__(self) -> None:
+        self.row: int | None = None
+        self._error: tuple[str, object, str] = ("", 0, "")
+
+    def add(self, is_wrong: Any, field: str, values: Any, allowed: str) -> None:
+        """Record the first row in which ``is_wrong`` is True."""
+        if not is_wrong.any():
+            return
+        row = int(is_wrong.argmax())
+        if self.row is None or row < self.row:
+            self.row, self._error = row, (field, values[row].item(), allowed)
+
+    def raise_first(self, start: int) -> None:
+        """Raise RowError if there is an error. ``start`` is the number of the first row."""
+        if self.row is not None:
+            raise RowError(start + self.row, *self._error)
+
+
+def encode_many(columns: Mapping[str, Any], shape: Shape) -> Any:
+    """Encode the frames in ``columns``. For the arguments, see ``encode_many`` of the frame's class."""
+    arrays = _arrays_of(columns, shape)
+    count = len(next(iter(arrays.values()))) if arrays else 0
+    frames = np.empty((count, shape.length), np.uint8) if shape.length else np.empty(count, np.uint64)
+    for start in range(0, count, CHUNK):
+        part = slice(start, start + CHUNK)
+        first_error = FirstError()
+        limbs = _encoded({name: column[part] for name, column in arrays.items()}, shape, first_error)
+        first_error.raise_first(start)
+        frames[part] = _rows(limbs, shape) if shape.length else limbs[0]
+    return frames
+
+
+def _arrays_of(columns: Mapping[str, Any], shape: Shape) -> dict[str, Any]:
+    """Return the required columns as arrays of equal length. A single value applies to all rows."""
+    if not hasattr(columns, "keys"):
+        raise TypeError(f"columns must be a mapping of names to arrays, got {type(columns).__name__}")
+    fields: dict[str, Column] = {}
+    for column in shape.columns:
+        fields |= dict.fromkeys(names_of(column), column)
+    _check_names(columns, fields, shape)
+    joined_names = [join.name for join in shape.joins]
+    needed = [name for name in (*fields, *joined_names, "unused", "fault") if name in columns]
+    arrays = {name: np.asarray(columns[name]) for name in needed}
+    longest = max((array.size for array in arrays.values() if array.ndim), default=1)
+    for name, array in arrays.items():
+        if array.ndim > 1 or (array.ndim == 1 and len(array) != longest):
+            raise ValueError(f"column {name} has the shape {array.shape}, but others have {longest} rows")
+        is_text = name in fields and fields[name].kind == "text"
+        if array.dtype.kind not in ("SU" if is_text else "uib"):
+            raise TypeError(f"column {name} has the type {array.dtype}, which does not fit the field")
+    return {name: np.broadcast_to(array, (longest,)) for name, array in arrays.items()}
+
+
+def _check_names(columns: Mapping[str, Any], fields: Mapping[str, Column], shape: Shape) -> None:
+    """Raise TypeError if a column is missing or unknown. A joined number can replace its fields."""
+    optional = {"unused"}
+    for name, column in fields.items():
+        if column.kind.endswith("flag") or not column.width:
+            optional.add(name)
+    for join in shape.joins:
+        if join.name in columns:
+            optional.update(name for name, _ in join.fields)
+    missing = sorted(fields.keys() - columns.keys() - optional)
+    joined_names = {join.name for join in shape.joins}
+    ignored = {*getattr(columns, "others", ()), *scales(shape), "unused", "fault", "verdict"}
+    unknown = sorted({*columns} - ignored - fields.keys() - joined_names)
+    if missing or unknown:
+        raise TypeError(f"missing columns: {missing}; unknown columns: {unknown}")
+
+
+def names_of(column: Column) -> tuple[str, ...]:
+    """Return the names of a field's columns: one for each group of its decimal digits, or just the field."""
+    return tuple(name for name, _, _ in column.runs) or (column.name,)
+
+
+def _encoded(arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> list[Any]:
+    """Return the frames as numbers, in 64-bit limbs."""
+    count = len(next(iter(arrays.values())))
+    limbs = [np.full(count, shape.fixed >> low & (1 << 64) - 1, np.uint64) for low in range(0, shape.bits, 64)]
+    if "fault" in arrays:
+        first_error.add(arrays["fault"] != 0, "fault", arrays["fault"], "0 (a frame with an error has no values)")
+    for column in shape.columns:
+        if all(name in arrays for name in names_of(column)):
+            for low, width, bits in _bits(arrays, column, first_error):
+                _insert(limbs, low, width, bits)
+        elif column.kind == "not_flag":
+            _insert(limbs, column.low, column.width, np.ones(count, np.uint64))
+    for join in shape.joins:
+        if join.name in arrays:
+            _insert_join(limbs, arrays, shape, join, first_error)
+    _insert_unused(limbs, arrays, shape, first_error)
+    chunk = Chunk(limbs, shape.bits)
+    for check in shape.parities:
+        _insert(limbs, check.low, check.width, parity_bits(chunk, check).astype(np.uint64))
+    _check_values(limbs, arrays, shape, first_error)
+    _finish(limbs, shape)
+    return limbs
+
+
+def _insert(limbs: list[Any], low: int, width: int, bits: Any) -> None:
+    """Insert bits at a position where all bits are still 0."""
+    at, shift = divmod(low, 64)
+    if width:
+        limbs[at] |= bits << np.uint64(shift)
+    if shift + width > 64:
+        limbs[at + 1] |= bits >> np.uint64(64 - shift)
+
+
+def _bits(arrays: Mapping[str, Any], column: Column, first_error: FirstError) -> Iterator[tuple[int, int, Any]]:
+    """Yield the pieces of a field: lowest bit, width and bits."""
+    values = arrays[names_of(column)[0]]
+    match column.kind:
+        case "flag" | "not_flag":
+            yield column.low, column.width, ((values != 0) == (column.kind == "flag")).astype(np.uint64)
+        case "digits":
+            number = np.zeros(len(values), np.uint64)
+            for name, divisor, modulus in column.runs:
+                digits = _unsigned(arrays[name], first_error, name, modulus - 1)
+                number += digits * np.uint64(divisor)
+            yield column.low, column.width, _fitting(number, column.width, number, first_error, column.name)
+        case "text":
+            yield from _text(values, column, first_error)
+        case "signed":
+            top = 1 << column.width >> 1
+            high = max(top, 1) - 1
+            is_wrong = values > high if top else values != 0
+            if values.dtype.kind == "i":
+                is_wrong = is_wrong | (values < -top)
+            first_error.add(is_wrong, column.name, values, f"{-top} to {top - 1}")
+            yield column.low, column.width, values.astype(np.int64).view(np.uint64) & np.uint64((1 << column.width) - 1)
+        case "number" | "choice":
+            yield column.low, column.width, _number(values, column, first_error)
+        case _:
+            assert_never(column.kind)
+
+
+def _number(values: Any, column: Column, first_error: FirstError) -> Any:
+    """Return the bits of an unsigned number."""
+    if column.power_of_two:
+        is_wrong = (values < 1) | (values & (values - values.dtype.type(1)) != 0)
+        first_error.add(is_wrong, column.name, values, "a power of two")
+    if column.zero_means:
+        first_error.add(values == 0, column.name, values, f"1 to {column.zero_means}")
+        values = np.where(values == column.zero_means, values.dtype.type(0), values)
+    return _unsigned(values, first_error, column.name, (1 << column.width) - 1)
+
+
+def _unsigned(values: Any, first_error: FirstError, name: str, highest: int) -> Any:
+    """Return numbers that are at most ``highest`` as unsigned 64-bit numbers."""
+    is_wrong = values < 0 if values.dtype.kind == "i" else np.zeros(len(values), bool)
+    bits = values.astype(np.uint64)
+    if highest < (1 << 64) - 1:
+        is_wrong = is_wrong | (bits > np.uint64(highest))
+    first_error.add(is_wrong, name, values, f"0 to {highest}")
+    return bits
+
+
+def _fitting(bits: Any, width: int, values: Any, first_error: FirstError, name: str) -> Any:
+    """Return bits after a check that they fit into ``width`` bits."""
+    if width < 64:
+        first_error.add(bits >> np.uint64(width) != 0, name, values, f"0 to {(1 << width) - 1}")
+    return bits
+
+
+def _text(values: Any, column: Column, first_error: FirstError) -> Iterator[tuple[int, int, Any]]:
+    """Yield the characters of a string, the first one most significant. Trailing NUL characters may be omitted."""
+    length = column.width // 8
+    kind = np.dtype(np.uint8 if values.dtype.kind == "S" else np.uint32)
+    count = values.dtype.itemsize // kind.itemsize
+    letters = np.zeros((len(values), max(length, count)), kind)
+    native = np.ascontiguousarray(values, values.dtype.newbyteorder("="))
+    letters[:, :count] = native.view(kind).reshape(len(values), count)
+    is_wrong = (letters > 255).any(1) | letters[:, length:].any(1)
+    first_error.add(is_wrong, column.name, values, f"{length} Latin-1 characters")
+    for place in range(length):
+        yield column.low + 8 * (length - 1 - place), 8, letters[:, place].astype(np.uint64)
+
+
+def _insert_join(
+    limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, join: Join, first_error: FirstError
+) -> None:
+    """Insert the fields of a joined number. Fields that are also given separately must agree with it."""
+    width = width_of(shape, join)
+    whole = _unsigned(arrays[join.name], first_error, join.name, (1 << width) - 1)
+    by_name = {column.name: column for column in shape.columns}
+    for name, place in join.fields:
+        column = by_name[name]
+        if not column.width:
+            continue
+        bits = whole >> np.uint64(place) & np.uint64((1 << column.width) - 1)
+        if all(field_name in arrays for field_name in names_of(column)):
+            separate_bits = Chunk(limbs, shape.bits).take(column.low, column.width)
+            first_error.add(separate_bits != bits, join.name, arrays[join.name], "equal to its fields")
+        else:
+            _insert(limbs, column.low, column.width, bits)
+
+
+def _insert_unused(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
+    """Insert unused bits as in the manual, inverted where the column ``unused`` is 1."""
+    values = arrays.get("unused", np.zeros(len(limbs[0]), np.uint8))
+    bits = values.astype(np.uint64)
+    unused_mask = sum(((1 << unused.width) - 1) << unused.place for unused in shape.unused)
+    first_error.add(
+        bits & np.uint64(~unused_mask & (1 << 64) - 1) != 0, "unused", values, f"within the mask {unused_mask:#x}"
+    )
+    for unused in shape.unused:
+        mask = np.uint64((1 << unused.width) - 1)
+        _insert(limbs, unused.low, unused.width, (bits >> np.uint64(unused.place) ^ np.uint64(unused.value)) & mask)
+
+
+def _check_values(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
+    """Check the fields that allow only some values or consist of decimal digits."""
+    by_place = {(column.low, column.width): column for column in shape.columns}
+    for check in shape.checks:
+        column = by_place.get((check.low, check.width))
+        if column is None or check.parity_of:
+            continue
+        bits = Chunk(limbs, shape.bits).take(check.low, check.width)
+        if check.limit is not None:
+            is_signed = column.kind == "signed"
+            allowed = f"{check.lowest} to {check.limit}" if is_signed else f"at most {check.limit}"
+            first_error.add(
+                ~within(bits, check, check.limit), column.name, arrays[column.name] if is_signed else bits, allowed
+            )
+        else:
+            is_allowed = np.isin(bits, [value for value in check.values if not value >> check.width])
+            allowed = "one of " + ", ".join(map(str, check.values))
+            first_error.add(~is_allowed, column.name, arrays.get(column.name, bits), allowed)
+
+
+def _finish(limbs: list[Any], shape: Shape) -> None:
+    """Apply Gray code and the CRC."""
+    if shape.gray is not None:
+        low, width = shape.gray
+        number = limbs[0] >> np.uint64(low) & np.uint64((1 << width) - 1)
+        limbs[0] ^= number >> np.uint64(1) << np.uint64(low)
+    if shape.crc is not None:
+        crc_bits = crc_difference(Chunk(limbs, shape.bits), shape.crc).astype(np.uint64)
+        _insert(limbs, shape.crc.low, shape.crc.width, crc_bits)
+
+
+def _rows(limbs: list[Any], shape: Shape) -> Any:
+    """Return the bytes of each frame in the order in which they are sent."""
+    rows = np.stack([limb.astype("<u8").view(np.uint8).reshape(-1, 8) for limb in limbs], 1)
+    rows = rows.reshape(len(limbs[0]), -1)[:, : shape.length]
+    return rows if shape.order == "little" else rows[:, ::-1]

@@ -1,0 +1,473 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Columns of many decoded frames, and their conversion to other formats."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping
+from fractions import Fraction
+from importlib import import_module
+from math import tau
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Final, Literal, Protocol, overload
+
+from ..codec import PositionRange
+from ..errors import ErrorKind, RangeError
+from ..facts import Scale
+from ..reports import Movement, Verdict
+from .conversion import none_where
+from .shape import Tells
+
+#: Units for positions and speeds.
+Unit = Literal["counts", "turns", "degrees", "radians", "micrometres", "millimetres", "metres"]
+#: Units for speeds: a unit per second, or revolutions per minute.
+SpeedUnit = Unit | Literal["rpm"]
+
+#: Size of one turn in each angular unit, and size of each unit of length in micrometres.
+_OF_A_TURN: Final[Mapping[str, float]] = {"turns": 1, "degrees": 360, "radians": tau}
+_OF_A_LENGTH: Final[Mapping[str, int]] = {"micrometres": 1, "millimetres": 1_000, "metres": 1_000_000}
+_UNITS: Final = ("counts", *_OF_A_TURN, *_OF_A_LENGTH)
+
+
+def all_match(columns: Any, when: Iterable[tuple[str, int]]) -> Any:
+    """Return an array that is True where all these columns have the values next to them."""
+    matches: Any = True
+    for name, value in when:
+        matches = matches & (columns[name] == value)
+    return matches
+
+
+#: Number of rows that are converted to Python objects at once.
+_ROWS: Final = 1 << 14
+#: No other columns.
+_NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
+
+
+if TYPE_CHECKING:
+    _Columns = Mapping[str, Any]
+else:
+
+    class _Columns:
+        """Methods of a mapping. With a real mapping, polars would read the raw columns, not the Arrow stream."""
+
+        __contains__, get, items = Mapping.__contains__, Mapping.get, Mapping.items
+        keys, values = Mapping.keys, Mapping.values
+
+
+class FrameSource(Protocol):
+    """Encoder of the frames in a table, or a layout of frames in its place."""
+
+    @property
+    def code(self) -> str:
+        """Order code, or the layout as text."""
+        ...
+
+    def _range_in(self, frame: str, /) -> PositionRange: ...
+
+
+class Table(_Columns):
+    """Columns of many frames: a NumPy array for each field, and ``fault`` with the error of each frame.
+
+    The arrays hold the raw bits of every frame, including invalid ones. Use ``usable_position`` for positions: it is
+    masked if there is none. ``to_arrow`` and ``to_pandas`` return null for these.
+
+    Frames with a verdict also have a column ``verdict``: the index of the verdict in ``Verdict``. It is 0 if the
+    position is not usable or the frame has an error.
+
+    A number with a scale also has a column of its quantity, such as ``temperature (°C)``, with a
+    :class:`decimal.Decimal` for each frame.
+
+    A table can also have other columns, such as ``time``. ``table[10:20]`` is a table of some frames, and ``table[7]``
+    a dictionary with the values of one.
+    """
+
+    def __init__(
+        self,
+        encoder: FrameSource | None,
+        columns: dict[str, Any],
+        fault: Any,
+        verdict: Any,
+        position: str,
+        parts: Mapping[str, tuple[str, int, int]],
+        tells: tuple[Tells, ...] = (),
+        measured: frozenset[str] = frozenset(),
+        scales: Mapping[str, tuple[str, Scale]] = _NOTHING,
+        other_columns: Mapping[str, Any] = _NOTHING,
+        frame: str = "",
+    ) -> None:
+        self.encoder, self._tells, self._measured, self._others = encoder, tells, measured, other_columns
+        self._columns, self._scales, self._frame = columns, scales, frame
+        self._fault, self._verdict, self._position, self._parts = fault, verdict, position, parts
+        verdict_names = ["verdict"] if verdict is not None else []
+        self._names = [*other_columns, *parts, *columns, *scales, *verdict_names, "fault"]
+
+    @property
+    def fault(self) -> Any:
+        """Error of each frame, as the number of a :class:`ErrorKind`. Valid frames have 0."""
+        return self._fault
+
+    @property
+    def ok(self) -> Any:
+        """True for each valid frame."""
+        return self._fault == 0
+
+    @property
+    def position(self) -> Any:
+        """Raw position of each frame in counts, including invalid frames. See ``usable_position``.
+
+        Raises:
+            AttributeError: The frames have no position.
+        """
+        if not self._position:
+            raise AttributeError("these frames have no position")
+        return self[self._position]
+
+    @property
+    def usable_position(self) -> Any:
+        """Position of each frame in counts, masked if the frame has an error or its position is not usable.
+
+        Raises:
+            AttributeError: The frames have no position.
+        """
+        np: Any = import_module("numpy")
+        return np.ma.masked_array(self.position, ~self.usable)
+
+    @property
+    def verdict(self) -> Any:
+        """Verdict on the position of each frame, as an index in ``Verdict``.
+
+        Raises:
+            AttributeError: The frames have no verdict.
+        """
+        if self._verdict is None:
+            raise AttributeError("these frames have no verdict")
+        return self._verdict
+
+    @property
+    def usable(self) -> Any:
+        """True for each valid frame whose position is usable, with or without a warning."""
+        worst = [*Verdict].index(Verdict.NOT_USABLE)
+        return self.ok if self._verdict is None else (self._verdict != worst) & self.ok
+
+    @property
+    def reports(self) -> dict[str, Any]:
+        """Arrays by name of the report. Each is True for the valid frames with that report."""
+        reports: dict[str, Any] = {}
+        for condition in self._tells:
+            reports[condition.report] = self._active(condition) & self.ok
+        return reports
+
+    def _active(self, condition: Tells) -> Any:
+        """Return an array that is True for the frames to which a report applies, valid or not."""
+        if condition.when:
+            return all_match(self, condition.when)
+        if condition.flag:
+            return self[condition.flag]
+        unused: Any = self["unused"]
+        return unused & (condition.mask & (1 << 8 * unused.itemsize) - 1) != 0
+
+    @property
+    def others(self) -> Mapping[str, Any]:
+        """Columns that were not decoded from frames, by name."""
+        return self._others
+
+    @property
+    def count(self) -> int:
+        """Number of frames."""
+        return len(self._fault)
+
+    def with_columns(self, **columns: Any) -> Table:
+        """Return a table that also has other columns, which come first.
+
+        Args:
+            columns: Columns by name, each with a value for every frame. ``time`` is in seconds.
+
+        Returns:
+            The table.
+
+        Raises:
+            ValueError: A column has another length, or the name of a decoded column.
+        """
+        for name, column in columns.items():
+            if name in self._names and name not in self._others:
+                raise ValueError(f"the frames already have a column '{name}'")
+            if len(column) != self.count:
+                raise ValueError(f"expected {self.count} values in '{name}', one per frame, got {len(column)}")
+        return self._with(self._columns, self._fault, self._verdict, {**self._others, **columns})
+
+    def _with(self, columns: dict[str, Any], fault: Any, verdict: Any, other_columns: Mapping[str, Any]) -> Table:
+        return Table(
+            encoder=self.encoder,
+            columns=columns,
+            fault=fault,
+            verdict=verdict,
+            position=self._position,
+            parts=self._parts,
+            tells=self._tells,
+            measured=self._measured,
+            scales=self._scales,
+            other_columns=other_columns,
+            frame=self._frame,
+        )
+
+    @overload
+    def __getitem__(self, name: str) -> Any: ...
+
+    @overload
+    def __getitem__(self, name: int) -> dict[str, Any]: ...
+
+    @overload
+    def __getitem__(self, name: slice) -> Table: ...
+
+    def __getitem__(self, name: str | int | slice) -> Any:
+        """Return a column by its name, a frame by its index, or a table of several frames by a slice."""
+        if isinstance(name, slice):
+            verdict = None if self._verdict is None else self._verdict[name]
+            columns = {column_name: column[name] for column_name, column in self._columns.items()}
+            other_columns = {column_name: column[name] for column_name, column in self._others.items()}
+            return self._with(columns, self._fault[name], verdict, other_columns)
+        if isinstance(name, str):
+            return self._column(name)
+        place = range(self.count)[name]
+        return next(self[place : place + 1].rows())
+
+    def rows(self) -> Iterator[dict[str, Any]]:
+        """Yield the values of each frame by the names of the columns.
+
+        ``fault`` is an :class:`ErrorKind` and ``verdict`` a :class:`Verdict`. A position that is not usable is None.
+        """
+        order = [*Verdict]
+        for start in range(0, self.count, _ROWS):
+            rows = slice(start, start + _ROWS)
+            columns: list[list[Any]] = []
+            for name in self:
+                hidden, column = self.hidden(name), self._column(name)[rows]
+                cells: list[Any] = column.tolist() if hasattr(column, "tolist") else list(column)
+                if name == "fault":
+                    cells = [ErrorKind(cell) for cell in cells]
+                elif name == "verdict":
+                    cells = [order[cell] for cell in cells]
+                elif hidden is not None:
+                    cells = none_where(hidden[rows].tolist(), cells)
+                columns.append([cell.decode("latin-1") if isinstance(cell, bytes) else cell for cell in cells])
+            names = [*self]
+            for row in zip(*columns, strict=True):
+                yield dict(zip(names, row, strict=True))
+
+    def _column(self, name: str) -> Any:
+        if name in self._others:
+            return self._others[name]
+        if name == "fault":
+            return self._fault
+        if name == "verdict" and self._verdict is not None:
+            return self._verdict
+        if name in self._scales and name not in self._columns:
+            self._columns[name] = self._quantity(*self._scales[name])
+        if name in self._parts and name not in self._columns:
+            whole, low, width = self._parts[name]
+            self._columns[name] = self._columns[whole] >> low & ((1 << width) - 1)
+        return self._columns[name]
+
+    def _quantity(self, name: str, scale: Scale) -> Any:
+        np: Any = import_module("numpy")
+        # Numbers such as temperatures repeat, so only a few conversions are needed.
+        numbers, places = np.unique(self._column(name), return_inverse=True)
+        quantities = np.array([scale.decimal(number) for number in numbers.tolist()], object)
+        return quantities[places]
+
+    def scale(self, name: str) -> Scale | None:
+        """Return the scale of a column of quantities, or None for other columns."""
+        return self._scales[name][1] if name in self._scales else None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(dict.fromkeys(self._names))
+
+    def __len__(self) -> int:
+        return len(dict.fromkeys(self._names))
+
+    def __repr__(self) -> str:
+        error_count = int((self._fault != 0).sum())
+        encoder_text = f" of {self.encoder.code}" if self.encoder is not None else ""
+        return f"<{len(self._fault)} frames{encoder_text}, {error_count} with an error: {', '.join(self)}>"
+
+    def faults(self) -> dict[ErrorKind, int]:
+        """Return the number of valid frames and the number of frames with each error."""
+        kinds = ((kind, int((self._fault == kind).sum())) for kind in ErrorKind)
+        return {kind: count for kind, count in kinds if count}
+
+    def unwrapped(self, previous: int | None = None) -> Any:
+        """Return the position of each frame as a count that continues when the position wraps around.
+
+        It starts with the first usable position. A frame without a usable position has the count of the preceding
+        frame. Between two usable frames the encoder must move by less than half of the modulus, if the position wraps.
+
+        Args:
+            previous: Last count of the preceding frames, to continue from.
+
+        Returns:
+            An array of counts.
+
+        Raises:
+            AttributeError: The frames have no position.
+            RangeError: A position is above the highest or below the lowest that this encoder sends.
+            ValueError: The manual does not say where the position of this encoder wraps around.
+        """
+        np: Any = import_module("numpy")
+        encoder: Any = self.encoder
+        valid: PositionRange = encoder._range_in(self._frame)
+        usable_rows = np.flatnonzero(self.usable)
+        position = self.position.astype(np.int64)
+        if not len(usable_rows):
+            return np.full(len(position), previous or 0, np.int64)
+        used = position[usable_rows]
+        for extreme in (int(used.max()), int(used.min())):
+            if not valid.lowest <= extreme <= valid.highest:
+                raise RangeError("position", extreme, f"{valid.lowest} to {valid.highest}")
+        start = int(used[0]) if previous is None else valid.unwrap(previous, int(used[0]))
+        steps = np.diff(used)
+        if valid.modulus is not None:
+            steps = (steps + valid.modulus // 2) % valid.modulus - valid.modulus // 2
+        counts = np.concatenate([[start if previous is None else previous, start], start + np.cumsum(steps)])
+        return counts[np.cumsum(self.usable)].astype(np.int64)
+
+    def in_units(self, unit: Unit, counts: Any = None) -> Any:
+        """Convert counts to a unit.
+
+        Args:
+            unit: The unit. Degrees and radians are within one revolution.
+            counts: An array of counts, by default the position of each frame.
+
+        Returns:
+            An array of values. Without ``counts``, it is NaN if the position is not usable.
+
+        Raises:
+            AttributeError: The encoder does not measure in this unit.
+            ValueError: The manual does not give the size of a count.
+        """
+        positions = self.position if counts is None else counts
+        unit_size, parts = self._unit(unit)
+        if unit in ("degrees", "radians"):
+            positions = positions % parts
+        values = positions * unit_size / parts
+        np: Any = import_module("numpy")
+        return np.where(self.usable, values, np.nan) if counts is None else values
+
+    def velocity(self, seconds: Any = None, unit: SpeedUnit = "counts") -> Any:
+        """Return the speed of the encoder, measured from the previous usable position.
+
+        Args:
+            seconds: Time between two frames, or an array with the time of each frame. The default is the column
+                ``time``.
+            unit: Unit of length or angle per second, or ``rpm`` for revolutions per minute.
+
+        Returns:
+            An array of speeds. It is NaN for frames without a usable position, and for the first frame that has one.
+
+        Raises:
+            AttributeError, RangeError, ValueError: See ``unwrapped`` and ``in_units``.
+        """
+        return self._speed(seconds, unit, None)
+
+    def _speed(self, seconds: Any, unit: SpeedUnit, previous: tuple[int, float] | None) -> Any:
+        """Return speeds. ``previous`` is the unwrapped position and the time of the last usable frame before these."""
+        np: Any = import_module("numpy")
+        if seconds is None:
+            if "time" not in self._others:
+                raise ValueError("the table has no column 'time'; pass the time between two frames in seconds")
+            seconds = self._others["time"]
+        usable_rows = np.flatnonzero(self.usable)
+        times = np.arange(self.count) * seconds if np.ndim(seconds) == 0 else np.asarray(seconds)
+        if len(times) != self.count:
+            raise ValueError(f"expected {self.count} times, one per frame, got {len(times)}")
+        if unit not in (*_UNITS, "rpm"):
+            raise ValueError(f"'{unit[:40]}' is not a unit of speeds: use {', '.join((*_UNITS, 'rpm'))}")
+        counts, times = self.unwrapped(previous and previous[0])[usable_rows], times[usable_rows]
+        unit_size, parts = self._unit("turns" if unit == "rpm" else unit)
+        if previous is not None:
+            counts, times = np.insert(counts, 0, previous[0]), np.insert(times, 0, previous[1])
+        column = np.full(self.count, np.nan)
+        per_minute = 60 if unit == "rpm" else 1
+        speeds = np.diff(counts) * (per_minute * unit_size) / parts / np.diff(times)
+        column[usable_rows if previous is not None else usable_rows[1:]] = speeds
+        return column
+
+    def in_si(self, previous: tuple[int, float] | None = None) -> Table:
+        """Return a table that also has the position and the speed in SI units.
+
+        The columns are ``radians`` and ``radians_per_second``, or ``metres`` and ``metres_per_second``. They are NaN if
+        there is no usable position, and null in Arrow. The table needs a column ``time`` in seconds.
+
+        Args:
+            previous: Unwrapped position and time of the last usable frame before these, for the first speed.
+
+        Returns:
+            The table. It also has the other columns of this one.
+
+        Raises:
+            AttributeError, RangeError, ValueError: See ``velocity``.
+        """
+        encoder: Any = self.encoder
+        family = getattr(encoder, "family", None)
+        unit: Unit = "metres" if family is not None and family.movement is Movement.LINEAR else "radians"
+        columns = {unit: self.in_units(unit), f"{unit}_per_second": self._speed(None, unit, previous)}
+        return self.with_columns(**columns)
+
+    def _unit(self, unit: str) -> tuple[float, int]:
+        """Return the size of one count in a unit, as numerator and denominator."""
+        if unit == "counts":
+            return 1, 1
+        encoder: Any = self.encoder
+        if unit not in _OF_A_TURN and unit not in _OF_A_LENGTH:
+            speed = "; it is a unit of speed" if unit == "rpm" else ""
+            raise ValueError(f"'{unit[:40]}' is not a unit of positions{speed}: use {', '.join(_UNITS)}")
+        if unit in _OF_A_TURN:
+            per_turn: int = encoder.from_turns(1)
+            return _OF_A_TURN[unit], per_turn
+        micrometres = Fraction(encoder.micrometres(1))
+        return micrometres.numerator, micrometres.denominator * _OF_A_LENGTH[unit]
+
+    def hidden(self, name: str) -> Any:
+        """Return a mask of the rows in which a column has no meaning, or None if it always has one.
+
+        A column that is the position or a part of it has no meaning in rows without a usable position, and a flag has
+        none in rows of missing frames and of frames with a wrong length.
+        """
+        if name in self._scales:
+            return self.hidden(self._scales[name][0])
+        if name in self._measured:
+            return ~self.usable
+        column = self._columns.get(name)
+        return self._fault == ErrorKind.LENGTH if column is not None and column.dtype == bool else None
+
+    def to_arrow(self, *, raw: bool = False) -> Any:
+        """Return an Arrow table with the same columns. Needs pyarrow.
+
+        ``fault`` and ``verdict`` are strings. A value that is NaN is null.
+
+        Args:
+            raw: Keep positions that are not usable. Otherwise they are null.
+
+        Returns:
+            A ``pyarrow.Table``.
+        """
+        from .conversion import arrow_columns
+
+        return import_module("pyarrow").table(arrow_columns(self, self, raw))
+
+    def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
+        """Return the columns as an Arrow stream, for polars, DuckDB and others. Needs pyarrow."""
+        return self.to_arrow().__arrow_c_stream__(requested_schema)
+
+    def to_pandas(self, *, raw: bool = False) -> Any:
+        """Return a pandas DataFrame with the same columns. Needs pandas.
+
+        ``fault`` and ``verdict`` are categorical strings.
+
+        Args:
+            raw: Keep positions that are not usable. Otherwise they are ``<NA>``, in an ``Int64`` column.
+
+        Returns:
+            A ``pandas.DataFrame``.
+        """
+        from .conversion import pandas_columns
+
+        return import_module("pandas").DataFrame(pandas_columns(self, self, raw))

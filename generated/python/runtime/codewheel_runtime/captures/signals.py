@@ -1,0 +1,222 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Edges of the signals in a capture, in chunks of bounded size."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterable, Sequence
+from importlib import import_module
+from typing import Any, Final, NamedTuple
+
+from ..bulk.words import listed, short
+from ..errors import InputError, UsageError
+
+np: Any = import_module("numpy")
+
+#: Number of samples that are read at once.
+SAMPLES: Final = 1 << 21
+
+
+class Edges(NamedTuple):
+    """Edges in one stretch of a capture.
+
+    Attributes:
+        levels: Level of each signal at the beginning of the stretch.
+        times: Times at which each signal changes, in ascending order, as an array of float64 for each signal.
+        begin: Beginning of the stretch.
+        end: End of the stretch.
+        done: Amount of the file that has been read so far.
+    """
+
+    levels: tuple[int, ...]
+    times: tuple[Any, ...]
+    begin: float
+    end: float
+    done: int = 0
+
+
+class Signals(NamedTuple):
+    """Signals of a capture.
+
+    Attributes:
+        edges: The edges, one stretch after another.
+        seconds: Length of a unit of time in seconds. None if the sample rate is unknown, and times are sample numbers.
+        is_sampled: True if times are sample numbers, so that an edge can be up to one sample earlier than its time.
+        total: Size of the file in the unit of ``done``, if known.
+    """
+
+    edges: Generator[Edges, None, None]
+    seconds: float | None
+    is_sampled: bool
+    total: int | None = None
+
+
+class Names(NamedTuple):
+    """Choice of the signals: the clock and the data line, or one data line if ``clock`` is None.
+
+    A name is that of a channel, or its number from 1. An empty name is replaced by a channel with a common name for the
+    line.
+    """
+
+    clock: str | None = ""
+    data: str = ""
+
+    def places(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
+        """Return the index of each signal among the channels of a file.
+
+        Raises:
+            InputError: There is no such channel, or it is not clear which one to use.
+        """
+        signals: list[tuple[str, tuple[str, ...], str]] = [(self.data, _SERIAL, "--data")]
+        if self.clock is not None:
+            signals = [(self.clock, _CLOCKS, "--clock"), (self.data, _DATA, "--data")]
+        places: list[int | None] = []
+        for name, usual_names, _ in signals:
+            places.append(_place(channels, name) if name else _usual_place(channels, usual_names))
+        if None in places and len(channels) == len(signals) and not any(name for name, _, _ in signals):
+            return tuple(range(len(signals)))
+        for (name, _, option), place in zip(signals, places, strict=True):
+            if place is None:
+                problem = f"no channel {short(name)}" if name else f"choose a channel with {option}"
+                raise InputError(file, "", f"{problem}; the channels are {listed(list(channels))}")
+        if len({*places}) < len(places):
+            raise UsageError("the clock and the data line are the same channel")
+        return tuple(place for place in places if place is not None)
+
+
+_CLOCKS: Final = ("ma", "clock", "clk", "sck", "sclk", "scl")
+_DATA: Final = ("slo", "sl", "data", "dat", "miso", "sdo", "sda")
+_SERIAL: Final = ("rx", "data", "rxd", "a", "d+", "tx", "txd", "dat")
+
+
+def _place(channels: Sequence[str], name: str) -> int | None:
+    if channels.count(name) == 1:
+        return channels.index(name)
+    place = int(name) - 1 if name.isascii() and name.isdigit() and len(name) < 4 else -1
+    return place if 0 <= place < len(channels) else None
+
+
+def _usual_place(channels: Sequence[str], names: Iterable[str]) -> int | None:
+    if len(channels) == 1:
+        return 0
+    lower = [channel.lower() for channel in channels]
+    return next((lower.index(name) for name in names if lower.count(name) == 1), None)
+
+
+# Samples
+
+
+def of_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) -> Generator[Edges, None, None]:
+    """Yield the edges of samples.
+
+    Each part has one number per sample, the amount read so far, and the time of each sample. Without times, samples are
+    numbered from 0. ``masks`` contains the bit of each signal in a sample.
+    """
+    start, before = 0, None
+    for samples, done, times in parts:
+        if not len(samples):
+            continue
+        kind = samples.dtype.type
+        changes = np.bitwise_xor(samples[1:], samples[:-1])
+        changes &= kind(sum(masks))
+        places = np.flatnonzero(changes != 0)
+        bits, places = changes[places], places + 1
+        first = int(samples[0])
+        levels = first if before is None else before
+        if (levels ^ first) & sum(masks):
+            places, bits = np.insert(places, 0, 0), np.insert(bits, 0, kind((levels ^ first) & sum(masks)))
+        places_by_signal = [places[(bits & kind(mask)) != 0] for mask in masks]
+        if times is None:
+            edge_times = [(signal_places + start).astype(np.float64) for signal_places in places_by_signal]
+            begin, end = float(start), float(start + len(samples))
+        else:
+            edge_times = [times[signal_places] for signal_places in places_by_signal]
+            begin, end = float(times[0]), float(times[-1])
+        start, before = start + len(samples), int(samples[-1])
+        first_levels = tuple(int(levels & mask != 0) for mask in masks)
+        yield Edges(first_levels, tuple(edge_times), begin, end, done)
+
+
+def packed(columns: Any) -> Any:
+    """Return rows of levels as one number per sample, the first column in the lowest bit."""
+    columns = np.asarray(columns)
+    levels = np.zeros(len(columns), np.uint8)
+    for place in range(columns.shape[1]):
+        levels |= (columns[:, place] != 0).astype(np.uint8) << np.uint8(place)
+    return levels
+
+
+def of_array(samples: Any, names: Names, rate: float | None = None) -> Signals:
+    """Return the signals in an array of samples.
+
+    Args:
+        samples: An array of whole numbers. In one dimension, each number is a sample, whose bits are the channels, the
+            lowest bit first. In two dimensions, each row is a sample and each column a channel, 0 or 1.
+        names: The channels, by their numbers from 1.
+        rate: Sample rate in Hz.
+
+    Raises:
+        TypeError: ``samples`` is not such an array.
+    """
+    array = np.asarray(samples)
+    if array.dtype.kind not in "uib" or array.ndim not in (1, 2) or (array.ndim == 2 and not array.shape[1]):
+        raise TypeError(f"expected whole numbers in one or two dimensions, got {array.dtype} {array.shape}")
+    count = array.shape[1] if array.ndim == 2 else 8 * array.dtype.itemsize
+    places = names.places([str(place + 1) for place in range(count)], "the array")
+    bits = range(len(places)) if array.ndim == 2 else places
+    masks = tuple(1 << bit for bit in bits)
+
+    def parts() -> Generator[tuple[Any, int, Any], None, None]:
+        for start in range(0, len(array), SAMPLES):
+            part = array[start : start + SAMPLES]
+            if array.ndim == 2:
+                part = packed(part[:, places])
+            elif part.dtype.kind != "u":
+                part = part.astype(f"u{part.dtype.itemsize}")
+            yield part, start + len(part), None
+
+    return Signals(of_samples(parts(), masks), 1 / rate if rate else None, True, len(array))
+
+
+# Edges of signals that are stored separately
+
+
+def merged(
+    signals: Sequence[Generator[tuple[int, Any, int], None, None]], end: Callable[[], float]
+) -> Generator[Edges, None, None]:
+    """Yield the edges of signals that are stored separately.
+
+    Each generator yields the level before some edges, their times, and the amount read so far. ``end`` returns the end
+    of the capture once all of them are exhausted.
+    """
+    levels: list[int] = []
+    waiting: list[Any] = []
+    done: list[int] = []
+    for signal in signals:
+        level, times, amount = next(signal)
+        levels, waiting, done = [*levels, level], [*waiting, times], [*done, amount]
+    begin = -np.inf
+    alive = [True] * len(signals)
+    while any(alive):
+        # Continue with the signal whose edges end first.
+        signal_index = min(_true_indices(alive), key=lambda index: _last(waiting[index]))
+        part = next(signals[signal_index], None)
+        alive[signal_index] = part is not None
+        if part is not None:
+            _, times, amount = part
+            waiting[signal_index] = np.concatenate([waiting[signal_index], times])
+            done[signal_index] = amount
+        until = min((_last(waiting[index]) for index in _true_indices(alive)), default=end())
+        counts = [int(np.searchsorted(times, until, "right")) for times in waiting]
+        edge_times = tuple(times[:count] for times, count in zip(waiting, counts, strict=True))
+        yield Edges(tuple(levels), edge_times, begin, until, sum(done))
+        begin = until
+        levels = [level ^ (count & 1) for level, count in zip(levels, counts, strict=True)]
+        waiting = [times[count:] if count else times for times, count in zip(waiting, counts, strict=True)]
+
+
+def _last(times: Any) -> float:
+    return float(times[-1]) if len(times) else -np.inf
+
+
+def _true_indices(values: Sequence[bool]) -> list[int]:
+    return [index for index, value in enumerate(values) if value]

@@ -1,0 +1,155 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Parts of all commands: exit codes, the encoder that the arguments select, and progress."""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import signal
+import sys
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from importlib import import_module
+from time import monotonic
+from types import FrameType
+from typing import Any, Final, NoReturn, TextIO, get_type_hints
+
+from ..encoder import Encoder
+from ..reports import Interface
+
+DONE, FAILED, USAGE, NOT_USABLE, INTERRUPTED = 0, 1, 2, 3, 130
+
+
+class Failed(Exception):
+    """The command ends with this message and this exit code."""
+
+    def __init__(self, message: object, code: int = FAILED) -> None:
+        super().__init__(str(message))
+        self.code = code
+
+
+def distribution(package: str) -> str:
+    """Return the name by which a package is installed."""
+    return package.replace("_", "-")
+
+
+def encoder_of(package: str, chosen: argparse.Namespace) -> Encoder:
+    """Return the encoder that the arguments select."""
+    try:
+        return _selected(package, chosen)
+    except ValueError as error:
+        raise Failed(error, USAGE) from None
+
+
+def _selected(package: str, chosen: argparse.Namespace) -> Encoder:
+    encoder: Encoder = import_module(package).lookup(str(chosen.order_code))
+    if chosen.interface is not None and encoder.interface.value != chosen.interface:
+        wanted = Interface(chosen.interface).title
+        raise ValueError(f"{encoder.code} has the interface {encoder.interface.title}, not {wanted}")
+    if chosen.register:
+        with_registers: Callable[[dict[int, int]], Encoder] | None = getattr(encoder, "with_registers", None)
+        if with_registers is None:
+            raise ValueError(f"no register affects the frames of {encoder.code}")
+        encoder = with_registers(dict(chosen.register))
+    return _with_optional_answers(encoder, chosen)
+
+
+def _with_optional_answers(encoder: Encoder, chosen: argparse.Namespace) -> Encoder:
+    """Return the encoder with the answers that have a default, and remove them from ``chosen.choose``."""
+    with_answers: Callable[..., Encoder] | None = getattr(encoder, "with_answers", None)
+    if with_answers is None:
+        return encoder
+    kinds: dict[str, Any] = get_type_hints(with_answers)
+    chosen_kinds = {name: kinds[name] for name, _ in chosen.choose if name in kinds and name not in ("self", "return")}
+    answers: dict[str, Any] = {name: next(iter(kind)) for name, kind in kinds.items() if name not in ("self", "return")}
+    for name, answer in chosen.choose:
+        if name in chosen_kinds:
+            members = [member for member in chosen_kinds[name] if member.name.lower() == answer.lower()]
+            if not members:
+                raise ValueError(f"--choose {name}={answer} does not apply to {encoder.code}")
+            answers[name] = members[0]
+    chosen.choose = [(name, answer) for name, answer in chosen.choose if name not in chosen_kinds]
+    return with_answers(**answers) if chosen_kinds else encoder
+
+
+@contextmanager
+def working(package: str, source: str) -> Generator[Callable[[int, int | None, int], None] | None, None, None]:
+    """Show progress on a terminal, and convert the errors of long work to one line."""
+    from ..errors import InputError, UsageError
+
+    progress = Progress(sys.stderr)
+    try:
+        with _Stoppable():
+            yield progress.show if sys.stderr.isatty() else None
+    except UsageError as error:
+        raise Failed(error, USAGE) from None
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise Failed(f"{error.filename or source}: {error.strerror or error}") from None
+    except ImportError as error:
+        raise missing(package, error) from None
+    except MemoryError:
+        raise Failed("not enough memory") from None
+    except InputError as error:
+        raise Failed(error) from None
+    finally:
+        progress.clear()
+
+
+#: Extras of the package by the name of a module that is missing.
+_EXTRAS: Final = {"matplotlib": "plot", "serial": "serial"}
+
+
+def missing(package: str, error: ImportError) -> Failed:
+    """Return the error for a Python package that is not installed."""
+    if not isinstance(error, ModuleNotFoundError):
+        return Failed(error)
+    extra = _EXTRAS.get((error.name or "").partition(".")[0], "parquet")
+    return Failed(f"this needs {error.name or error}: pip install '{distribution(package)}[{extra}]'")
+
+
+class _Stoppable:
+    """Context that treats SIGTERM like a keyboard interrupt, so that no incomplete file remains."""
+
+    def __enter__(self) -> None:
+        self._before = signal.getsignal(signal.SIGTERM)
+        signal.signal(signal.SIGTERM, self._stop)
+
+    def __exit__(self, *_: object) -> None:
+        signal.signal(signal.SIGTERM, self._before)
+
+    @staticmethod
+    def _stop(number: int, frame: FrameType | None) -> NoReturn:
+        raise KeyboardInterrupt
+
+
+class Progress:
+    """Progress bar on the last line of a terminal."""
+
+    #: Highest number of updates per second.
+    RATE: Final = 10
+
+    def __init__(self, out: TextIO) -> None:
+        self._out, self._started, self._shown = out, monotonic(), 0.0
+
+    def show(self, done: int, total: int | None, frames: int) -> None:
+        """Show the progress."""
+        now = monotonic()
+        if now - self._shown < 1 / self.RATE:
+            return
+        self._shown = now
+        text = f"{frames:,} frames, {now - self._started:.0f} s"
+        if total:
+            part = min(done / total, 1.0)
+            filled = round(30 * part)
+            text = f"[{'#' * filled}{' ' * (30 - filled)}] {part:4.0%} {text}"
+        columns = shutil.get_terminal_size().columns
+        self._out.write(f"\r{text[: columns - 1]:<{columns - 1}}")
+        self._out.flush()
+
+    def clear(self) -> None:
+        """Clear the line if anything was shown."""
+        if self._shown:
+            self._out.write(f"\r{' ' * (shutil.get_terminal_size().columns - 1)}\r")
+            self._out.flush()

@@ -1,0 +1,352 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Command line of a package: decodes frames, files and captures, draws plots, and shows an encoder live."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import sys
+from collections.abc import Callable, Sequence
+from functools import partial
+from importlib import import_module
+from typing import TYPE_CHECKING, Any, Final, cast, get_args, get_type_hints
+
+from ..encoder import Encoder
+from ..errors import FrameError, LengthError
+from ..frames.decoders import decoder, raised
+from ..frames.descriptions import any_shape, kinds_of
+from ..reports import Interface, Verdict
+from .common import (
+    DONE,
+    FAILED,
+    INTERRUPTED,
+    NOT_USABLE,
+    USAGE,
+    Failed,
+    distribution,
+    encoder_of,
+    missing,
+    working,
+)
+from .options import add_capture, add_encoder, add_input, add_output, count, seconds
+
+if TYPE_CHECKING:
+    from ..files.stream import Summary
+
+_EPILOG: Final = """\
+input formats (by the extension of FILE, or --read):
+  binary   frames one after another. RS-485: their bytes. SSI and BiSS: as few
+           bytes as possible per frame, most significant first, padded with 0
+           in front. With --words little or big, eight bytes per frame. With
+           --words little32 or big32, four bytes per frame
+  csv      a column of 0x... or 0b... numbers, or of plain numbers with
+           --digits. RS-485: hex bytes. Columns are separated by commas,
+           semicolons or tabs. Lines that start with # are skipped
+  parquet  a column of integers, of bytes, or of text as in CSV
+
+The output has one row per frame, in order. Its columns are the other columns
+of FILE, the fields, 'verdict' (usability of the position) and 'fault': none,
+length, crc, constant or range. The position is empty if it is not usable or
+the frame has an error. The other fields of a frame with an error have no
+meaning. An empty or truncated cell becomes a row with a length error, whose
+flags are empty.
+
+exit codes:
+  0    success
+  1    a file cannot be read or written, FILE does not contain such frames, more
+       frames have an error than --max-errors allows, or the frame has an error
+  2    wrong usage, or an unknown order code
+  3    the frame is valid, but its position is not usable
+  130  interrupted
+With too many errors (--max-errors) the output is still written. With any
+other nonzero exit code, no output is written and an existing file is unchanged.
+"""
+
+
+_BENCH: Final = """\
+captures: sigrok sessions (.sr) and CSV, Saleae CSV and binary files (the clock
+and the data line, in this order), VCD, NumPy files, and tables of 0 and 1. They
+are recognised by their contents.
+
+channels: SSI and BiSS need a clock (MA, --clock) and a data line (SLO, --data).
+RS-485 needs one line (--data). A channel is chosen by its name or by its number
+from 1. Usual names are found without an option.
+
+--biss describes an encoder without a package, in the order of transmission:
+  --biss position=32,error,warning,crc=6:0x43
+  --biss multiturn=12,singleturn=24,error,warning,crc=6:0x43
+  --biss singleturn=32,error,warning,crc=6:0x43
+Degrees and speeds need singleturn, the counts of one turn.
+error and warning are active at level 0. zero=2 are bits that are always 0, and
+unused=2 bits without meaning.
+
+exit codes:
+  0    success
+  1    a file cannot be read or written, or is not a capture, it contains no
+       frame, or more cycles have an error or no frame than --max-errors allows
+  2    wrong usage, or an unknown order code
+  130  interrupted
+"""
+
+
+def main(package: str, arguments: Sequence[str] | None = None) -> int:
+    """Run the command.
+
+    Args:
+        package: Name of the manufacturer's package, such as ``lika_encoders``.
+        arguments: Command-line arguments. Defaults to the arguments of the process.
+
+    Returns:
+        The exit code.
+    """
+    try:
+        chosen = _parser(package).parse_args(arguments)
+    except SystemExit as stop:
+        return int(stop.code or 0)
+    try:
+        code: int = chosen.run(package, chosen) or DONE
+    except Failed as failure:
+        return _print_failure(package, failure, failure.code)
+    except KeyboardInterrupt:
+        return _print_failure(package, "interrupted; no file was written", INTERRUPTED)
+    except BrokenPipeError:
+        # The reader has closed the pipe. Without this, Python would report the error again at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    return code
+
+
+def _print_failure(package: str, message: object, code: int) -> int:
+    print(f"{distribution(package)}: {message}", file=sys.stderr)
+    return code
+
+
+def _parser(package: str) -> argparse.ArgumentParser:
+    def formatter(prog: str) -> argparse.RawDescriptionHelpFormatter:
+        return argparse.RawDescriptionHelpFormatter(prog, width=80)
+
+    top = argparse.ArgumentParser(prog=distribution(package), formatter_class=formatter, allow_abbrev=False)
+    top.description = "Decode frames and captures of absolute encoders, given the order code on the label."
+    top.add_argument(
+        "--version", action="version", version=f"{distribution(package)} {import_module(package).__version__}"
+    )
+    commands = top.add_subparsers(metavar="COMMAND", required=True)
+
+    def add_command(
+        name: str, run: Callable[..., int | None], summary: str, description: str = "", epilog: str = ""
+    ) -> Any:
+        description = description or f"{summary[0].upper()}{summary[1:]}."
+        parser = commands.add_parser(
+            name, help=summary, description=description, epilog=epilog, formatter_class=formatter, allow_abbrev=False
+        )
+        parser.set_defaults(run=run)
+        return parser
+
+    _add_decode(add_command)
+    _add_monitor(add_command)
+    capture_summary = "decode a capture of a logic analyser into a file of columns"
+    plot_summary = "plot position and speed over time, of a capture or of frames with a time"
+    _add_capture_command(add_command, "capture", capture_summary)
+    _add_capture_command(add_command, "plot", plot_summary)
+    return top
+
+
+def _add_decode(add_command: Callable[..., Any]) -> None:
+    parser = add_command(
+        "decode",
+        _decode,
+        "decode a frame, or a file of frames into a file of columns",
+        description="Decode a frame, or a file of frames into a file of columns, in bounded memory.",
+        epilog=_EPILOG,
+    )
+    parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
+    parser.add_argument(
+        "file",
+        metavar="FILE",
+        nargs="+",
+        help="file of frames, - for standard input, or a frame: hex bytes or a number",
+    )
+    add_output(parser)
+    add_input(parser)
+    add_encoder(parser)
+
+
+def _add_monitor(add_command: Callable[..., Any]) -> None:
+    parser = add_command(
+        "monitor",
+        partial(_bench, "monitor"),
+        "show an encoder live, over RS-485",
+        description="Read an encoder over RS-485, and show its position, speed and state live.",
+    )
+    parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
+    parser.add_argument("port", metavar="PORT", help="serial port, such as /dev/ttyUSB0, COM3 or socket://HOST:PORT")
+    parser.add_argument("--count", type=count, metavar="COUNT", help="stop after this many readings")
+    parser.add_argument("--interval", type=seconds, default=0.0, metavar="SECONDS", help="time between two readings")
+    add_encoder(parser)
+
+
+def _add_capture_command(add_command: Callable[..., Any], name: str, summary: str) -> None:
+    parser = add_command(name, partial(_bench, name), summary, epilog=_BENCH)
+    parser.add_argument(
+        "files",
+        metavar="[ORDER-CODE] FILE",
+        nargs="+",
+        help="the code on the label, unless --biss is given; capture",
+    )
+    add_capture(parser)
+    add_output(parser, plot=name == "plot")
+    add_encoder(parser)
+
+
+def _bench(name: str, package: str, chosen: argparse.Namespace) -> int | None:
+    """Run a command that needs NumPy."""
+    try:
+        from . import bench
+    except ImportError as error:
+        raise missing(package, error) from None
+    run: Callable[[str, argparse.Namespace], int | None] = getattr(bench, name)
+    return run(package, chosen)
+
+
+def _decode(package: str, chosen: argparse.Namespace) -> int | None:
+    encoder = encoder_of(package, chosen)
+    if chosen.file != ["-"] and not os.path.exists(chosen.file[0]):
+        frame = _frame(" ".join(chosen.file), encoder)
+        if frame is not None and chosen.si:
+            raise Failed("--si needs a file with a column 'time': one frame has no speed", USAGE)
+        if frame is not None:
+            return _show(encoder, frame, chosen)
+    if len(chosen.file) > 1:
+        raise Failed(f"expected one file or one frame, got {' '.join(chosen.file)[:60]!r}", USAGE)
+    chosen.file = chosen.file[0]
+    _decode_file(package, encoder, chosen)
+    return DONE
+
+
+def _frame(text: str, encoder: Encoder) -> int | bytes | str | None:
+    """Return the frame that the arguments contain, or None if they are the name of a file."""
+    packed = re.sub("[ _,:]", "", text)
+    if encoder.interface is Interface.RS485:
+        packed = packed.removeprefix("0x")
+        return bytes.fromhex(packed) if re.fullmatch("([0-9a-fA-F]{2})+", packed) else None
+    if re.fullmatch("0b[01]+", packed):
+        return packed
+    # Frames of more than 64 bits are decoded from bytes.
+    in_bytes = all(any_shape(kind, encoder).length for kind in kinds_of(encoder))
+    if in_bytes and re.fullmatch("([0-9a-fA-F]{2})+", packed):
+        return bytes.fromhex(packed)
+    return int(packed, 16) if re.fullmatch("(0x)?[0-9a-fA-F]{1,64}", packed) else None
+
+
+def _others(encoder: Encoder, frame: int | bytes | str, result: Any) -> str:
+    """Return the other frames that a frame can be, in words, or an empty string. ``result`` can be its error."""
+    hint = get_type_hints(type(encoder).try_decode)["return"]
+    decoded = [kind for kind in get_args(hint) or (hint,) if not issubclass(kind, FrameError)]
+    names = [kind.__name__ for kind in kinds_of(encoder) if _can_be(kind, decoded, encoder, frame, result)]
+    if not names:
+        return ""
+    words = "This can be another frame" if isinstance(result, FrameError) else "This can also be another frame"
+    return f"{words}: {', '.join(names)} (decode it with the class in {type(encoder).__module__})"
+
+
+def _can_be(kind: Any, decoded: Sequence[type], encoder: Encoder, frame: int | bytes | str, result: Any) -> bool:
+    """Return whether a frame is a valid one of another class than those in ``decoded``."""
+    # An encoder with several classes identifies its frames by a field.
+    if len(decoded) != 1 or kind in decoded:
+        return False
+    # Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
+    has_length = any_shape(kind, encoder).bits == any_shape(decoded[0], encoder).bits
+    if not has_length and not isinstance(result, LengthError):
+        return False
+    try:
+        decoder(kind._decoder, encoder, raised)(frame)
+    except (FrameError, TypeError):
+        return False
+    return True
+
+
+def _show(encoder: Encoder, frame: int | bytes | str, chosen: argparse.Namespace) -> int:
+    """Print one frame. This needs no other packages."""
+    result = _with_answers(encoder, frame, dict(chosen.choose))
+    values: dict[str, Any] = result.to_dict()
+    other_frames = _others(encoder, frame, result)
+    if chosen.json:
+        print(json.dumps(values, ensure_ascii=False))
+    elif isinstance(result, FrameError):
+        more = other_frames or result.hint
+        raise Failed(f"{result}. {more}" if more else result)
+    else:
+        width = max(map(len, values))
+        for name, value in values.items():
+            print(f"{name:<{width}}  {_plain(value)}")
+        for report in result.reports:
+            print(f"\n{report.name}: {report.meaning}" + (f"\n  {report.remedy}" if report.remedy else ""))
+        if other_frames:
+            print(f"\n{other_frames}")
+    if isinstance(result, FrameError):
+        return FAILED
+    return NOT_USABLE if values.get("verdict") == Verdict.NOT_USABLE.value else DONE
+
+
+def _plain(value: Any) -> str:
+    """Return a value as it is printed."""
+    if value is None:
+        return "-"
+    if isinstance(value, list):
+        return " ".join(map(str, cast("list[object]", value))) or "none"
+    return str(value).lower() if isinstance(value, bool) else str(value)
+
+
+def _with_answers(encoder: Encoder, frame: int | bytes | str, answers: dict[str, str]) -> Any:
+    """Return the frame or its error. Answers to open questions are keyword arguments."""
+    open_answers: dict[str, Any] = {}
+    hints = get_type_hints(encoder.try_decode)
+    for name, answer in answers.items():
+        kinds = [kind for kind in get_args(hints.get(name)) if kind is not type(None)]
+        members = [member for kind in kinds for member in kind if member.name.lower() == answer.lower()]
+        if len(members) != 1:
+            raise Failed(f"--choose {name}={answer} does not apply to the frames of {encoder.code}", USAGE)
+        open_answers[name] = members[0]
+    decode: Any = encoder.try_decode
+    try:
+        return decode(frame, **open_answers)
+    except (TypeError, NotImplementedError) as error:
+        raise Failed(error, USAGE) from None
+
+
+def _decode_file(package: str, encoder: Encoder, chosen: argparse.Namespace) -> None:
+    try:
+        from ..files.stream import Files
+    except ImportError as error:
+        raise missing(package, error) from None
+    with working(package, chosen.file) as progress:
+        summary = Files(package).decode_file(
+            encoder,
+            chosen.file,
+            chosen.output,
+            layout=chosen.layout,
+            to=chosen.write,
+            kind=chosen.read,
+            words=chosen.words,
+            column=chosen.column,
+            digits=chosen.digits,
+            cut=chosen.cut,
+            si=chosen.si,
+            columns=chosen.columns,
+            limit=chosen.limit,
+            raw=chosen.raw,
+            force=chosen.force,
+            answers=dict(chosen.choose),
+            progress=progress,
+        )
+    _report(summary, chosen)
+
+
+def _report(summary: Summary, chosen: argparse.Namespace) -> None:
+    """Print the summary, to standard error if the table goes to standard output."""
+    out = sys.stderr if chosen.output == "-" else sys.stdout
+    print(json.dumps(summary.to_dict()) if chosen.json else summary, file=out)
+    if 100 * summary.error_rate > chosen.max_errors:
+        raise Failed(f"{summary.error_rate:.0%} of the frames have an error; --max-errors is {chosen.max_errors:g}")

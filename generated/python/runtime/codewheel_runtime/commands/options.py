@@ -1,0 +1,159 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Options of the commands."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from collections.abc import Callable
+from enum import Enum
+from typing import Final
+
+from ..reports import Interface
+
+#: Default limit for the percentage of frames with an error. A higher percentage suggests wrong settings or wiring.
+DEFAULT_MAX_ERRORS: Final = 10.0
+
+
+def add_capture(parser: argparse.ArgumentParser) -> None:
+    """Add the options of captures."""
+    add = parser.add_argument_group("capture").add_argument
+    add("--biss", metavar="FIELDS", help="layout of BiSS frames of an encoder without a package")
+    add("--clock", default="", metavar="CHANNEL", help="channel of the clock, MA")
+    add("--data", default="", metavar="CHANNEL", help="channel of the data line, SLO, or of the serial line")
+    add("--rate", type=_rate, metavar="RATE", help="sample rate such as 24MHz, if FILE does not contain it")
+    add(
+        "--rest",
+        type=seconds,
+        metavar="SECONDS",
+        help="shortest rest of the clock between cycles (default: 1.4 periods)",
+    )
+    add("--baud", type=_rate, metavar="BAUD", help="baud rate, if it differs from the manual")
+
+
+def add_output(parser: argparse.ArgumentParser, plot: bool = False) -> None:
+    """Add the options for the file to write."""
+    add = parser.add_argument_group("output").add_argument
+    if plot:
+        add("-o", "--output", required=True, metavar="FILE", help="picture to write: .png, .svg or .pdf")
+        add("--force", action="store_true", help="replace an existing file")
+        _add_digits(add)
+        return
+    add("-o", "--output", default="-", metavar="FILE", help="output file (default: CSV on standard output)")
+    add("--json", action="store_true", help="print a frame, or the summary, as JSON")
+    add("--si", action="store_true", help="also write position and speed in SI units (a file needs a column 'time')")
+    add("--write", choices=("parquet", "arrow", "csv"), help="output format (default: by extension, else csv)")
+    add("--columns", type=_names, default=(), metavar="NAME,...", help="columns to write, also of FILE (default: all)")
+    add("--raw", action="store_true", help="write the position of every frame, even if it is not usable")
+    add(
+        "--max-errors",
+        type=_percent,
+        default=DEFAULT_MAX_ERRORS,
+        metavar="PERCENT",
+        help="exit with 1 if more frames than this have an error (default: %(default)g)",
+    )
+    add("--limit", type=count, metavar="COUNT", help="decode at most this many frames")
+    add("--force", action="store_true", help="replace an existing file")
+
+
+def add_input(parser: argparse.ArgumentParser) -> None:
+    """Add the options for the file of frames."""
+    add = parser.add_argument_group("input").add_argument
+    add("--read", choices=("binary", "csv", "parquet"), help="input format (default: by extension, else binary)")
+    words = ("packed", "little", "big", "little32", "big32")
+    add("--words", choices=words, default="packed", metavar="FORM", help=f"form of binary frames: {', '.join(words)}")
+    add("--column", default="", metavar="NAME", help="column with the frames, in CSV also its number from 1")
+    _add_digits(add)
+    add("--cut", action="store_true", help="ignore an incomplete frame at the end")
+
+
+def _add_digits(add: Callable[..., object]) -> None:
+    add("--digits", choices=("hex", "decimal"), help="base of numbers in text without 0x")
+
+
+def add_encoder(parser: argparse.ArgumentParser) -> None:
+    """Add the options that select the encoder and its frames."""
+    add = parser.add_argument_group("encoder").add_argument
+    interfaces = [interface.value for interface in Interface]
+    add("--interface", choices=interfaces, help="reject an order code with another interface")
+    add("--layout", default="", metavar="NAME", help="kind of the frames, if the encoder sends several")
+    add(
+        "--register",
+        action="append",
+        type=_register,
+        default=[],
+        metavar="ADDRESS=BYTE",
+        help="register byte that affects frames, such as 0x56=0x10 (else the factory default); repeatable",
+    )
+    add(
+        "--choose",
+        action="append",
+        type=_answer,
+        default=[],
+        metavar="NAME=ANSWER",
+        help="answer to a question that the manual leaves open; repeatable",
+    )
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(name.strip() for name in text.split(","))
+
+
+def _number(text: str) -> int:
+    # Longer numbers are out of range anyway, and Python refuses to parse very long ones.
+    if len(text) > 20 or not text.isascii():
+        raise ValueError
+    return int(text, 0)
+
+
+def count(text: str) -> int:
+    """Return a number of frames or readings."""
+    if (number := _number(text)) < 0:
+        raise ValueError
+    return number
+
+
+def _percent(text: str) -> float:
+    if not 0 <= (number := float(text)) <= 100:
+        raise ValueError
+    return number
+
+
+def _register(text: str) -> tuple[int, int]:
+    address, _, value = text.partition("=")
+    return _number(address), _number(value)
+
+
+def _answer(text: str) -> tuple[str, Enum | str]:
+    name, between, answer = text.partition("=")
+    if not between:
+        raise ValueError
+    return name.strip(), answer.strip()
+
+
+def seconds(text: str) -> float:
+    """Return a time in seconds."""
+    if not 0 <= (number := float(text)) < 1e6:
+        raise ValueError
+    return number
+
+
+def _rate(text: str) -> float:
+    match = _RATE.fullmatch(text.strip())
+    if match is None or not float(match[1]):
+        raise ValueError
+    return float(match[1]) * 1000.0 ** " kMG".index(match[2] or " ")
+
+
+_RATE: Final = re.compile(r"([0-9]{1,12}(?:\.[0-9]{1,9})?) ?([kMG]?)(?:Hz|S/s|Bd)?")
+
+# argparse prints these names in its messages.
+for _kind, _name in (
+    (count, "count"),
+    (_percent, "percent"),
+    (seconds, "time in seconds"),
+    (_rate, "rate, such as 24MHz"),
+    (_register, "ADDRESS=BYTE"),
+    (_answer, "NAME=ANSWER"),
+):
+    _kind.__name__ = _name

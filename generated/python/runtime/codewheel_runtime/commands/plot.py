@@ -1,0 +1,195 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Plots the position and the speed of frames over time, with errors marked. Needs matplotlib."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator, Sequence
+from importlib import import_module
+from pathlib import PurePath
+from typing import Any, Final, NamedTuple
+
+from ..bulk.table import SpeedUnit, Table, Unit
+from ..captures.clocked import Lost
+from ..errors import ErrorKind, UsageError
+from ..files.stream import written
+
+np: Any = import_module("numpy")
+_FIGURE: Any = import_module("matplotlib.figure")
+_COLLECTIONS: Any = import_module("matplotlib.collections")
+
+_KINDS: Final = ("png", "svg", "pdf")
+_ERROR_COLOURS: Final = {
+    ErrorKind.LENGTH: "tab:purple",
+    ErrorKind.CRC: "tab:red",
+    ErrorKind.CONSTANT: "tab:pink",
+    ErrorKind.RANGE: "tab:brown",
+}
+
+
+class _Units(NamedTuple):
+    """Units of positions and speeds, with their labels."""
+
+    position: Unit
+    position_label: str
+    speed: SpeedUnit
+    speed_label: str
+
+
+#: Units to try.
+_UNITS: Final = (
+    _Units("millimetres", "position in mm", "millimetres", "speed in mm/s"),
+    _Units("degrees", "angle in degrees", "rpm", "speed in rpm"),
+    _Units("counts", "position in counts", "counts", "speed in counts/s"),
+)
+#: Number of points above which only the lowest and highest of each column of pixels are drawn.
+_POINTS: Final = 20_000
+
+
+def figure(table: Table, lost: Sequence[Lost] = (), title: str = "") -> Any:
+    """Draw the position and the speed over time.
+
+    Frames with an error, frames without a usable position, and lost cycles are marked at their times.
+
+    Args:
+        table: The frames, with a column ``time`` or ``sample``.
+        lost: Cycles without a frame.
+        title: Title. The default is the order code.
+
+    Returns:
+        A ``matplotlib.figure.Figure``.
+
+    Raises:
+        ValueError: The table has no column of times, or the frames have no position.
+    """
+    axis = next((name for name in ("time", "sample") if name in table), None)
+    if axis is None:
+        raise ValueError("the table has no column 'time'")
+    times = np.asarray(table[axis], np.float64)
+    units = _units(table)
+    drawn = _FIGURE.Figure(figsize=(10, 6), layout="constrained")
+    top, bottom = drawn.subplots(2, 1, sharex=True)
+    drawn.suptitle(title or getattr(table.encoder, "code", "") or "frames")
+    _line(top, times, table.in_units(units.position), wraps=units.position == "degrees")
+    top.set_ylabel(units.position_label)
+    _draw_speed(bottom, table, times, units.speed)
+    is_timed = axis == "time"
+    bottom.set_ylabel(units.speed_label if is_timed else units.speed_label.replace("/s", "/sample"))
+    bottom.set_xlabel("time in s" if is_timed else "sample")
+    for mark_times, label, colour in _marks(table, times, lost):
+        if len(mark_times):
+            _mark((top, bottom), mark_times, f"{label} ({len(mark_times)})", colour)
+    if top.get_legend_handles_labels()[1]:
+        # Above the axes, where it does not cover the plot.
+        top.legend(loc="lower right", bbox_to_anchor=(1, 1), ncols=3, frameon=False, fontsize="small")
+    for axes in (top, bottom):
+        axes.grid(alpha=0.3)
+        axes.margins(x=0.01)
+    return drawn
+
+
+def _draw_speed(axes: Any, table: Table, times: Any, unit: SpeedUnit) -> None:
+    """Draw the speed over time, or a note if it is unknown."""
+    try:
+        _line(axes, times, table.velocity(times, unit), wraps=False)
+    except (AttributeError, ValueError):
+        note = "the speed is unknown: the position may wrap around"
+        axes.text(0.5, 0.5, note, transform=axes.transAxes, ha="center")
+
+
+def _marks(table: Table, times: Any, lost: Sequence[Lost]) -> Iterator[tuple[Any, str, str]]:
+    """Yield the times to mark, with their label and colour."""
+    for kind, colour in _ERROR_COLOURS.items():
+        yield times[table.fault == kind], _error(kind), colour
+    yield times[table.ok & ~table.usable], "position not usable", "tab:orange"
+    yield np.array([cycle.time for cycle in lost], np.float64), "lost", "black"
+
+
+def save(
+    table: Table,
+    target: str | os.PathLike[str],
+    lost: Sequence[Lost] = (),
+    *,
+    title: str = "",
+    force: bool = False,
+    sources: Sequence[str] = (),
+) -> None:
+    """Draw the position and the speed over time, and write the picture.
+
+    Args:
+        table, lost, title: See ``figure``.
+        target: The file to write: ``.png``, ``.svg`` or ``.pdf``.
+        force: Replace an existing file.
+        sources: Files that were read, which are not replaced.
+
+    Raises:
+        UsageError: The format is unknown, the file exists, or the table has no times or no positions.
+        OSError: The file cannot be written.
+    """
+    kind = PurePath(target).suffix.lower().removeprefix(".")
+    if kind not in _KINDS:
+        raise UsageError(f"{os.fspath(target)}: the name of a picture ends in .png, .svg or .pdf")
+    try:
+        drawn = figure(table, lost, title)
+    except (ValueError, AttributeError) as error:
+        raise UsageError(f"nothing to plot: {error}") from None
+    with written(os.fspath(target), sources, force) as file:
+        drawn.savefig(file, format=kind, dpi=150)
+
+
+def _units(table: Table) -> _Units:
+    """Return the first units that the encoder supports."""
+    for units in _UNITS:
+        try:
+            table[:0].in_units(units.position)
+        except (AttributeError, ValueError):
+            if units.position == "counts":
+                raise ValueError("these frames have no position") from None
+            continue
+        return units
+    raise AssertionError
+
+
+def _error(kind: ErrorKind) -> str:
+    return f"{'CRC' if kind is ErrorKind.CRC else kind.name.lower()} error"
+
+
+def _line(axes: Any, times: Any, values: Any, wraps: bool) -> None:
+    """Draw values over time. The line has a gap where the position wraps around."""
+    times, values = _thinned(times, values)
+    if wraps and len(values):
+        jumps = np.flatnonzero(np.abs(np.diff(values)) > 180) + 1
+        times, values = np.insert(times, jumps, times[jumps]), np.insert(values, jumps, np.nan)
+    markers = {"marker": ".", "markersize": 4} if len(values) < 200 else {}
+    axes.plot(times, values, linewidth=1, **markers)
+
+
+def _thinned(times: Any, values: Any) -> tuple[Any, Any]:
+    """Return at most a few thousand points that look the same: the extremes of each stretch."""
+    is_finite = np.isfinite(values)
+    times, values = times[is_finite], values[is_finite]
+    if len(values) <= _POINTS:
+        return times, values
+    size = -(-len(values) // (_POINTS // 2))
+    whole = len(values) // size * size
+    rows = values[:whole].reshape(-1, size)
+    starts = np.arange(len(rows)) * size
+    places = np.unique(np.concatenate([starts + rows.argmin(axis=1), starts + rows.argmax(axis=1), [len(values) - 1]]))
+    return times[places], values[places]
+
+
+def _mark(axes: Sequence[Any], times: Any, label: str, colour: str) -> None:
+    """Mark times with thin vertical lines."""
+    # Where lines are too close to be distinguished, only some are drawn.
+    every = max(-(-len(times) // (_POINTS // 10)), 1)
+    lines_at = [[(time, 0), (time, 1)] for time in times[::every]]
+    for index, plot_axes in enumerate(axes):
+        lines = _COLLECTIONS.LineCollection(
+            lines_at,
+            transform=plot_axes.get_xaxis_transform(),
+            colors=colour,
+            linewidths=1,
+            alpha=0.6,
+            label=label if index == 0 else None,
+        )
+        plot_axes.add_collection(lines, autolim=False)

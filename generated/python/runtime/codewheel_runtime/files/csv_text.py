@@ -1,0 +1,229 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Reads frames from CSV files in chunks."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Callable, Generator, Iterable, Iterator
+from itertools import chain, islice
+from typing import BinaryIO, Final
+
+from ..bulk.cells import Cells, of_text
+from ..bulk.shape import Shape
+from ..bulk.words import DigitKind, listed, short
+from ..errors import InputError
+from . import inputs
+from .fast_csv import Block, Joined, is_plain, reader, whole_lines
+from .inputs import FIRST, Part, Share, Source, Stored, check_form, kept_columns, named_place
+
+#: Limit for the length of a line. A longer one means that the file is not CSV.
+_LONGEST: Final = 1 << 20
+
+
+def csv_rows(file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share) -> Source:
+    """Return the frames and the other columns of a CSV file."""
+    blocks = whole_lines(b"", file)
+    head = next(blocks, b"")
+    lines = _Lines(_text_of([head]), name)
+    between, rows = _rows(lines)
+    first = next(rows, None)
+    if first is None:
+        return Source(_nothing(), size)
+    place, is_header = _place(first, name, stored, shape)
+    header = [cell.strip() for cell in first] if is_header else [""] * len(first)
+    names = [cell or f"column_{number}" for number, cell in enumerate(header, 1)]
+    other_names = [(index, cell) for index, cell in enumerate(names) if index != place]
+    empty_columns = kept_columns((cell for _, cell in other_names), stored, lambda _: [], name)
+    columns = [(index, cell) for index, cell in other_names if cell in empty_columns]
+    skipped = lines.number if is_header else lines.number - 1
+    start = 0
+    for _ in range(skipped):
+        start = head.find(b"\n", start) + 1 or len(head)
+    if b"\r" in head[:start].replace(b"\r\n", b""):
+        # Old line ends, which only the reader of rows counts.
+        skipped, start = 0, 0
+    table = _Table(lines, between, place, columns, is_header and not start)
+    reading = reader(names, place, columns, between, shape, stored.digits) if start or not is_header else None
+    parts = _parts(table, reading, chain([head[start:]], blocks), skipped, start, (name, stored, shape, share))
+    return Source(parts, size, tuple(cell for _, cell in other_names), empty_columns)
+
+
+def _text_of(blocks: Iterable[bytes]) -> io.TextIOWrapper:
+    return io.TextIOWrapper(io.BufferedReader(Joined(blocks)), "utf-8-sig", "replace", newline="")
+
+
+def _nothing() -> Generator[Part, None, None]:
+    yield from ()
+
+
+class _Table:
+    """Rows of a CSV file, read one by one: the delimiter, the column of frames, and the other columns to keep."""
+
+    def __init__(
+        self, lines: _Lines, between: str, place: int, columns: list[tuple[int, str]], skips_header: bool
+    ) -> None:
+        self.lines, self.between, self.place, self.columns = lines, between, place, columns
+        self._skips_header = skips_header
+        # Cells take memory, so more columns mean fewer rows at once.
+        self.count = max(inputs.ROWS // (1 + len(columns)), 1)
+        self._before = ""
+        self._rows: Iterator[list[str]] = iter(())
+
+    def open(self, blocks: Iterable[bytes], lines: int, done: int) -> None:
+        """Read these blocks. ``lines`` and ``done`` are the numbers of lines and bytes before these blocks."""
+        self.lines = _Lines(_text_of(blocks), self.lines.name, lines, done)
+        self._rows = _rows(self.lines, self.between)[1]
+        if self._skips_header:
+            next(self._rows, None)
+            self._skips_header = False
+
+    def take(self) -> tuple[list[str], list[int], dict[str, list[str]]]:
+        """Return the cells of some frames, their lines, and the cells of other columns in the same rows."""
+        cells: list[str] = []
+        numbers: list[int] = []
+        # Only cells are kept, because rows are lists, which the garbage collector would traverse repeatedly.
+        other_columns: dict[str, list[str]] = {name: [] for _, name in self.columns}
+        appenders = [(at, other_columns[name].append) for at, name in self.columns]
+        lines, place = self.lines, self.place
+        for row in islice(self._rows, self.count):
+            cells.append(row[place] if len(row) > place else "")
+            numbers.append(lines.number)
+            for at, append in appenders:
+                append(row[at] if len(row) > at else "")
+        if lines.is_cut and cells and len(cells[-1]) < len(cells[-2] if len(cells) > 1 else self._before):
+            # The last line is not terminated and is shorter than the previous one, so digits may be missing.
+            cells[-1] = ""
+        self._before = cells[-1] if cells else self._before
+        return cells, numbers, other_columns
+
+    def skip(self, last: str) -> None:
+        """Remember the last cell of a block that was read in another way."""
+        self._before = last
+
+
+_Where = tuple[str, Stored, Shape, Share]
+
+
+def _parts(
+    table: _Table,
+    read: Callable[[bytes], Block | None] | None,
+    blocks: Iterator[bytes],
+    lines: int,
+    done: int,
+    where: _Where,
+) -> Generator[Part, None, None]:
+    """Yield the frames of blocks. ``lines`` and ``done`` are the numbers of lines and bytes before the first block."""
+    name, stored, shape, share = where
+    cells, is_first = Cells(shape, stored.digits), True
+    for block in blocks:
+        is_whole = block.endswith(b"\n")
+        parsed = read(block) if read is not None and is_whole and is_plain(block) else None
+        if parsed is not None:
+            lines, done = lines + parsed.lines, done + len(block)
+            cells.seen += len(parsed.frames)
+            if is_first and len(parsed.frames):
+                _check_first(cells, parsed.first, name, stored, shape, share)
+                is_first = False
+            table.skip(parsed.last)
+            yield Part(parsed.frames, done, parsed.other_columns)
+            continue
+        # After a quote, a row can continue in the next block.
+        is_alone = read is not None and is_plain(block)
+        table.open([block] if is_alone else chain([block], blocks), lines, done)
+        while (batch := table.take())[0]:
+            texts, numbers, other_columns = batch
+            frames = [cells.read(text, number) for text, number in zip(texts, numbers, strict=False)]
+            if is_first:
+                _check_first(cells, texts[:FIRST], name, stored, shape, share)
+                is_first = False
+            yield Part(frames, table.lines.read, other_columns)
+        lines, done = lines + block.count(b"\n"), done + len(block)
+
+
+def _check_first(cells: Cells, texts: list[str], name: str, stored: Stored, shape: Shape, share: Share) -> None:
+    """Raise InputError if the first cells are not frames, or if they are valid frames only in another base."""
+    if cells.are_mostly_unread:
+        raise InputError(name, f"line {cells.place}", cells.error)
+    if stored.digits is not None and not shape.length:
+        other_base: DigitKind = "hex" if stored.digits == "decimal" else "decimal"
+        chosen_frames = _read(texts, shape, stored.digits)
+        other_forms = [(f"--digits {other_base}", _read(texts, shape, other_base))]
+        check_form(name, chosen_frames, other_forms, share)
+
+
+def _read(texts: list[str], shape: Shape, digits: DigitKind) -> list[int | bytes]:
+    """Return the frames in cells. Cells without a frame are skipped."""
+    cells = Cells(shape, digits)
+    return [frame for text in texts if (frame := cells.read(text, 0)) is not None]
+
+
+class _Lines:
+    """Lines of a text, counted and limited in length. ``is_cut`` is True if the last one is not terminated."""
+
+    def __init__(self, file: io.TextIOWrapper, name: str, number: int = 0, read: int = 0) -> None:
+        self._file, self.name, self.number, self.read, self.is_cut = file, name, number, read, False
+
+    def __iter__(self) -> Iterator[str]:
+        while line := self._file.readline(_LONGEST):
+            self.number += 1
+            self.read += len(line)
+            if len(line) == _LONGEST:
+                raise self.wrong(f"a line has more than {_LONGEST} characters: this is not a CSV file")
+            self.is_cut = line[-1] not in "\r\n"
+            yield line
+
+    def wrong(self, message: str) -> InputError:
+        return InputError(self.name, f"line {self.number}", message)
+
+
+def _rows(lines: _Lines, between: str = "") -> tuple[str, Iterator[list[str]]]:
+    """Return the delimiter and the rows of a CSV file. By default, the first line determines the delimiter."""
+    texts = iter(lines)
+    first = next(texts, "")
+    while first and (not first.strip() or first.lstrip().startswith("#")):
+        first = next(texts, "")
+    between = between or max(",;\t", key=first.count)
+    return between, _checked(lines, chain([first], texts), between) if first else iter(())
+
+
+def _checked(lines: _Lines, texts: Iterable[str], between: str) -> Iterator[list[str]]:
+    """Yield rows, without empty ones and # comments."""
+    try:
+        for row in csv.reader(texts, delimiter=between):
+            start = row[0].lstrip() if row else ""
+            if start[:1] != "#" and (start or any(cell.strip() for cell in row)):
+                yield row
+    except csv.Error as error:
+        raise lines.wrong(str(error)) from None
+
+
+def _place(first: list[str], name: str, stored: Stored, shape: Shape) -> tuple[int, bool]:
+    """Return the index of the column of frames, and whether the first row is a header."""
+    names = [cell.strip() for cell in first]
+    wanted = stored.column
+    if wanted and wanted in names:
+        return names.index(wanted), True
+    if wanted:
+        place = int(wanted) - 1 if wanted.isascii() and wanted.isdigit() and len(wanted) < 9 else -1
+        if not 0 <= place < len(names):
+            raise InputError(name, "line 1", f"no column {short(wanted)}; the columns are {listed(names)}")
+    elif len(names) == 1:
+        place = 0
+    else:
+        named = named_place(names)
+        if named is None:
+            raise InputError(name, "line 1", f"choose the column with the frames; the columns are {listed(names)}")
+        return named, True
+    # An empty cell is a missing frame, not a header.
+    return place, bool(first[place].strip()) and not _is_frame(first[place], shape)
+
+
+def _is_frame(text: str, shape: Shape) -> bool:
+    """Return whether the text can be a frame, and is not a header."""
+    try:
+        of_text(text, shape, "hex")
+    except ValueError:
+        return False
+    # 'face' is a header, although it is also hexadecimal.
+    return any(character.isdigit() for character in text)

@@ -1,0 +1,143 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Reads CSV files in blocks with pyarrow. Blocks with unusual content are read row by row, with the same result."""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from importlib import import_module
+from typing import Any, BinaryIO, Final, NamedTuple
+
+from ..bulk.shape import Shape
+from ..bulk.words import DigitKind
+
+np: Any = import_module("numpy")
+
+#: Number of bytes that are read at once. It is also the limit for a line.
+BLOCK: Final = 1 << 22
+_HEX: Final = np.full(256, 255, np.uint8)
+for _digit in range(16):
+    _HEX[[ord(f"{_digit:x}"), ord(f"{_digit:X}")]] = _digit
+
+
+class Block(NamedTuple):
+    """Rows of a block: the frames, the cells of other columns, the first and the last frame as text, and all lines."""
+
+    frames: Any
+    other_columns: dict[str, Any]
+    first: list[str]
+    last: str
+    lines: int
+
+
+def whole_lines(data: bytes, file: BinaryIO) -> Iterator[bytes]:
+    """Yield blocks that end with a line. The last block may not. ``data`` was read before."""
+    while more := file.read(BLOCK):
+        data += more
+        end = data.rfind(b"\n") + 1
+        if end:
+            yield data[:end]
+            data = data[end:]
+        elif len(data) > BLOCK:
+            break
+    if data:
+        yield data
+
+
+def is_plain(block: bytes) -> bool:
+    """Return whether each line of a block is a row, without quotes and comments."""
+    if b'"' in block or b"#" in block:
+        return False
+    return b"\r" not in block or block.count(b"\r") == block.count(b"\r\n")
+
+
+class Joined(io.RawIOBase):
+    """Bytes that were read before, and the rest of a file."""
+
+    def __init__(self, blocks: Iterable[bytes]) -> None:
+        super().__init__()
+        self._blocks, self._data = iter(blocks), b""
+
+    def readable(self) -> bool:
+        """Return True."""
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        """Fill the buffer, and return the number of bytes."""
+        if not self._data:
+            self._data = next(self._blocks, b"")
+        part, self._data = self._data[: len(buffer)], self._data[len(buffer) :]
+        buffer[: len(part)] = part
+        return len(part)
+
+
+def reader(
+    names: Sequence[str],
+    place: int,
+    kept_columns: Sequence[tuple[int, str]],
+    between: str,
+    shape: Shape,
+    digits: DigitKind | None,
+) -> Callable[[bytes], Block | None] | None:
+    """Return a function that reads a block, or None if pyarrow is not installed.
+
+    The function returns None if a cell is missing, or is not a frame in the usual form.
+    """
+    try:
+        pa: Any = import_module("pyarrow")
+        pc: Any = import_module("pyarrow.compute")
+        csv: Any = import_module("pyarrow.csv")
+    except ImportError:
+        return None
+    columns = [str(at) for at in range(len(names))]
+    parse = csv.ParseOptions(delimiter=between, quote_char=False)
+    wanted = [str(place), *(str(at) for at, _ in kept_columns)]
+    convert = csv.ConvertOptions(
+        include_columns=wanted, column_types=dict.fromkeys(wanted, pa.string()), strings_can_be_null=False
+    )
+
+    def read(block: bytes) -> Block | None:
+        options = csv.ReadOptions(column_names=columns, use_threads=False, block_size=len(block) + 1)
+        try:
+            table = csv.read_csv(pa.BufferReader(block), options, parse, convert).combine_chunks()
+            cells = table.column(0).chunk(0) if table.num_rows else pa.array([], pa.string())
+            frames = _bytes(cells, shape.length, pc) if shape.length else _words(cells, digits, pa, pc)
+        except pa.ArrowInvalid:
+            return None
+        if frames is None:
+            return None
+        other_columns = {name: table.column(at).combine_chunks() for at, (_, name) in enumerate(kept_columns, 1)}
+        last = cells[-1].as_py() if len(cells) else ""
+        return Block(frames, other_columns, cells.slice(0, 1000).to_pylist(), last, block.count(b"\n"))
+
+    return read
+
+
+def _words(cells: Any, digits: DigitKind | None, pa: Any, pc: Any) -> Any:
+    """Return numbers, or None if a cell is not a number in the usual form."""
+
+    def begins(text: str) -> Any:
+        return pc.starts_with(cells, text, ignore_case=True)
+
+    if not pc.all(begins("0x"), min_count=0).as_py():
+        if digits is None or pc.any(begins("0b"), min_count=0).as_py():
+            return None
+        if digits == "hex":
+            if pc.any(begins("0x"), min_count=0).as_py():
+                return None
+            cells = pc.binary_join_element_wise("0x", cells, "")
+    return cells.cast(pa.uint64()).to_numpy(zero_copy_only=False)
+
+
+def _bytes(cells: Any, length: int, pc: Any) -> Any:
+    """Return rows of bytes, or None if a cell has a different length or is not hexadecimal."""
+    cells = pc.replace_substring(cells, " ", "")
+    count = len(cells)
+    _, offsets, data = cells.buffers()
+    starts = np.frombuffer(offsets, np.int32)[cells.offset : cells.offset + count + 1]
+    if not count or (np.diff(starts) != 2 * length).any():
+        return None
+    digits = _HEX[np.frombuffer(data, np.uint8, 2 * length * count, int(starts[0]))]
+    if digits.max() > 15:
+        return None
+    return (digits[::2] << 4 | digits[1::2]).reshape(count, length)

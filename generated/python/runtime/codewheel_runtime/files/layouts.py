@@ -1,0 +1,84 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Kinds of frames that an encoder sends and receives."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from enum import Enum
+from importlib import import_module
+from inspect import signature
+from typing import Any, NamedTuple, get_type_hints
+
+from ..bulk.shape import Shape
+from ..encoder import Encoder
+from ..errors import UsageError
+
+
+class Layout(NamedTuple):
+    """Kind of frame that an encoder sends or receives. ``answers`` are the questions that the manual leaves open."""
+
+    name: str
+    sender: str
+    answers: Mapping[str, type[Enum]]
+    make: Callable[..., Shape]
+
+    def shape(self, encoder: Encoder, answers: Mapping[str, object]) -> Shape:
+        """Return the shape of these frames for an encoder and the answers to its questions."""
+        variant = {"variant": encoder} if "variant" in signature(self.make).parameters else {}
+        return self.make(**variant, **answers)
+
+
+def layouts_of(encoder: Encoder) -> tuple[Layout, ...]:
+    """Return all kinds of frames of an encoder's interface. Those that it sends come first."""
+    package, _, module = type(encoder).__module__.rpartition(".")
+    frames: Mapping[tuple[str, str], Mapping[str, Callable[..., Shape]]]
+    frames = import_module(f"{package}._shapes.{module}").FRAMES
+    layouts: list[Layout] = []
+    for interface, sender in sorted(frames, key=lambda interface_and_sender: interface_and_sender[1]):
+        if interface == encoder.interface.value:
+            for name, make in frames[interface, sender].items():
+                layouts.append(Layout(name, sender, _answers_of(make), make))
+    return tuple(layouts)
+
+
+def _answers_of(make: Callable[..., Shape]) -> dict[str, type[Enum]]:
+    """Return the questions that a description needs answers to, with the enumeration of each."""
+    hints = get_type_hints(make)
+    return {name: hints[name] for name in signature(make).parameters if issubclass(hints[name], Enum)}
+
+
+def layout_of(encoder: Encoder, name: str = "") -> Layout:
+    """Return the kind of frame with this name, which is the name in the manual or the name of the class.
+
+    Raises:
+        UsageError: There is no such frame, or a name is needed to choose one.
+    """
+    layouts = layouts_of(encoder)
+    if name:
+        wanted = name.replace("_", "").lower()
+        chosen = [candidate for candidate in layouts if candidate.name.replace("_", "") == wanted]
+        problem = f"{encoder.code} has no frame '{name[:40]}'"
+    else:
+        chosen = [candidate for candidate in layouts if candidate.sender == "encoder"]
+        problem = f"{encoder.code} sends several kinds of frames; choose a layout"
+    if len(chosen) != 1:
+        raise UsageError(f"{problem}: {', '.join(candidate.name for candidate in layouts) or 'none is known'}")
+    return chosen[0]
+
+
+def shape_for(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Shape:
+    """Return the shape of frames. Raises UsageError if an answer is missing or not needed."""
+    frame_layout = layout_of(encoder, layout)
+    for name in answers:
+        if name not in frame_layout.answers:
+            needed = f"it accepts {', '.join(frame_layout.answers)}" if frame_layout.answers else "it needs no answers"
+            raise UsageError(f"{frame_layout.name} does not accept the answer '{name[:40]}': {needed}")
+    chosen_answers: dict[str, object] = {}
+    for name, kind in frame_layout.answers.items():
+        answer = answers.get(name)
+        members = [member for member in kind if answer in (member, member.name, member.name.lower())]
+        if len(members) != 1:
+            words = " or ".join(member.name.lower() for member in kind)
+            raise UsageError(f"the manual leaves the {name} of {frame_layout.name} open: choose {words}")
+        chosen_answers[name] = members[0]
+    return frame_layout.shape(encoder, chosen_answers)

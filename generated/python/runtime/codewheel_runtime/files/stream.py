@@ -1,0 +1,389 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Decodes files of frames in bounded memory, and partitions of data frames."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from contextlib import contextmanager, suppress
+from enum import Enum
+from importlib import import_module
+from types import MappingProxyType
+from typing import Any, Final, NamedTuple, TypeVar, cast
+
+from ..bulk.decode import decode_many
+from ..bulk.shape import Shape
+from ..bulk.table import FrameSource, Table
+from ..bulk.words import DigitKind, WordKind
+from ..encoder import Encoder
+from ..errors import ErrorKind, InputError, UsageError
+from ..reports import Verdict
+from .inputs import FileKind, Source, Stored
+from .layouts import Layout, layout_of, layouts_of, shape_for
+from .partitions import PartitionDecoder, check_apart
+from .sinks import SINKS, Plan, Sink, TargetKind, target_kind
+from .sources import opened
+
+np: Any = import_module("numpy")
+
+__all__ = [
+    "Files",
+    "InputError",
+    "Layout",
+    "Summary",
+    "UsageError",
+    "layout_of",
+    "layouts_of",
+]
+
+_Part = TypeVar("_Part")
+_NO_ANSWERS: Final[Mapping[str, Enum | str]] = MappingProxyType({})
+
+
+class Summary(NamedTuple):
+    """Number of frames in a file, in total and by result.
+
+    Attributes:
+        frames: Number of frames.
+        faults: Number of frames with each error.
+        verdicts: Number of valid frames with each verdict. Empty if the frames have no verdict.
+        lost: Number of cells in other columns that were left empty because they are not numbers, unlike earlier cells.
+    """
+
+    frames: int
+    faults: Mapping[ErrorKind, int]
+    verdicts: Mapping[Verdict, int]
+    lost: int = 0
+
+    @property
+    def error_rate(self) -> float:
+        """Fraction of the frames with an error, from 0 to 1."""
+        return sum(self.faults.values()) / self.frames if self.frames else 0.0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the counts as plain values for JSON."""
+        faults = {kind.name.lower(): count for kind, count in self.faults.items()}
+        verdicts = {kind.value: count for kind, count in self.verdicts.items()}
+        return {"frames": self.frames, "faults": faults, "verdicts": verdicts, "lost_cells": self.lost}
+
+    def __str__(self) -> str:
+        valid = self.frames - sum(self.faults.values())
+        verdicts = ", ".join(f"{count} {kind.value.replace('_', ' ')}" for kind, count in self.verdicts.items())
+        parts = [counted(self.frames, "frame"), f"{valid} valid" + (f" ({verdicts})" if verdicts else "")]
+        for kind, count in self.faults.items():
+            parts.append(f"{count} with a {'CRC' if kind is ErrorKind.CRC else kind.name.lower()} error")
+        if self.lost:
+            parts.append(f"{counted(self.lost, 'cell')} of other columns left empty")
+        return ", ".join(parts)
+
+
+def counted(count: int, word: str) -> str:
+    """Return a number followed by its noun."""
+    return f"{count} {word}{'' if count == 1 else 's'}"
+
+
+# Files and partitions
+
+
+class Files(NamedTuple):
+    """Functions that decode files and partitions. A label denotes an encoder of the package ``package``."""
+
+    package: str
+
+    def decode_file(
+        self,
+        encoder: Encoder | str,
+        source: str | os.PathLike[str],
+        target: str | os.PathLike[str],
+        *,
+        layout: str = "",
+        to: TargetKind | None = None,
+        kind: FileKind | None = None,
+        words: WordKind = "packed",
+        column: str = "",
+        digits: DigitKind | None = None,
+        cut: bool = False,
+        si: bool = False,
+        columns: Sequence[str] = (),
+        limit: int | None = None,
+        raw: bool = False,
+        force: bool = False,
+        answers: Mapping[str, Enum | str] = _NO_ANSWERS,
+        progress: Callable[[int, int | None, int], None] | None = None,
+    ) -> Summary:
+        """Decode a file of frames into a file of columns, in bounded memory.
+
+        Each frame becomes a row. The other columns of the file come first, unchanged. The position is empty if it is
+        not usable, or if the frame has an error. The error is in ``fault``. A cell without a frame becomes a row with a
+        length error. The target appears when it is complete. On error, no file is created and an existing file is left
+        unchanged.
+
+        Args:
+            encoder: The encoder, or its label.
+            source: The file to read, or ``-`` for standard input.
+            target: The file to write, or ``-`` for CSV on standard output.
+            layout: Kind of the frames, if the encoder sends several kinds.
+            to: Format to write: ``parquet``, ``arrow`` or ``csv``. The default follows from the name of the file.
+            kind: Format to read: ``binary``, ``csv`` or ``parquet``. The default follows from the name of the file.
+            words: Form of a frame of bits in a binary file. ``packed`` uses as few bytes as possible, most significant
+                first. ``little`` and ``big`` are little-endian and big-endian numbers of eight bytes, ``little32`` and
+                ``big32`` of four bytes.
+            column: Name of the column with the frames. For CSV, this may be its number, from 1.
+            digits: Base of numbers in text that do not start with ``0x``: ``hex`` or ``decimal``.
+            cut: Ignore an incomplete frame at the end.
+            si: Also write the position and the speed in SI units. The source needs a column ``time`` in seconds.
+            columns: Columns to write, both decoded columns and columns of the file. The default is all.
+            limit: Maximum number of frames to decode.
+            raw: Write the position of every frame, even if it is not usable.
+            force: Replace an existing file.
+            answers: Answers to the questions that the manual leaves open, by name.
+            progress: Called from time to time with the amount read, the total if known, and the number of frames.
+
+        Returns:
+            Counts of frames, of each error and of each verdict.
+
+        Raises:
+            InputError: The source does not contain such frames. The message says where. This error is also raised if
+                many of the first 1000 frames have an error but would be valid with other ``words`` or ``digits``. The
+                message then suggests them.
+            UsageError: The arguments are wrong or incompatible with each other.
+            OSError: A file cannot be read or written.
+        """
+        encoder = self._encoder(encoder)
+        shape = shape_for(encoder, layout, answers)
+        output = Output(os.fspath(target), target_format(target, to), columns, raw, force, si)
+        wanted = (*columns, "time") if si and columns else columns
+        stored = Stored(kind, words, column, digits, cut, wanted)
+        return _decode_file(encoder, shape, os.fspath(source), stored, output, limit, progress)
+
+    def decode_partition(
+        self,
+        part: _Part,
+        encoder: Encoder | str,
+        column: str = "",
+        *,
+        layout: str = "",
+        digits: DigitKind | None = None,
+        raw: bool = False,
+        answers: Mapping[str, Enum | str] = _NO_ANSWERS,
+    ) -> _Part:
+        """Decode the frames of a table from Arrow, pandas, polars, DuckDB, or another library with Arrow's C stream.
+
+        The fields, ``verdict`` and ``fault`` replace the column of frames. Other columns, all rows and the index of a
+        DataFrame are unchanged. A position is null if the frame has an error or its position is not usable. A missing
+        frame has a length error. The result depends only on the arguments, so engines can process partitions in any
+        order and in other processes.
+
+        Args:
+            part: The partition.
+            encoder: The encoder, or its label.
+            column: Name of the column with the frames: integers, bytes or text. By default, the only column, or
+                ``frame`` or ``word``.
+            layout: Kind of the frames, if the encoder sends several kinds.
+            digits: Base of numbers in text that do not start with ``0x``: ``hex`` or ``decimal``.
+            raw: Keep the position of every frame, even if it is not usable.
+            answers: Answers to the questions that the manual leaves open, by name.
+
+        Returns:
+            A partition of the same type: a ``pyarrow.Table`` or ``RecordBatch`` or a pandas DataFrame. For other
+            types, a ``pyarrow.Table``, which they accept.
+
+        Raises:
+            InputError: The column does not contain such frames.
+            TypeError: ``part`` is not a partition of a supported type.
+            UsageError: The arguments are wrong or incompatible with each other.
+        """
+        encoder = self._encoder(encoder)
+        decoder = PartitionDecoder(encoder, shape_for(encoder, layout, answers), column, digits, raw)
+        return cast(_Part, decoder.decode(part))
+
+    def _encoder(self, encoder: Encoder | str) -> Encoder:
+        if isinstance(encoder, Encoder):
+            return encoder
+        variant: Encoder = import_module(self.package).lookup(encoder)
+        return variant
+
+
+class Output(NamedTuple):
+    """Output file.
+
+    Attributes:
+        target: Name of the file, or ``-`` for standard output.
+        kind: Format of the file.
+        columns: Columns to write. Empty for all.
+        raw: True to write positions that are not usable.
+        force: True to replace an existing file.
+        si: True to write the position and the speed in SI units, too.
+    """
+
+    target: str
+    kind: TargetKind
+    columns: Sequence[str]
+    raw: bool
+    force: bool
+    si: bool
+
+
+def target_format(target: str | os.PathLike[str], to: TargetKind | None) -> TargetKind:
+    """Return the format to write: the requested one, or that of the file name."""
+    kind = to or target_kind(os.fspath(target))
+    if os.fspath(target) == "-" and kind != "csv":
+        raise UsageError("only CSV can be written to standard output")
+    return kind
+
+
+def _decode_file(
+    encoder: Encoder,
+    shape: Shape,
+    source: str,
+    stored: Stored,
+    output: Output,
+    limit: int | None,
+    progress: Callable[[int, int | None, int], None] | None,
+) -> Summary:
+    empty = decode_many([], shape, encoder)
+    derived = Derived("time", source) if output.si else None
+    fields = empty if derived is None else derived.check(empty.with_columns(time=np.zeros(0)))
+
+    def share(frames: Any) -> float:
+        return float(decode_many(frames, shape, encoder).ok.mean())
+
+    with (
+        opened(source, stored, shape, share) as read,
+        written(output.target, [source], output.force) as file,
+    ):
+        if derived is not None:
+            if "time" not in read.empty_columns:
+                raise UsageError(f"{source} has no column 'time', which speeds in SI units need")
+            check_apart(read.empty_columns, [name for name in fields.others if name != "time"], source)
+        plan = plan_of(fields, read, output.columns, source, output.raw)
+        with SINKS[output.kind](file, plan) as sink:
+            return decoded(read, shape, encoder, sink, limit, progress, derived)
+
+
+def decoded(
+    read: Source,
+    shape: Shape,
+    encoder: FrameSource | None,
+    sink: Sink,
+    limit: int | None = None,
+    progress: Callable[[int, int | None, int], None] | None = None,
+    derived: Callable[[Table, Mapping[str, Any]], Table] | None = None,
+) -> Summary:
+    """Decode the frames of a source into a file, and return the counts. ``derived`` adds columns to each table."""
+    counts = _Counts()
+    for part in read.parts:
+        rows = slice(None if limit is None else limit - counts.frames)
+        table = decode_many(part.frames[rows], shape, encoder)
+        counts.add(table)
+        if len(table.fault):
+            other_columns = {name: column[rows] for name, column in part.other_columns.items()}
+            sink.write(table if derived is None else derived(table, other_columns), other_columns)
+        if progress is not None:
+            progress(part.done, read.total, counts.frames)
+        if limit is not None and counts.frames >= limit:
+            break
+    return counts.summary(sink.lost)
+
+
+class Derived:
+    """Position and speed in SI units. The first speed in a table uses the last frame of the previous table."""
+
+    def __init__(self, time: str, source: str) -> None:
+        self._time, self._source = time, source
+        self._last: tuple[int, float] | None = None
+
+    def check(self, empty: Table) -> Table:
+        """Return the columns of a table without frames. Raises UsageError if there are no SI units."""
+        if self._time != "time":
+            raise UsageError("speeds need the sample rate: give it with --rate")
+        try:
+            return empty.in_si()
+        except (AttributeError, ValueError) as error:
+            raise UsageError(f"no SI units: {error}") from None
+
+    def __call__(self, table: Table, other_columns: Mapping[str, Any]) -> Table:
+        times = seconds_of(other_columns[self._time], self._source)
+        extended = table.with_columns(**{self._time: times}).in_si(self._last)
+        usable_rows = np.flatnonzero(table.usable)
+        if len(usable_rows):
+            previous = None if self._last is None else self._last[0]
+            self._last = (int(table.unwrapped(previous)[-1]), float(times[usable_rows[-1]]))
+        return extended
+
+
+def seconds_of(cells: Any, source: str) -> Any:
+    """Return the cells of a column of times as an array of seconds. An empty cell becomes NaN."""
+    if hasattr(cells, "dtype"):
+        return cells
+    cells = cells.to_pylist() if hasattr(cells, "to_pylist") else cells
+    try:
+        return np.array([np.nan if cell in (None, "") else float(cell) for cell in cells], np.float64)
+    except (TypeError, ValueError):
+        raise InputError(source, "column 'time'", "expected numbers in seconds") from None
+
+
+class _Counts:
+    """Running counts of frames."""
+
+    def __init__(self) -> None:
+        self.frames = 0
+        self._faults: dict[ErrorKind, int] = {}
+        self._verdicts: dict[int, int] = {}
+
+    def add(self, table: Table) -> None:
+        """Count the frames of a table."""
+        self.frames += len(table.fault)
+        for kind, count in table.faults().items():
+            if kind:
+                self._faults[kind] = self._faults.get(kind, 0) + count
+        verdicts = table.get("verdict")
+        if verdicts is not None:
+            sound = verdicts[table.ok]
+            for place in range(len(Verdict)):
+                self._verdicts[place] = self._verdicts.get(place, 0) + int((sound == place).sum())
+
+    def summary(self, lost: int) -> Summary:
+        """Return the counts. ``lost`` is the number of cells that were left empty."""
+        order = [*Verdict]
+        verdicts = {order[place]: count for place, count in self._verdicts.items() if count}
+        return Summary(self.frames, dict(sorted(self._faults.items())), verdicts, lost)
+
+
+def plan_of(empty: Table, read: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
+    """Return the columns to write: the requested ones, or the other columns of the file and all fields."""
+    unknown = [name for name in columns if name not in [*read.names, *empty]]
+    if unknown:
+        known_columns = ", ".join([*read.names, *empty])
+        raise UsageError(f"no column '{unknown[0][:40]}'; the columns are {known_columns}")
+    check_apart(read.empty_columns, [name for name in empty if name not in empty.others], source)
+    return Plan(tuple(dict.fromkeys(columns or (*read.empty_columns, *empty))), read.empty_columns, empty, raw)
+
+
+@contextmanager
+def written(target: str, sources: Iterable[str | os.PathLike[str]], force: bool) -> Generator[Any, None, None]:
+    """Open a temporary file. It is renamed to ``target`` when complete, and removed after an error."""
+    if target == "-":
+        yield None
+        return
+    place = os.path.realpath(target)
+    if os.path.lexists(place):
+        if not os.path.isfile(place):
+            raise UsageError(f"{target} is not a regular file, so it cannot be replaced")
+        if any(os.fspath(source) != "-" and os.path.samefile(place, source) for source in sources):
+            raise UsageError(f"{target} is also the source; write to another file")
+        if not force:
+            raise UsageError(f"{target} already exists; use force to replace it")
+    folder, name = os.path.split(place)
+    neighbour = os.path.join(folder, f".{name[:100]}.{os.getpid()}.part")
+    file = open(neighbour, "xb")  # noqa: SIM115 (closed below)
+    try:
+        with file:
+            yield file
+        os.replace(neighbour, place)
+    except BaseException:
+        # Writing the rest of the buffer may fail on a full disk.
+        with suppress(OSError):
+            file.close()
+        os.unlink(neighbour)
+        raise

@@ -1,0 +1,122 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Encodes one frame or register as a number."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from ..codec import (
+    assert_never,
+    check_bits,
+    check_limits,
+    check_power_of_two,
+    check_signed,
+    check_width,
+    choice,
+    signed,
+    text_number,
+    to_gray,
+    whole_number,
+    zero_for,
+)
+from ..errors import RangeError
+
+if TYPE_CHECKING:
+    from ..bulk.shape import Check, Column, CrcOf, Shape, Unused
+
+
+def number_of(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
+    """Return the number that the fields of a frame form. ``arguments`` are the encoder and the answers that it needs.
+
+    Raises:
+        RangeError: A value does not fit its field.
+    """
+    number = shape.fixed
+    for column in shape.columns:
+        number |= _bits(fields, column) << column.low
+    for check in shape.checks:
+        bits = number >> check.low & (1 << check.width) - 1
+        if not check.is_within(bits):
+            raise _limit_error(shape, check, bits)
+    if shape.others is not None:
+        number |= check_bits("unused", fields.unused, shape.others)
+    elif shape.unused:
+        number |= _unused_bits(fields.unused, shape.unused)
+    if shape.limited is not None:
+        check_limits(shape.limited[0], getattr(fields, shape.limited[1]), fields.limits(*arguments))
+    for check in shape.parities:
+        number |= check.parity(number) << check.low
+    if shape.gray is not None:
+        number = to_gray(number, *shape.gray)
+    if shape.crc is not None:
+        number |= _crc(number, shape.crc) << shape.crc.low
+    return number
+
+
+def _limit_error(shape: Shape, check: Check, bits: int) -> RangeError:
+    """Return the error for a field whose bits are outside its limits."""
+    column = next(candidate for candidate in shape.columns if candidate.low == check.low)
+    field = column.field or column.name
+    if column.kind == "signed":
+        return RangeError(field, signed(bits, check.width), f"{check.lowest} to {check.limit}")
+    return RangeError(field, bits, f"at most {check.limit}")
+
+
+def _unused_bits(differing: Any, places: tuple[Unused, ...]) -> int:
+    """Return the unused bits in a frame: as in the manual, inverted where ``differing`` is 1."""
+    mask = sum((1 << unused.width) - 1 << unused.place for unused in places)
+    differing_bits = check_bits("unused", differing, mask)
+    number = 0
+    for unused in places:
+        bits = (differing_bits >> unused.place ^ unused.value) & (1 << unused.width) - 1
+        number |= bits << unused.low
+    return number
+
+
+def _bits(fields: Any, column: Column) -> int:
+    """Return the bits of a field. Raises RangeError if its value does not fit."""
+    name, width = column.field or column.name, column.width
+    if column.kind == "digits":
+        number = 0
+        for run, divisor, modulus in column.runs:
+            number += check_limits(run, getattr(fields, run), (0, modulus - 1)) * divisor
+        return number
+    value = getattr(fields, column.name)
+    match column.kind:
+        case "flag" | "not_flag":
+            return bool(value) == (column.kind == "flag")
+        case "text":
+            return text_number(name, value, width // 8)
+        case "signed":
+            return check_signed(name, value, width) & (1 << width) - 1
+        case "number" | "choice":
+            return _number_bits(name, value, column)
+        case _:
+            assert_never(column.kind)
+
+
+def _number_bits(name: str, value: Any, column: Column) -> int:
+    """Return the bits of an unsigned number, which may be limited to certain values."""
+    width = column.width
+    if isinstance(column.values, type):
+        return choice(column.values, name, value)
+    if column.values:
+        number = whole_number(name, value)
+        if number not in column.values:
+            allowed = ", ".join(f"{allowed_value:X}h" for allowed_value in column.values)
+            raise RangeError(name, number, allowed if len(column.values) == 1 else f"one of {allowed}")
+        return number
+    number = zero_for(name, value, column.zero_means, width) if column.zero_means else check_width(name, value, width)
+    if column.power_of_two:
+        check_power_of_two(name, value)
+    return number
+
+
+def _crc(number: int, crc: CrcOf) -> int:
+    """Return the CRC of a number whose CRC bits are 0."""
+    if not crc.steps:
+        return crc.differs(number)
+    for shift, mask, shift_back in crc.steps:
+        high = number >> shift
+        number = number & mask ^ high ^ (high << shift_back if shift_back else 0)
+    return number ^ crc.xorout

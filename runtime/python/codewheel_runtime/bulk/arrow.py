@@ -1,0 +1,116 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Reads frames from Arrow columns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from importlib import import_module
+from typing import Any
+
+from ..errors import InputError
+from .cells import Cells
+from .shape import Shape
+from .words import DigitKind, numbers, of_floats
+
+np: Any = import_module("numpy")
+
+
+class NoFrame(ValueError):
+    """The cell in ``row`` does not contain a frame."""
+
+    def __init__(self, row: int, message: str) -> None:
+        super().__init__(message)
+        self.row = row
+
+
+def of_column(column: Any, shape: Shape) -> Any:
+    """Convert a column of any library with Arrow's C interface to the form that ``decode_many`` expects."""
+    pa: Any = import_module("pyarrow")
+    if not isinstance(column, (pa.Array, pa.ChunkedArray)):
+        column = pa.chunked_array(column) if hasattr(column, "__arrow_c_stream__") else pa.array(column)
+    try:
+        return of_arrow(column, shape)
+    except NoFrame as error:
+        reason = "frames as text need 0x in front: convert the column to integers"
+        raise InputError("the frames", f"row {error.row + 1}", reason) from None
+
+
+def of_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: int = 0) -> Any:
+    """Convert an Arrow column to the form that ``decode_many`` expects. Missing items are masked or None.
+
+    ``done`` is the number of earlier rows of a file. Most of its first frames must be readable.
+    """
+    pa: Any = import_module("pyarrow")
+    kinds = pa.types
+    if isinstance(array, pa.ChunkedArray):
+        array = array.combine_chunks()
+    kind = array.type
+    if kinds.is_dictionary(kind):
+        array, kind = array.dictionary_decode(), kind.value_type
+    if (view := str(kind)) in ("string_view", "binary_view"):
+        # As polars gives text and bytes. Old versions of pyarrow have no function to test for it.
+        array = array.cast(pa.large_string() if view == "string_view" else pa.large_binary())
+        kind = array.type
+    if kinds.is_null(kind):
+        return [None] * len(array)
+    if kinds.is_integer(kind):
+        return _integers(array, shape)
+    if kinds.is_float64(kind) and not shape.length:
+        return of_floats(array.to_numpy(zero_copy_only=False), shape.bits, done)
+    if kinds.is_string(kind) or kinds.is_large_string(kind):
+        return _each(array.to_pylist(), shape, digits, not done)
+    if not (kinds.is_binary(kind) or kinds.is_large_binary(kind) or kinds.is_fixed_size_binary(kind)):
+        raise TypeError(f"expected numbers, bytes or text, got items of the type {kind}")
+    length = shape.length or (shape.bits + 7) // 8
+    rows = _rows_of(array, length) if not array.null_count else None
+    if rows is not None:
+        return rows if shape.length else numbers(rows)
+    return of_bytes(array.to_pylist(), shape)
+
+
+def _integers(array: Any, shape: Shape) -> Any:
+    """Return integers as an array. Missing ones are masked."""
+    if shape.length:
+        raise TypeError(f"expected rows of {shape.length} bytes, got numbers")
+    if not array.null_count:
+        return array.to_numpy(zero_copy_only=False)
+    missing = array.is_null().to_numpy(zero_copy_only=False)
+    return np.ma.masked_array(array.fill_null(0).to_numpy(zero_copy_only=False), missing)
+
+
+def _rows_of(array: Any, length: int) -> Any:
+    """Return byte strings as rows of an array, without copying them, or None if one has the wrong length."""
+    kind, count = array.type, len(array)
+    if not count:
+        return np.zeros((0, length), np.uint8)
+    buffers = array.buffers()
+    if import_module("pyarrow").types.is_fixed_size_binary(kind):
+        if kind.byte_width != length:
+            return None
+        start, data = array.offset * length, buffers[1]
+    else:
+        wide = import_module("pyarrow").types.is_large_binary(kind)
+        offsets = np.frombuffer(buffers[1], np.int64 if wide else np.int32)[array.offset : array.offset + count + 1]
+        if (np.diff(offsets) != length).any():
+            return None
+        start, data = int(offsets[0]), buffers[2]
+    return np.frombuffer(data, np.uint8, count * length, start).reshape(count, length)
+
+
+def of_bytes(items: Iterable[bytes | None], shape: Shape) -> list[Any]:
+    """Return rows of bytes in the form that ``decode_many`` expects: unchanged, or converted to integers.
+
+    None is kept.
+    """
+    if shape.length:
+        return list(items)
+    return [int.from_bytes(row, "big") if row else None for row in items]
+
+
+def _each(items: Iterable[str | None], shape: Shape, digits: DigitKind | None, is_first: bool) -> list[Any]:
+    """Return the frame in each text cell, or None for a cell without a frame."""
+    cells = Cells(shape, digits)
+    frames = [cells.read(cell or "", row) for row, cell in enumerate(items)]
+    if is_first and cells.are_mostly_unread:
+        raise NoFrame(cells.place, cells.error)
+    return frames

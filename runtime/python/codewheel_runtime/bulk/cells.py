@@ -1,0 +1,79 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Reads frames from cells of text."""
+
+from __future__ import annotations
+
+import re
+from typing import Final
+
+from .shape import Shape
+from .words import DigitKind, short
+
+_PREFIXED: Final = re.compile(r"0([xX][0-9a-fA-F]+|[bB][01]+)")
+_HEX: Final = re.compile(r"[0-9a-fA-F]+")
+_DECIMAL: Final = re.compile(r"[0-9]+")
+#: Words for a missing value, in lower case.
+_MISSING: Final = frozenset(("", "nan", "na", "n/a", "<na>", "null", "none"))
+
+
+def of_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
+    """Return the frame that a string contains as hex bytes or as a number. Raises ValueError if there is none."""
+    packed = text.replace(" ", "").replace("_", "")
+    if shape.length:
+        packed = packed[2:] if packed[:2] in ("0x", "0X") else packed
+        if not _HEX.fullmatch(packed) or len(packed) % 2:
+            raise ValueError(f"{short(text)} is not a row of hexadecimal bytes")
+        return bytes.fromhex(packed)
+    if _PREFIXED.fullmatch(packed):
+        return int(packed, 0)
+    pattern, base = (_DECIMAL, 10) if digits == "decimal" else (_HEX, 16)
+    if not pattern.fullmatch(packed):
+        raise ValueError(f"{short(text)} is not a {'decimal' if base == 10 else 'hexadecimal'} number")
+    if digits is None:
+        raise ValueError(
+            f"{short(text)} can be decimal or hexadecimal: choose --digits decimal or --digits hex, or put 0x in front"
+        )
+    return int(packed, base)
+
+
+class Cells:
+    """Reader of text cells that contain frames. An empty cell, or one without a frame, yields None.
+
+    ``seen`` is the number of cells that are not empty, and ``unread`` the number of those without a frame. ``place``
+    and ``error`` are the location and the error message of the first of these.
+    """
+
+    def __init__(self, shape: Shape, digits: DigitKind | None) -> None:
+        self._shape = shape
+        self._digits: DigitKind | None = digits
+        self.seen = self.unread = self.place = 0
+        self.error = ""
+
+    def read(self, text: str, place: int) -> int | bytes | None:
+        """Return the frame in a cell, or None. ``place`` identifies the cell in errors."""
+        if text[:2] == "0x" and not self._shape.length and text.isascii():
+            # This is a fast path for the usual form. Other forms are handled below.
+            try:
+                number = int(text, 16)
+            except ValueError:
+                pass
+            else:
+                self.seen += 1
+                return number
+        try:
+            frame = of_text(text, self._shape, self._digits)
+        except ValueError as error:
+            if text.strip().lower() in _MISSING:
+                return None
+            if not self.unread:
+                self.place, self.error = place, str(error)
+            self.seen += 1
+            self.unread += 1
+            return None
+        self.seen += 1
+        return frame
+
+    @property
+    def are_mostly_unread(self) -> bool:
+        """True if most cells do not contain frames."""
+        return 2 * self.unread > self.seen

@@ -1,0 +1,181 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Frames as NumPy arrays of 64-bit numbers: their bits, parities and CRCs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache, reduce
+from importlib import import_module
+from typing import Any
+
+from .shape import Check, CrcOf, Shape
+
+#: NumPy, untyped so that type checkers accept all its versions.
+np: Any = import_module("numpy")
+
+
+class Chunk:
+    """Chunk of frames. Each is a ``bits``-bit number in 64-bit limbs, lowest limb first. Higher bits are 0."""
+
+    def __init__(self, limbs: list[Any], bits: int) -> None:
+        self.limbs, self.bits = limbs, bits
+        self._bytes: dict[int, Any] = {}
+
+    def byte(self, place: int) -> Any:
+        """Return the eight bits that start at bit ``8 * place``."""
+        if place not in self._bytes:
+            limb, shift = self.limbs[place // 8], 8 * (place % 8)
+            self._bytes[place] = (limb >> np.uint64(shift) if shift else limb).astype(np.uint8)
+        return self._bytes[place]
+
+    def small(self, low: int, mask: int) -> Any:
+        """Return the bits that start at ``low``, limited to ``mask``. All of them are in one byte."""
+        bits = self.byte(low // 8)
+        bits = bits >> np.uint8(low % 8) if low % 8 else bits
+        return bits if mask == 0xFF >> low % 8 else bits & np.uint8(mask)
+
+    def take(self, low: int, width: int, out: Any = None) -> Any:
+        """Return the ``width`` bits that start at ``low``, as 64-bit numbers in ``out`` if it is given."""
+        if width == 0 or low % 8 + width <= 8:
+            count = len(self.limbs[0])
+            bits = self.small(low, (1 << width) - 1) if width else np.zeros(count, np.uint8)
+            return bits if out is None else np.copyto(out, bits)
+        at, shift = divmod(low, 64)
+        whole = shift + width in (64, self.bits - 64 * at)
+        number = np.right_shift(self.limbs[at], np.uint64(shift), out=out)
+        if shift + width > 64:
+            number |= self.limbs[at + 1] << np.uint64(64 - shift)
+            whole = low + width == self.bits or width == 64
+        if not whole:
+            number &= np.uint64((1 << width) - 1)
+        return number
+
+    def flag(self, low: int, active: bool, out: Any) -> None:
+        """Set ``out`` to True where a bit is 1, or where it is 0 if ``active`` is False."""
+        bit = self.byte(low // 8) & np.uint8(1 << low % 8)
+        (np.not_equal if active else np.equal)(bit, 0, out=out)
+
+    def ungray(self, low: int, width: int) -> None:
+        """Convert bits from Gray code to binary."""
+        mask = np.uint64(((1 << width) - 1) << low)
+        gray = self.limbs[0] & mask
+        binary, shift = gray, 1
+        while shift < width:
+            binary = binary ^ binary >> np.uint64(shift) & mask
+            shift *= 2
+        self.limbs = [self.limbs[0] ^ gray ^ binary]
+        self._bytes.clear()
+
+
+def limbs_of(rows: Any, shape: Shape) -> list[Any]:
+    """Return rows of bytes as limbs, read eight bytes at a time. Bytes of a neighbouring limb are shifted out."""
+    rows = np.ascontiguousarray(rows)
+    count, length = rows.shape
+    is_little = shape.order == "little"
+    kind = "<u8" if is_little else ">u8"
+    if length < 8:
+        return [_short(rows, kind, is_little)]
+    limbs: list[Any] = []
+    for low in range(0, length, 8):
+        excess = max(low + 8 - length, 0)
+        offset = low - excess if is_little else length - low - 8 + excess
+        limb = np.ndarray((count,), kind, rows, offset, (length,)).astype(np.uint64)
+        if excess:
+            limb >>= np.uint64(8 * excess)
+        limbs.append(limb)
+    return limbs
+
+
+def _short(rows: Any, kind: str, is_little: bool) -> Any:
+    """Return rows of fewer than eight bytes as numbers. Reads go past the end of all rows except the last eight."""
+    count, length = rows.shape
+    direct_count = max(count - 8, 0)
+    limb = np.empty(count, np.uint64)
+    if direct_count:
+        limb[:direct_count] = np.ndarray((direct_count,), kind, rows, 0, (length,))
+    padded = np.zeros((count - direct_count, 8), np.uint8)
+    padded[:, :length] = rows[direct_count:]
+    limb[direct_count:] = padded.view(kind)[:, 0]
+    if is_little:
+        limb &= np.uint64((1 << 8 * length) - 1)
+    else:
+        limb >>= np.uint64(8 * (8 - length))
+    return limb
+
+
+def within(bits: Any, check: Check, limit: int) -> Any:
+    """Return whether each number is from ``lowest`` to ``limit``. Negative ones are in two's complement."""
+    kind, mask = bits.dtype.type, (1 << check.width) - 1
+    if check.lowest:
+        bits = bits - kind(check.lowest & mask) & kind(mask)
+    return bits <= kind(limit - check.lowest)
+
+
+def parity_bits(chunk: Chunk, check: Check) -> Any:
+    """Return the parity bit of each frame."""
+    # The parity of several fields is the parity of their XOR.
+    fields = [chunk.take(low, width) for low, width in check.parity_of]
+    bits = fields[0]
+    if len(fields) > 1:
+        bits = np.bitwise_xor.reduce([field.astype(np.uint64) for field in fields])
+    width = max(width for _, width in check.parity_of)
+    kind, shift = bits.dtype.type, 1 << max(width - 1, 0).bit_length() >> 1
+    if check.mask:
+        bits = bits & kind(check.mask & (1 << width) - 1)
+    while shift:
+        bits = bits ^ bits >> kind(shift)
+        shift >>= 1
+    return bits & kind(1) ^ kind(check.odd)
+
+
+def crc_difference(chunk: Chunk, crc: CrcOf) -> Any:
+    """Return the bits in which each CRC differs from the computed one, 0 if it matches."""
+    if crc.steps:
+        return _fold(chunk.limbs[0], crc, chunk.bits)
+    if crc.is_xor:
+        number = reduce(np.bitwise_xor, chunk.limbs)
+        half = (number ^ number >> np.uint64(32)).astype(np.uint32)
+        half ^= half >> np.uint32(16)
+        half ^= half >> np.uint32(8)
+        difference = half.astype(np.uint8)
+        return difference ^ np.uint8(crc.xorout) if crc.xorout else difference
+    tables = _tables(crc.differs, chunk.bits)
+    difference = tables[0][chunk.byte(0)]
+    for place, table in enumerate(tables[1:], 1):
+        difference ^= table[chunk.byte(place)]
+    return difference
+
+
+def _fold(number: Any, crc: CrcOf, bits: int) -> Any:
+    """Return remainders. Each step folds high bits onto lower ones, in 32 bits as soon as the numbers fit."""
+    remainder, word_type = number ^ np.uint64(crc.xorout) if crc.xorout else number, np.uint64
+    for step in crc.steps:
+        if bits <= step.shift:
+            continue
+        high = remainder >> word_type(step.shift)
+        remainder = remainder & word_type(step.mask)
+        bits = max(step.shift, bits - step.shift + step.back)
+        if word_type is np.uint64 and bits <= 32:
+            remainder, high, word_type = remainder.astype(np.uint32), high.astype(np.uint32), np.uint32
+        remainder ^= high
+        if step.back:
+            high <<= word_type(step.back)
+            remainder ^= high
+    return remainder
+
+
+@lru_cache(maxsize=64)
+def _tables(differs: Callable[[int], int], bits: int) -> tuple[Any, ...]:
+    """Return one table per byte of a number, with the contribution of each value of the byte to the CRC difference.
+
+    The entries of the first table also include the difference of the number 0.
+    """
+    zero_difference = differs(0)
+    tables: list[Any] = []
+    for low in range(0, bits, 8):
+        table = np.array([zero_difference if low == 0 else 0], np.uint64)
+        for place in range(low, low + 8):
+            change = differs(1 << place) ^ zero_difference if place < bits else 0
+            table = np.concatenate([table, table ^ np.uint64(change)])
+        tables.append(table)
+    return tuple(tables)

@@ -1,0 +1,358 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Descriptions of frames for ``decode_many`` and ``encode_many``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from enum import IntEnum
+from functools import lru_cache
+from typing import Any, Literal, NamedTuple
+
+from ..codec import BitField, assert_never
+from ..errors import ErrorKind
+from ..facts import Scale
+from ..reports import Report, Verdict
+
+
+class Column(NamedTuple):
+    """Field of ``width`` bits that starts at bit ``low`` of the number that a frame forms.
+
+    ``kind`` is the type of value that the bits encode. ``runs`` contains the name, divisor and modulus of each group of
+    decimal digits. ``field`` is the name of the field in messages, if it differs from ``name``. ``values`` lists the
+    only allowed values of the field, if they are limited. ``scale`` has the first members of its ``Scale``.
+    """
+
+    name: str
+    low: int
+    width: int
+    kind: Literal["number", "signed", "flag", "not_flag", "choice", "digits", "text"] = "number"
+    zero_means: int = 0
+    power_of_two: bool = False
+    runs: tuple[tuple[str, int, int], ...] = ()
+    field: str = ""
+    values: type[IntEnum] | tuple[int, ...] = ()
+    scale: tuple[int, int, int, str] | None = None
+
+
+class Check(NamedTuple):
+    """Condition on the ``width`` bits that start at ``low``.
+
+    They must be one of ``values``, or at most ``limit``, or the parity of the bits in ``parity_of``, inverted if
+    ``odd``. ``mask`` selects the bits of each place in ``parity_of`` that count. 0 stands for all. If ``lowest`` is not
+    0, the bits are a signed number from ``lowest`` to ``limit``.
+    """
+
+    low: int
+    width: int
+    fault: ErrorKind
+    values: tuple[int, ...] = ()
+    limit: int | None = None
+    parity_of: tuple[tuple[int, int], ...] = ()
+    odd: bool = False
+    mask: int = 0
+    lowest: int = 0
+
+    def parity(self, number: int) -> int:
+        """Return the parity bit for a frame."""
+        ones = ((number >> low & (1 << width) - 1 & (self.mask or -1)).bit_count() for low, width in self.parity_of)
+        return sum(ones) & 1 ^ self.odd
+
+    def is_within(self, bits: int) -> bool:
+        """Return whether the bits are at most ``limit``, and if they are signed, at least ``lowest``."""
+        return self.limit is None or bits - self.lowest & (1 << self.width) - 1 <= self.limit - self.lowest
+
+
+class Fold(NamedTuple):
+    """Step of a CRC: ``v = (v & mask) ^ (v >> shift) ^ (v >> shift << back)``."""
+
+    shift: int
+    mask: int
+    back: int
+
+
+class CrcOf(NamedTuple):
+    """CRC of ``width`` bits at ``low``.
+
+    ``differs`` returns the bits in which the CRC of a frame differs from the computed one. ``steps`` fold a number
+    whose last bits are inverted by ``xorout``. ``is_xor`` is True for a CRC that is the XOR of all bytes.
+    """
+
+    low: int
+    width: int
+    differs: Callable[[int], int]
+    steps: tuple[Fold, ...] = ()
+    xorout: int = 0
+    is_xor: bool = False
+
+
+def of_bytes(
+    function: Callable[[bytes], int], length: int, width: int, order: Literal["little", "big"]
+) -> Callable[[int], int]:
+    """Return a function that finds the wrong bits of the CRC in the last ``width`` of ``length`` bytes."""
+
+    def differs(number: int) -> int:
+        data = number.to_bytes(length, order)
+        return function(data[:-width]) ^ int.from_bytes(data[-width:], order)
+
+    return differs
+
+
+def of_bits(function: Callable[[int, int], int], covered: int, width: int, gap: int = 0) -> Callable[[int], int]:
+    """Return a function that finds the wrong bits of the CRC in the last ``width`` bits of a number.
+
+    The CRC covers ``covered`` bits, and ``gap`` bits are between them and the CRC.
+    """
+    ones = (1 << covered) - 1
+    return lambda number: function(number >> width + gap & ones, covered) ^ number & ((1 << width) - 1)
+
+
+class Join(NamedTuple):
+    """Number assembled from fields, each listed with the position of its lowest bit in the number."""
+
+    name: str
+    fields: tuple[tuple[str, int], ...]
+
+
+class Unused(NamedTuple):
+    """Bits without meaning. Those that differ from ``value`` are 1 in ``unused``, starting at bit ``place``."""
+
+    low: int
+    width: int
+    value: int
+    place: int
+
+
+class Speaks(NamedTuple):
+    """Condition for a ``verdict``: a flag is active and certain others are not, or unused bits in ``mask`` differ.
+
+    With ``when``, all these columns have the values next to them, 1 for an active flag.
+    """
+
+    verdict: Verdict
+    flag: str = ""
+    unless: tuple[str, ...] = ()
+    mask: int = 0
+    when: tuple[tuple[str, int], ...] = ()
+
+
+class Tells(NamedTuple):
+    """Condition for a ``report``: a flag is active, unused bits in ``mask`` differ, or ``when`` as in ``Speaks``.
+
+    ``answered`` is the verdict of the report if your choice changes it.
+    """
+
+    report: str
+    flag: str = ""
+    mask: int = 0
+    when: tuple[tuple[str, int], ...] = ()
+    answered: Verdict | None = None
+
+    def of(self, reports: Mapping[str, Report]) -> Report:
+        """Return the report with its verdict."""
+        report = reports[self.report]
+        return report if self.answered is None else report._replace(makes_position=self.answered)
+
+    def is_active(self, frame: Any) -> bool:
+        """Return whether a decoded frame has the report."""
+        if self.when:
+            return all(getattr(frame, name) == value for name, value in self.when)
+        return bool(getattr(frame, self.flag) if self.flag else frame.unused & self.mask)
+
+
+class Shape(NamedTuple):
+    """Description of a frame or register. ``length`` is its length in bytes, or 0 for a ``bits``-bit number.
+
+    ``fixed`` contains the bits that are 1 in every such frame. ``position`` is the column of the position, if there is
+    one, and ``otherwise`` the verdict if no condition applies. ``fields`` are all fields in the order of the manual.
+    ``others`` is the mask of the bits of a register that belong to no field, if they are kept. ``limited`` is the name
+    of a value with limits, and its attribute. ``frame`` is the name of the frame if other frames have another range of
+    the position.
+    """
+
+    bits: int
+    length: int = 0
+    order: Literal["little", "big"] = "little"
+    columns: tuple[Column, ...] = ()
+    joins: tuple[Join, ...] = ()
+    unused: tuple[Unused, ...] = ()
+    checks: tuple[Check, ...] = ()
+    crc: CrcOf | None = None
+    gray: tuple[int, int] | None = None
+    fixed: int = 0
+    parities: tuple[Check, ...] = ()
+    position: str = ""
+    otherwise: Verdict | None = None
+    speaks: tuple[Speaks, ...] = ()
+    tells: tuple[Tells, ...] = ()
+    fields: tuple[BitField, ...] = ()
+    others: int | None = None
+    limited: tuple[str, str] | None = None
+    frame: str = ""
+
+
+def column_types(shape: Shape) -> dict[str, str]:
+    """Return the columns that are written, with their NumPy types."""
+    late = {name for join in shape.joins for name, _, _ in late_fields(shape, join)}
+    types: dict[str, str] = {}
+    for column in shape.columns:
+        if column.name not in late:
+            types |= _types_of(column)
+    for join in shape.joins:
+        types[join.name] = "u8" if width_of(shape, join) == 64 else "i8"
+    if shape.unused:
+        types["unused"] = smallest_type(unused_bits(shape))
+    if shape.otherwise is not None:
+        types["verdict"] = "u1"
+    return types
+
+
+def _types_of(column: Column) -> dict[str, str]:
+    """Return the NumPy types of the columns that a field becomes."""
+    match column.kind:
+        case "digits":
+            return {name: "i8" for name, _, _ in column.runs}
+        case "text":
+            return {column.name: f"S{column.width // 8}"}
+        case "flag" | "not_flag":
+            return {column.name: "?"}
+        case "choice":
+            return {column.name: smallest_type(column.width)}
+        case "number" | "signed":
+            return {column.name: "u8" if column.width == 64 else "i8"}
+        case _:
+            assert_never(column.kind)
+
+
+def smallest_type(width: int) -> str:
+    """Return the smallest unsigned NumPy type with at least ``width`` bits."""
+    for bits, type_name in ((8, "u1"), (16, "u2"), (32, "u4")):
+        if width <= bits:
+            return type_name
+    return "u8"
+
+
+def unused_bits(shape: Shape) -> int:
+    """Return the width of the number that all unused bits form."""
+    return max(unused.place + unused.width for unused in shape.unused)
+
+
+@lru_cache(maxsize=256)
+def unused_groups(shape: Shape) -> tuple[tuple[int, int, int, int], ...]:
+    """Return groups of unused bits that are shifted together: lowest bit, mask, value and place of each."""
+    by_shift: dict[tuple[int, int], list[Unused]] = {}
+    for unused in shape.unused:
+        by_shift.setdefault((unused.low - unused.place, unused.low // 8), []).append(unused)
+    groups: list[tuple[int, int, int, int]] = []
+    for group in by_shift.values():
+        first = min(group)
+        mask = value = 0
+        for unused in group:
+            offset = unused.low - first.low
+            unused_mask = (1 << unused.width) - 1 << offset
+            mask |= unused_mask
+            value |= unused_mask & unused.value << offset
+        groups.append((first.low, mask, value, first.place))
+    return tuple(groups)
+
+
+def width_of(shape: Shape, join: Join) -> int:
+    """Return the width of a joined number."""
+    by_name = {column.name: column for column in shape.columns}
+    return sum(by_name[name].width for name, _ in join.fields)
+
+
+def late_fields(shape: Shape, join: Join) -> list[tuple[str, int, int]]:
+    """Return the fields that are plain bits of a joined number. They are extracted from it on access."""
+    by_name = {column.name: column for column in shape.columns}
+    if width_of(shape, join) > 63 or join is not shape.joins[0]:
+        return []
+    late: list[tuple[str, int, int]] = []
+    for name, low in join.fields:
+        column = by_name[name]
+        if column.kind == "number" and not column.zero_means:
+            late.append((name, low, column.width))
+    return late
+
+
+def measured(shape: Shape) -> frozenset[str]:
+    """Return the columns of the position and its parts, or all numbers if the frame has only a part of the position."""
+    if shape.position:
+        parts = (name for join in shape.joins if join.name == shape.position for name, _ in join.fields)
+        return frozenset((shape.position, *parts))
+    if shape.otherwise is None:
+        return frozenset()
+    return frozenset(column.name for column in shape.columns if column.kind in ("number", "signed"))
+
+
+def scales(shape: Shape) -> dict[str, tuple[str, Scale]]:
+    """Return the columns of quantities, each with the column of its number. No field can have such a name."""
+    scaled = ((column.name, Scale(*column.scale)) for column in shape.columns if column.scale is not None)
+    return {f"{name} ({scale.unit})": (name, scale) for name, scale in scaled}
+
+
+class QuickChecks(NamedTuple):
+    """Quick checks of a frame. Only frames that fail them are examined for their errors.
+
+    ``fixed`` contains a mask and the required bits of each 64-bit limb, ``bytes`` the allowed values of single bytes,
+    and ``remaining`` all other checks.
+    """
+
+    fixed: tuple[tuple[int, int], ...]
+    bytes: tuple[tuple[int, tuple[int, ...]], ...]
+    remaining: tuple[Check, ...]
+
+
+@lru_cache(maxsize=256)
+def quick_checks(shape: Shape) -> QuickChecks:
+    """Return the checks of a shape, combined into one per byte and one for all constant bits."""
+    mask = values = 0
+    remaining: list[Check] = []
+    by_byte: dict[int, list[Check]] = {}
+    for check in shape.checks:
+        if not check.width and not check.parity_of and holds(0, check):
+            continue
+        places = _bytes_of(check)
+        fitting_values = [value for value in check.values if not value >> check.width]
+        if len(places) == 1:
+            by_byte.setdefault(places.pop(), []).append(check)
+        elif len(fitting_values) == 1:
+            mask |= ((1 << check.width) - 1) << check.low
+            values |= fitting_values[0] << check.low
+        else:
+            remaining.append(check)
+    byte_values: list[tuple[int, tuple[int, ...]]] = []
+    for place, checks in by_byte.items():
+        allowed = [byte for byte in range(256) if _all_hold(byte << 8 * place, checks)]
+        constant_bits = 255
+        for byte in allowed:
+            constant_bits &= ~(byte ^ allowed[0])
+        if allowed and len(allowed) == 1 << 8 - constant_bits.bit_count():
+            mask |= constant_bits << 8 * place
+            values |= (allowed[0] & constant_bits) << 8 * place
+        elif len(allowed) <= 8:
+            byte_values.append((place, tuple(allowed)))
+        else:
+            remaining += checks
+    limbs = range(0, shape.bits, 64)
+    fixed = tuple((mask >> low & (1 << 64) - 1, values >> low & (1 << 64) - 1) for low in limbs)
+    return QuickChecks(fixed=fixed, bytes=tuple(byte_values), remaining=tuple(remaining))
+
+
+def _bytes_of(check: Check) -> set[int]:
+    """Return the indices of the bytes that a check looks at."""
+    places: set[int] = set()
+    for low, width in ((check.low, check.width), *check.parity_of):
+        places |= {low // 8, (low + max(width, 1) - 1) // 8}
+    return places
+
+
+def _all_hold(number: int, checks: list[Check]) -> bool:
+    return all(holds(number, check) for check in checks)
+
+
+def holds(number: int, check: Check) -> bool:
+    """Return whether the condition holds for one frame."""
+    bits = number >> check.low & (1 << check.width) - 1
+    if check.parity_of:
+        return bits == check.parity(number)
+    return check.is_within(bits) if check.limit is not None else bits in check.values

@@ -1,0 +1,67 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Frames as numbers: their forms in files and arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from importlib import import_module
+from types import MappingProxyType
+from typing import Any, Final, Literal
+
+np: Any = import_module("numpy")
+
+WordKind = Literal["packed", "little", "big", "little32", "big32"]
+DigitKind = Literal["hex", "decimal"]
+
+#: Number of bytes and byte order of a word. Packed words have as many bytes as their bits need.
+WORDS: Final[Mapping[WordKind, tuple[int, str]]] = MappingProxyType(
+    {
+        "packed": (0, ">"),
+        "little": (8, "<"),
+        "big": (8, ">"),
+        "little32": (4, "<"),
+        "big32": (4, ">"),
+    }
+)
+
+
+def numbers(rows: Any, words: WordKind = "packed") -> Any:
+    """Return rows of at most eight bytes as numbers."""
+    length, order = WORDS[words]
+    if length or rows.shape[1] == 8:
+        kind = f"{order}u{length or 8}"
+        return np.ascontiguousarray(rows).reshape(-1).view(kind).astype(np.uint64, copy=False)
+    wide = np.zeros((len(rows), 8), np.uint8)
+    wide[:, 8 - rows.shape[1] :] = rows
+    return wide.reshape(-1).view(">u8").astype(np.uint64)
+
+
+def of_floats(frames: Any, bits: int, done: int = 0) -> Any:
+    """Return floating-point frames as integers, masked if they are NaN or out of range.
+
+    ``done`` is the number of earlier rows, to number the row in an error.
+
+    Raises:
+        TypeError: A value is not an integer, or the type cannot represent every frame of that length.
+    """
+    if bits > np.finfo(frames.dtype).nmant + 1:
+        raise TypeError(f"{frames.dtype} cannot represent every frame of {bits} bits: use integers or text")
+    is_frame = (frames >= 0) & (frames < 2.0**63)
+    whole = np.where(is_frame, frames, 0)
+    fractional_rows = np.flatnonzero(whole != np.floor(whole))
+    if len(fractional_rows):
+        raise TypeError(
+            f"the frame in row {done + fractional_rows[0] + 1} is not an integer: {whole[fractional_rows[0]]}"
+        )
+    return np.ma.masked_array(whole.astype(np.uint64), ~is_frame)
+
+
+def short(text: str) -> str:
+    """Return the text for a message, shortened if it is long."""
+    return repr(text if len(text) <= 40 else f"{text[:40]}...")
+
+
+def listed(names: list[str]) -> str:
+    """Return at most eight of the names, for a message."""
+    first_names = ", ".join(short(name) for name in names[:8])
+    return f"{first_names} and {len(names) - 8} more" if len(names) > 8 else first_names

@@ -1,0 +1,172 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Finds BiSS register accesses in the CDS and CDM bits of a capture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from importlib import import_module
+from typing import Any, NamedTuple
+
+from ..biss import ZEROS, Outcome, Request, crc, decode_byte
+from ..errors import CrcError
+
+np: Any = import_module("numpy")
+
+_LOST = "a cycle of the access was lost"
+_ENDED = "the capture ends within the access"
+
+
+class Access(NamedTuple):
+    """Access of the master to one register.
+
+    Attributes:
+        time: Time of the cycle in which the control frame begins, in seconds or in samples.
+        slave_id: ID of the slave, 0 to 7.
+        address: Address of the register.
+        is_write: True for a write.
+        value: Byte that was read or written. None if it was not transmitted or has a CRC error.
+        done: True if the access succeeded.
+        result: Description of the result.
+    """
+
+    time: float
+    slave_id: int
+    address: int
+    is_write: bool
+    value: int | None
+    done: bool
+    result: str
+
+    def __str__(self) -> str:
+        name = "write" if self.is_write else "read"
+        sign = "=" if self.is_write else "->"
+        value = "" if self.value is None else f" {sign} {self.value:#04x}"
+        slave = f" of slave {self.slave_id}" if self.slave_id else ""
+        result = "" if self.done else f": {self.result}"
+        return f"{name} {self.address:02X}h{slave}{value}{result}"
+
+
+class Accesses:
+    """Finder of accesses. It follows the bits of successive cycles on both sides, master and slave."""
+
+    def __init__(self) -> None:
+        self._zeros = self._at = self._sent = self._answers = 0
+        self._state = self._wait
+        self._time, self._head = 0.0, 0
+        self._is_write, self._is_free = False, True
+
+    def feed(self, times: Any, cds: Any, cdm: Any) -> Iterator[Access]:
+        """Yield the accesses that end in these cycles."""
+        ones = np.flatnonzero(cdm)
+        place, count = 0, len(cdm)
+        while place < count:
+            if self._is_free:
+                # Nothing happens until a bit is 1.
+                following = np.searchsorted(ones, place)
+                if following == len(ones):
+                    self._zeros += count - place
+                    return
+                self._zeros += int(ones[following]) - place
+                place = int(ones[following])
+                if self._zeros >= ZEROS:
+                    self._begin(float(times[place]))
+                self._zeros = 0
+            else:
+                yield from self._cycle(int(cds[place]), int(cdm[place]))
+            place += 1
+
+    def finish(self) -> Iterator[Access]:
+        """Yield the access that the end of the capture cuts off."""
+        if not self._is_free and self._is_known():
+            yield self._access(None, _ENDED)
+
+    def _wait(self, cds: int, cdm: int) -> Iterator[Access]:
+        yield from ()
+
+    def _begin(self, time: float) -> None:
+        self._time, self._is_free = time, False
+        self._at = self._sent = self._answers = self._head = 0
+        self._state = self._header
+
+    def _leave(self) -> None:
+        self._is_free, self._state = True, self._wait
+
+    def _cycle(self, cds: int, cdm: int) -> Iterator[Access]:
+        self._zeros = 0 if cdm else self._zeros + 1
+        if cds < 0:
+            if self._is_known():
+                yield self._access(None, _LOST)
+            self._leave()
+        elif self._zeros >= ZEROS:
+            if self._is_known():
+                yield self._access(None, Outcome.ABORTED.value)
+            self._leave()
+        else:
+            yield from self._state(cds, cdm)
+
+    def _is_known(self) -> bool:
+        """Return whether the address of an unfinished access has been transmitted."""
+        if self._state == self._byte:
+            return self._at < 12
+        return self._state != self._header or self._at >= 15
+
+    def _access(self, value: int | None, result: str, done: bool = False) -> Access:
+        head = self._head if self._state != self._header or self._at > 15 else self._sent >> 4
+        return Access(self._time, head >> 7 & 7, head & 0x7F, self._is_write, value, done, result)
+
+    def _header(self, cds: int, cdm: int) -> Iterator[Access]:
+        self._at += 1
+        self._answers = self._answers << 1 | cds
+        if self._at <= 17:
+            self._sent = self._sent << 1 | cdm
+        if self._at == 15:
+            self._head = self._sent >> 4
+            # Commands have no registers, and a damaged header reaches no slave.
+            if self._sent & 0xF != crc(self._head, 11) or not self._head >> 10:
+                self._leave()
+        elif self._at == 17:
+            self._is_write = self._sent & 0b11 == 0b01
+        elif self._at == 18:
+            request = Request(self._head >> 7 & 7, self._head & 0x7F, 0 if self._is_write else None)
+            outcome = request._echo(self._answers)
+            if outcome is not Outcome.RUNNING:
+                yield self._access(None, outcome.value)
+                self._leave()
+            else:
+                self._state = self._start
+                if not cdm:
+                    self._leave()
+
+    def _start(self, cds: int, cdm: int) -> Iterator[Access]:
+        if cds:
+            self._state, self._at, self._sent, self._answers = self._byte, 0, cdm, 0
+        elif not cdm:
+            yield self._access(None, Outcome.BUSY.value)
+            self._leave()
+
+    def _byte(self, cds: int, cdm: int) -> Iterator[Access]:
+        self._at += 1
+        if self._at < 12:
+            self._answers, self._sent = self._answers << 1 | cds, self._sent << 1 | cdm
+        elif self._at == 12:
+            self._answers = self._answers << 1 | cds
+            value = _value(self._sent if self._is_write else self._answers)
+            if not self._is_write:
+                outcome = Outcome.DONE if value is not None else Outcome.BAD_CRC
+            else:
+                outcome = Outcome.DONE if self._answers == self._sent and value is not None else Outcome.BAD_ECHO
+            yield self._access(value, outcome.value, outcome is Outcome.DONE)
+            if outcome is not Outcome.DONE or cdm:
+                self._leave()
+        elif cdm:
+            self._head += 1
+            self._state = self._start
+        else:
+            self._leave()
+
+
+def _value(bits: int) -> int | None:
+    try:
+        return decode_byte(bits)
+    except CrcError:
+        return None

@@ -1,0 +1,205 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Layouts of BiSS frames for encoders without a package, such as ``position=32,error,warning,crc=6:0x43``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from typing import Any, Final, NamedTuple
+
+from ..bulk.shape import Check, Column, CrcOf, Join, Shape, Speaks, Unused, of_bits
+from ..bulk.words import short
+from ..codec import PositionRange, crc_of_bits
+from ..errors import ErrorKind, UsageError
+from ..reports import Verdict
+
+_HELP: Final = "expected fields in the order of transmission, such as position=32,error,warning,crc=6:0x43"
+#: Flags of BiSS frames, which are active at level 0, and the resulting verdict on the position.
+_FLAGS: Final = {"error": Verdict.NOT_USABLE, "warning": Verdict.USABLE_WITH_WARNING}
+
+#: Names of bits that are in no column.
+_FILLERS: Final = ("zero", "unused")
+
+
+class _Field(NamedTuple):
+    """Field of a layout. The polynomial and the start value are those of a CRC."""
+
+    name: str
+    width: int
+    poly: int = 0
+    init: int = 0
+
+    def crc(self) -> Callable[[int, int], int]:
+        """Return the function that computes the inverted CRC."""
+        xorout = (1 << self.width) - 1
+        return partial(crc_of_bits, width=self.width, poly=self.poly, init=self.init, refout=False, xorout=xorout)
+
+
+class BissLayout(NamedTuple):
+    """Layout of the BiSS frames of an encoder without a package.
+
+    Attributes:
+        text: The layout as text.
+        shape: Its description for ``decode_many``.
+        modulus: Number of counts after which the position wraps around.
+        counts_per_turn: Number of counts in one revolution. 0 if the layout does not specify it.
+    """
+
+    text: str
+    shape: Shape
+    modulus: int
+    counts_per_turn: int
+
+    @property
+    def code(self) -> str:
+        """The layout as text, in place of an order code."""
+        return self.text
+
+    @property
+    def _no_size(self) -> str:
+        bits = self.modulus.bit_length() - 1
+        return f"the layout does not give the counts per turn: use singleturn={bits} instead of position={bits}"
+
+    def _range_in(self, frame: str, /) -> PositionRange:
+        """Return the range of the position, as an encoder does."""
+        return PositionRange(0, self.modulus - 1, self.modulus)
+
+    def from_turns(self, turns: float) -> int:
+        """Return the count nearest to ``turns`` revolutions. Raises ValueError if the layout does not specify them."""
+        if not self.counts_per_turn:
+            raise ValueError(self._no_size)
+        return round(turns * self.counts_per_turn)
+
+    def micrometres(self, counts: int) -> int:
+        """Raise ValueError, because a layout does not specify the size of a count."""
+        raise ValueError(self._no_size)
+
+    def decode_many(self, frames: Any) -> Any:
+        """Decode many frames into columns. Needs NumPy.
+
+        Args:
+            frames: The frames, as numbers.
+
+        Returns:
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+        """
+        from ..bulk.decode import decode_many
+
+        return decode_many(frames, self.shape, self)
+
+
+def biss_layout(text: str) -> BissLayout:
+    """Return a layout of BiSS frames.
+
+    Fields are separated by commas, in the order of transmission, after CDS. ``position=32`` or ``multiturn=12`` and
+    ``singleturn=24`` are numbers with their widths in bits. If one turn has all counts, write ``singleturn=32``, so
+    that degrees and speeds are known. ``error`` and ``warning`` are active-low bits. ``zero=2`` stands for two bits
+    that are always 0, and ``unused=2`` for two bits without meaning. ``crc=6:0x43`` is an inverted CRC of 6 bits with
+    this polynomial, whose highest bit may be left out. ``crc=16:0x190d9:0x0`` also has a start value. Any other name
+    with a width in bits is a number.
+
+    Args:
+        text: The layout.
+
+    Raises:
+        UsageError: The text is not a layout.
+    """
+    fields = [_field(field_text) for field_text in text.split(",")]
+    _check_fields(fields)
+    widths = {field.name: field.width for field in fields if field.name not in ("crc", *_FILLERS)}
+    joins: tuple[Join, ...] = ()
+    if "singleturn" in widths and "position" not in widths:
+        turns = (("multiturn", widths["singleturn"]),) if "multiturn" in widths else ()
+        joins = (Join("position", (("singleturn", 0), *turns)),)
+        widths["position"] = widths["singleturn"] + widths.get("multiturn", 0)
+    return BissLayout(
+        text=text,
+        shape=_shape(fields, widths, joins),
+        modulus=1 << widths.get("position", 0),
+        counts_per_turn=1 << widths["singleturn"] if "singleturn" in widths else 0,
+    )
+
+
+def _check_fields(fields: Sequence[_Field]) -> None:
+    """Raise UsageError if the fields together are not a frame."""
+    bits = sum(field.width for field in fields)
+    names = [field.name for field in fields if field.name not in _FILLERS]
+    if not 0 < bits <= 64:
+        raise UsageError(f"frames of {bits} bits are not supported: expected 1 to 64")
+    if len({*names}) < len(names):
+        raise UsageError(f"two fields have the same name; {_HELP}")
+    if {"verdict", "fault", "time"} & {*names}:
+        raise UsageError("verdict, fault and time are names of columns that every table has")
+    if "crc" in names and fields[-1].name != "crc":
+        raise UsageError("the CRC must be the last field")
+
+
+def _shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Join, ...]) -> Shape:
+    """Return the description of a frame. ``widths`` are those of its columns, by name."""
+    columns: list[Column] = []
+    checks: list[Check] = []
+    unused: list[Unused] = []
+    crc = None
+    low = bits = sum(field.width for field in fields)
+    for field in fields:
+        name, width = field.name, field.width
+        low -= width
+        if name == "crc":
+            crc = CrcOf(low, width, of_bits(field.crc(), bits - width, width))
+        elif name == "zero":
+            checks.append(Check(low, width, ErrorKind.CONSTANT, (0,)))
+        elif name == "unused":
+            unused.append(Unused(low, width, value=0, place=sum(earlier.width for earlier in unused)))
+        else:
+            columns.append(Column(name, low, width, "not_flag" if name in _FLAGS else "number"))
+    return Shape(
+        bits,
+        columns=tuple(columns),
+        joins=joins,
+        unused=tuple(unused),
+        checks=tuple(checks),
+        crc=crc,
+        position="position" if "position" in widths else "",
+        otherwise=Verdict.USABLE if "error" in widths else Verdict.UNKNOWN,
+        speaks=tuple(Speaks(verdict, flag) for flag, verdict in _FLAGS.items() if flag in widths),
+    )
+
+
+def _field(text: str) -> _Field:
+    """Return the field that a part of a layout describes."""
+    name, equals, numbers_text = text.strip().partition("=")
+    try:
+        numbers = list(map(_number, numbers_text.split(":"))) if equals else [1]
+    except ValueError:
+        raise UsageError(f"{short(text)} is not a field; {_HELP}") from None
+    width, *crc_numbers = numbers
+    if not name.isidentifier() or not name.isascii() or not 0 < width <= 64 or (not equals and name not in _FLAGS):
+        raise UsageError(f"{short(text)} is not a field; {_HELP}")
+    if name in _FLAGS and width != 1:
+        raise UsageError(f"{name} is one bit, not {width}")
+    if name == "crc":
+        return _crc_field(text, width, crc_numbers)
+    if crc_numbers:
+        raise UsageError(f"{short(text)} is not a field; {_HELP}")
+    return _Field(name, width)
+
+
+def _crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
+    """Return the CRC. ``numbers`` are its polynomial and, if it is not 0, its start value."""
+    top = 1 << width
+    poly = numbers[0] if numbers else 0
+    init = numbers[1] if len(numbers) > 1 else 0
+    if numbers and width <= 32 and not poly & 1:
+        reason = f"the last term of its polynomial must be 1, so {poly:#x} needs bit 0 set"
+        raise UsageError(f"{short(text)} is not a CRC: {reason}")
+    if width > 32 or len(numbers) > 2 or not poly & 1 or poly >= 2 * top or init >= top:
+        raise UsageError(f"{short(text)} is not a CRC: expected crc=BITS:POLYNOMIAL, such as crc=6:0x43")
+    return _Field("crc", width, poly & top - 1, init)
+
+
+def _number(text: str) -> int:
+    if len(text) > 20 or not text.strip().isascii() or "_" in text:
+        raise ValueError
+    if (number := int(text, 0)) < 0:
+        raise ValueError
+    return number

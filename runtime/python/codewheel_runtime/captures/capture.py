@@ -1,0 +1,398 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Decodes the captures of logic analysers into tables with time."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Generator, Mapping, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from enum import Enum
+from importlib import import_module
+from types import MappingProxyType
+from typing import Any, Final, NamedTuple
+
+from ..bulk.decode import decode_many
+from ..bulk.shape import Shape
+from ..bulk.table import Table
+from ..encoder import Encoder
+from ..errors import InputError, UsageError
+from ..files.inputs import Part, Source
+from ..files.layouts import layout_of, layouts_of, shape_for
+from ..files.sinks import SINKS, TargetKind
+from ..files.stream import Derived, Output, Summary, counted, decoded, plan_of, target_format, written
+from ..reports import Interface
+from .accesses import Access, Accesses
+from .any_biss import BissLayout
+from .clocked import CapturedFrames, Lost, clocked
+from .signal_files import opened_signals
+from .signals import Names, Signals, of_array
+from .uart import Kinds, replies
+
+__all__ = ["Access", "BissLayout", "Capture", "CaptureSummary", "Lost", "Probes"]
+
+np: Any = import_module("numpy")
+
+_NO_ANSWERS: Final[Mapping[str, Enum | str]] = MappingProxyType({})
+#: Maximum number of lost cycles and of accesses that a summary lists.
+_SHOWN: Final = 1000
+#: Files, or an array of samples.
+Captured = Any
+
+
+class Probes(NamedTuple):
+    """Connection and timing of a capture.
+
+    Attributes:
+        clock: Channel of the clock (MA), by name or by number from 1. By default, a channel with a common name.
+        data: Channel of the data line (SLO), or of the serial line.
+        rate: Sample rate in Hz, needed if the file does not specify it.
+        rest: Shortest pause of the clock between two cycles, in seconds. The default is 1.4 periods. Use a longer one
+        if the master pauses within a frame.
+        baud: Bits per second on a serial line, if they differ from the manual.
+    """
+
+    clock: str = ""
+    data: str = ""
+    rate: float | None = None
+    rest: float | None = None
+    baud: float | None = None
+
+
+class Capture(NamedTuple):
+    """Contents of a capture.
+
+    Attributes:
+        table: Columns of the frames, with ``time`` in seconds, or ``sample`` if the sample rate is unknown. The time
+            of a frame is that of the first falling edge of the clock, or of the start bit of its first byte.
+        lost: Cycles or bytes that contain no frame, with the reason.
+        accesses: Accesses to registers over BiSS.
+        others: Number of frames of other kinds, by name.
+    """
+
+    table: Table
+    lost: tuple[Lost, ...]
+    accesses: tuple[Access, ...]
+    others: Mapping[str, int]
+
+
+class CaptureSummary(NamedTuple):
+    """Counts of a capture.
+
+    Attributes:
+        frames: Counts of the frames.
+        lost: Number of lost cycles by reason.
+        first_lost: The first lost cycles, at most 1000.
+        accesses: The first accesses to registers, at most 1000.
+        access_count: Number of accesses.
+        others: Number of frames of other kinds, by name.
+    """
+
+    frames: Summary
+    lost: Mapping[str, int]
+    first_lost: tuple[Lost, ...]
+    accesses: tuple[Access, ...]
+    access_count: int
+    others: Mapping[str, int]
+
+    @property
+    def error_rate(self) -> float:
+        """Fraction of the cycles that contain no valid frame, from 0 to 1."""
+        lost = sum(self.lost.values())
+        cycles = self.frames.frames + lost
+        return (lost + sum(self.frames.faults.values())) / cycles if cycles else 0.0
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the counts as plain values for JSON."""
+        accesses = [access._asdict() for access in self.accesses]
+        lost = [cycle._asdict() for cycle in self.first_lost]
+        counts = {"lost": dict(self.lost), "first_lost": lost, "accesses": accesses, "others": dict(self.others)}
+        return self.frames.to_dict() | counts
+
+    def __str__(self) -> str:
+        lost = sum(self.lost.values())
+        parts = [str(self.frames), f"{lost} lost"]
+        if self.access_count:
+            parts.append(counted(self.access_count, "register access").replace("accesss", "accesses"))
+        parts += [f"{count} {name}" for name, count in self.others.items()]
+        return ", ".join(parts)
+
+
+class _Log:
+    """Lost cycles, accesses and other frames found during decoding."""
+
+    def __init__(self, limit: int | None) -> None:
+        self._limit = limit
+        self.lost: list[Lost] = []
+        self.accesses: list[Access] = []
+        self.access_count = 0
+        self.reasons: dict[str, int] = {}
+        self.others: dict[str, int] = {}
+        self._finder = Accesses()
+
+    def add(self, stretch: CapturedFrames) -> None:
+        for cycle in stretch.lost:
+            # After the colon, a reason quotes the received bytes, which differ each time.
+            reason = cycle.reason.partition(":")[0]
+            self.reasons[reason] = self.reasons.get(reason, 0) + 1
+        free = None if self._limit is None else max(self._limit - len(self.lost), 0)
+        self.lost += stretch.lost[:free]
+        for name, count in stretch.others.items():
+            self.others[name] = self.others.get(name, 0) + count
+        if stretch.control is not None:
+            self._add_accesses(self._finder.feed(*stretch.control))
+
+    def finish(self) -> None:
+        self._add_accesses(self._finder.finish())
+
+    def _add_accesses(self, accesses: Any) -> None:
+        for access in accesses:
+            self.access_count += 1
+            if self._limit is None or len(self.accesses) < self._limit:
+                self.accesses.append(access)
+
+
+class _Opened(NamedTuple):
+    """Frames of a capture, their description, and the name of the column of times."""
+
+    stretches: Generator[CapturedFrames, None, None]
+    shape: Shape
+    time: str
+    total: int | None
+
+
+@contextmanager
+def _open_capture(
+    encoder: Encoder | BissLayout, source: Captured, probes: Probes, layout: str, answers: Mapping[str, Any]
+) -> Generator[_Opened, None, None]:
+    if isinstance(encoder, Encoder) and encoder.interface is Interface.SPI:
+        how = "let the analyser's own SPI decoder export the words, and decode them as a file of frames"
+        raise UsageError(f"{encoder.code} has the interface SPI, whose captures are not read here: {how}")
+    if isinstance(encoder, Encoder) and encoder.exchanges():
+        how = "let the analyser's own serial decoder export the bytes, and decode the replies as a file of frames"
+        raise UsageError(f"the replies of {encoder.code} have no data ID, so they are not found in captures: {how}")
+    is_serial = isinstance(encoder, Encoder) and encoder.interface is Interface.RS485
+    names = Names(None if is_serial else probes.clock, probes.data)
+    name = "the array"
+    if hasattr(source, "dtype"):
+        opening: Any = nullcontext(of_array(source, names, probes.rate))
+    else:
+        paths = _paths(source)
+        name = paths[0] if paths else "the capture"
+        opening = opened_signals(paths, names, probes.rate)
+    with opening as signals:
+        yield _find_frames(encoder, signals, name, probes, layout, answers)
+
+
+def _find_frames(
+    encoder: Encoder | BissLayout,
+    signals: Signals,
+    name: str,
+    probes: Probes,
+    layout: str,
+    answers: Mapping[str, Any],
+) -> _Opened:
+    time = "sample" if signals.seconds is None else "time"
+    if isinstance(encoder, Encoder) and encoder.interface is Interface.RS485:
+        kinds = _frame_kinds(encoder, layout, answers)
+        stretches = replies(signals, name, _baud(encoder, probes), kinds)
+        first = next(stretches)
+        if not first.kind:
+            raise InputError(
+                name, "", f"no valid reply of {encoder.code}: check the channel, the baud rate and the code"
+            )
+        return _Opened(_chained(first, stretches), kinds.replies[first.kind], time, signals.total)
+    if isinstance(encoder, Encoder):
+        shape, is_biss = shape_for(encoder, layout, answers), encoder.interface is Interface.BISS
+    else:
+        shape, is_biss = encoder.shape, True
+    if shape.bits > 64:
+        raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
+    stretches = clocked(signals, name, "biss" if is_biss else "ssi", shape.bits, probes.rest)
+    return _Opened(stretches, shape, time, signals.total)
+
+
+def _chained(
+    first: CapturedFrames, following: Generator[CapturedFrames, None, None]
+) -> Generator[CapturedFrames, None, None]:
+    yield first
+    yield from following
+
+
+def _frame_kinds(encoder: Encoder, layout: str, answers: Mapping[str, Any]) -> Kinds:
+    """Return all kinds of frames on a serial line. Those with unanswered questions are left out, unless requested."""
+    wanted = layout_of(encoder, layout).name if layout else ""
+    shapes: dict[str, dict[str, Shape]] = {"encoder": {}, "master": {}}
+    for frame_layout in layouts_of(encoder):
+        if frame_layout.name == wanted or not frame_layout.answers:
+            shapes[frame_layout.sender][frame_layout.name] = shape_for(
+                encoder, frame_layout.name, answers if frame_layout.name == wanted else {}
+            )
+    return Kinds(shapes["encoder"], shapes["master"], wanted)
+
+
+def _baud(encoder: Encoder, probes: Probes) -> float:
+    if probes.baud:
+        return probes.baud
+    package, _, family = type(encoder).__module__.rpartition(".")
+    facts = import_module(f"{package}.facts.{family}")
+    return float(facts.RS485.port.baud)
+
+
+class Captures(NamedTuple):
+    """Functions that decode captures. A label denotes an encoder of the package ``package``."""
+
+    package: str
+
+    def read_capture(
+        self,
+        encoder: Encoder | BissLayout | str,
+        source: Captured,
+        *,
+        clock: str = "",
+        data: str = "",
+        rate: float | None = None,
+        rest: float | None = None,
+        baud: float | None = None,
+        layout: str = "",
+        answers: Mapping[str, Enum | str] = _NO_ANSWERS,
+    ) -> Capture:
+        """Decode a capture of a logic analyser. Needs NumPy.
+
+        Formats are sigrok sessions, CSV from sigrok and Saleae, Saleae binary files, VCD, NumPy files and tables of 0
+        and 1. They are recognised by their contents.
+
+        Args:
+            encoder: The encoder, its label, or a layout of BiSS frames (``biss_layout``).
+            source: The file, or two Saleae binary files, first the clock and then the data line. Or an
+                array of samples: one row per sample with one column of 0 and 1 per channel, or one number per sample
+                whose bits are the channels.
+            clock: Channel of the clock (MA), by name or by number from 1.
+            data: Channel of the data line (SLO), or of the serial line.
+            rate: Sample rate in Hz, needed if the source does not specify it.
+            rest: Shortest pause of the clock between two cycles, in seconds. The default is 1.4 periods of the clock.
+            baud: Bits per second on a serial line, if they differ from the manual.
+            layout: Kind of the replies, if there are several. The default is the most frequent one with a position.
+            answers: Answers to the questions that the manual leaves open, by name.
+
+        Returns:
+            The frames with their times, lost cycles, and accesses to registers.
+
+        Raises:
+            InputError: The source is not a capture, or does not contain such signals. The message says what to do.
+            UsageError: The arguments are wrong or incompatible with each other.
+            OSError: A file cannot be read.
+        """
+        return _read_capture(self._encoder(encoder), source, Probes(clock, data, rate, rest, baud), layout, answers)
+
+    def decode_capture(
+        self,
+        encoder: Encoder | BissLayout | str,
+        source: str | os.PathLike[str] | Sequence[str],
+        target: str | os.PathLike[str],
+        *,
+        clock: str = "",
+        data: str = "",
+        rate: float | None = None,
+        rest: float | None = None,
+        baud: float | None = None,
+        layout: str = "",
+        answers: Mapping[str, Enum | str] = _NO_ANSWERS,
+        si: bool = False,
+        to: TargetKind | None = None,
+        columns: Sequence[str] = (),
+        limit: int | None = None,
+        raw: bool = False,
+        force: bool = False,
+        progress: Callable[[int, int | None, int], None] | None = None,
+    ) -> CaptureSummary:
+        """Decode a capture of a logic analyser into a file of columns, in bounded memory.
+
+        Args:
+            encoder, source, clock, data, rate, rest, baud, layout, answers: See ``read_capture``.
+            target: The file to write, or ``-`` for CSV on standard output.
+            si: Also write the position and the speed in SI units.
+            to, columns, limit, raw, force, progress: See ``decode_file``.
+
+        Returns:
+            The number of frames, errors and verdicts, and the lost cycles.
+
+        Raises:
+            InputError, UsageError, OSError: See ``read_capture``.
+        """
+        chosen = self._encoder(encoder)
+        output = Output(os.fspath(target), target_format(target, to), columns, raw, force, si)
+        sources = _paths(source)
+        opening = _open_capture(chosen, source, Probes(clock, data, rate, rest, baud), layout, answers)
+        return _decode_capture(opening, chosen, sources, output, limit, progress)
+
+    def _encoder(self, encoder: Encoder | BissLayout | str) -> Encoder | BissLayout:
+        if not isinstance(encoder, str):
+            return encoder
+        variant: Encoder = import_module(self.package).lookup(encoder)
+        return variant
+
+
+def _read_capture(
+    encoder: Encoder | BissLayout, source: Captured, probes: Probes, layout: str, answers: Mapping[str, Enum | str]
+) -> Capture:
+    log = _Log(None)
+    frames: list[Any] = []
+    times: list[Any] = []
+    with _open_capture(encoder, source, probes, layout, answers) as opened:
+        for stretch in opened.stretches:
+            log.add(stretch)
+            frames.append(stretch.frames)
+            times.append(stretch.times)
+    log.finish()
+    table = decode_many(np.concatenate(frames), opened.shape, encoder)
+    table = table.with_columns(**{opened.time: np.concatenate(times)})
+    return Capture(table, tuple(log.lost), tuple(log.accesses), log.others)
+
+
+def _decode_capture(
+    opening: AbstractContextManager[_Opened],
+    encoder: Encoder | BissLayout,
+    sources: list[str],
+    output: Output,
+    limit: int | None,
+    progress: Callable[[int, int | None, int], None] | None,
+) -> CaptureSummary:
+    log = _Log(_SHOWN)
+    with opening as opened, written(output.target, sources, output.force) as file:
+        time = opened.time
+        time_columns = {time: np.zeros(0)}
+        empty = decode_many([], opened.shape, encoder)
+        if time in empty:
+            raise UsageError(f"the frames have a field '{time}', but this is the column of times")
+        empty = empty.with_columns(**time_columns)
+        derived = Derived(time, sources[0]) if output.si else None
+        if derived is not None:
+            empty = derived.check(empty)
+        read = Source(_parts(opened, log), opened.total, (time,), time_columns)
+        plan = plan_of(empty, read, output.columns, sources[0], output.raw)
+        with SINKS[output.kind](file, plan) as sink:
+            frames = decoded(read, opened.shape, encoder, sink, limit, progress, derived)
+    log.finish()
+    return CaptureSummary(
+        frames=frames,
+        lost=log.reasons,
+        first_lost=tuple(log.lost),
+        accesses=tuple(log.accesses),
+        access_count=log.access_count,
+        others=log.others,
+    )
+
+
+def _paths(source: str | os.PathLike[str] | Sequence[str]) -> list[str]:
+    """Return the paths of one or more files."""
+    if isinstance(source, (str, os.PathLike)):
+        return [os.fspath(source)]
+    if not source:
+        raise UsageError("give the file of a capture")
+    return [os.fspath(path) for path in source]
+
+
+def _parts(opened: _Opened, log: _Log) -> Generator[Part, None, None]:
+    for stretch in opened.stretches:
+        log.add(stretch)
+        yield Part(stretch.frames, stretch.done, {opened.time: stretch.times})

@@ -1,0 +1,370 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Finds the frames of BiSS and SSI in the edges of a clock and a data line.
+
+A cycle begins at the first falling edge of the clock after a pause. Over SSI, each rising edge then shifts out a bit.
+Over BiSS, the data line is high at rest, goes low as an acknowledgement, and rises with the start bit. CDS, the frame
+and its CRC follow. The levels of the data line after the last bit of the frame are ignored.
+
+Each bit is read in its middle, which the delay of the line shifts. Over BiSS, the start bit shows the delay, and
+over SSI the first change of the data line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Mapping
+from importlib import import_module
+from types import MappingProxyType
+from typing import Any, Final, Literal, NamedTuple
+
+from ..errors import InputError
+from .signals import Edges, Signals
+
+np: Any = import_module("numpy")
+
+#: Number of periods without an edge after which the clock is idle. BiSS slaves end a cycle after 1.5 or more.
+_REST: Final = 1.4
+#: A pulse shorter than this fraction of a period is a glitch.
+_SPIKE: Final = 0.15
+#: Longest delay of a data line, in clock periods, for which the finder waits for the next stretch of the capture.
+_DELAY: Final = 256
+#: With fewer samples per clock period, the positions of edges are averaged, and so are the delays of some bits.
+_COARSE: Final = 8
+_AVERAGED: Final = 16
+#: Number of edges without a pause after which a signal is not considered a clock.
+_ENDLESS: Final = 1 << 22
+#: Shortest pause, so that no period is 0.
+_LEAST: Final = 1e-12
+#: Number of edges of the clock that are needed to determine its period.
+_FEW: Final = 64
+
+
+class Lost(NamedTuple):
+    """Cycle or bytes in a capture that contain no frame.
+
+    Attributes:
+        time: Time of the beginning, in seconds or in samples.
+        reason: Description of what was found instead of a frame.
+    """
+
+    time: float
+    reason: str
+
+
+class CapturedFrames(NamedTuple):
+    """Frames in a stretch of a capture.
+
+    Attributes:
+        frames: The frames, in the form that ``decode_many`` expects.
+        times: Beginning of each frame: the first falling edge of the clock, or the start bit of the first byte. In
+            seconds, or in samples if the sample rate is unknown.
+        lost: Cycles without a frame.
+        done: Amount of the file that has been read.
+        control: Over BiSS, the time, CDS bit and CDM bit of each cycle, including lost ones, whose CDS bit is -1.
+        kind: Over RS-485, the kind of the frames. Empty if no valid frame was found.
+        others: Number of frames of other kinds, by name.
+    """
+
+    frames: Any
+    times: Any
+    lost: list[Lost]
+    done: int = 0
+    control: tuple[Any, Any, Any] | None = None
+    kind: str = ""
+    others: Mapping[str, int] = MappingProxyType({})
+
+
+def clocked(
+    signals: Signals, name: str, kind: Literal["biss", "ssi"], bits: int, pause: float | None = None
+) -> Generator[CapturedFrames, None, None]:
+    """Yield the frames of ``bits`` bits.
+
+    Args:
+        signals: The clock and the data line.
+        name: Name of the file, for errors.
+        kind: Interface of the encoder.
+        bits: Number of bits in a frame.
+        pause: Shortest pause between two cycles in seconds, or in samples if the sample rate is unknown. By default,
+            1.4 periods of the clock.
+
+    Raises:
+        InputError: The clock never changes, or never pauses.
+    """
+    unit = signals.seconds or 1.0
+    finder = _CycleFinder(
+        kind=kind,
+        bits=bits,
+        pause=pause / unit if pause else None,
+        early=0.5 if signals.is_sampled else 0.0,
+        unit=unit,
+    )
+    for part in signals.edges:
+        stretch = finder.feed(part, name)
+        if stretch is not None:
+            yield stretch
+    if not finder.is_clocked:
+        raise InputError(name, "", "the clock never changes: choose another channel with --clock")
+    yield finder.finish()
+
+
+class _Cycles(NamedTuple):
+    """Cycles of the clock: arrays with an element for each cycle.
+
+    Attributes:
+        falls: Index of the first falling edge.
+        ends: Index after the last edge.
+        rises: Number of rising edges.
+        begin: Time of the first falling edge.
+        last: Time of the last edge.
+        after: Time of the first edge of the next cycle.
+        period: Period of the clock.
+    """
+
+    falls: Any
+    ends: Any
+    rises: Any
+    begin: Any
+    last: Any
+    after: Any
+    period: Any
+
+
+class _Bits(NamedTuple):
+    """Bits of each cycle: arrays with an element for each cycle.
+
+    Attributes:
+        reasons: Reason why the cycle has no frame, or 0.
+        skipped: Number of rising edges before the first bit.
+        delay: Delay of the data line.
+        sent: Number of bits that were sent.
+    """
+
+    reasons: Any
+    skipped: Any
+    delay: Any
+    sent: Any
+
+
+class _CycleFinder:
+    """Finder of cycles. It keeps the edges of the last cycle until the next stretch of the capture arrives."""
+
+    def __init__(self, kind: Literal["biss", "ssi"], bits: int, pause: float | None, early: float, unit: float) -> None:
+        self._is_biss, self._bits, self._chosen_pause, self._early = kind == "biss", bits, pause, early
+        self._begin, self._unit = -np.inf, unit
+        self._clock, self._data, self._levels = np.zeros(0), np.zeros(0), (1, 1)
+        self._rest = 0.0
+        self._end, self._done, self.is_clocked, self._is_new = 0.0, 0, False, True
+
+    def feed(self, part: Edges, name: str) -> CapturedFrames | None:
+        """Return the frames that the next stretch of the capture completes."""
+        if self._is_new:
+            self._levels, self._begin, self._is_new = (part.levels[0], part.levels[1]), part.begin, False
+        self._clock = np.concatenate([self._clock, part.times[0]])
+        self._data = np.concatenate([self._data, part.times[1]])
+        self._end, self._done = part.end, part.done
+        count = len(self._clock)
+        self.is_clocked = self.is_clocked or count > 0
+        if count < _FEW and not self._rest:
+            return None
+        if not self._rest:
+            self._set_rest()
+        ends = self._ends()
+        # The last cycle may continue, or its data may still arrive.
+        if not len(ends) or self._end - self._clock[-1] < _DELAY * self._rest:
+            ends = ends[:-1]
+        if not len(ends):
+            if count > _ENDLESS:
+                raise InputError(name, "", "the clock never rests: choose another channel with --clock")
+            return None
+        return self._cut(ends)
+
+    def finish(self) -> CapturedFrames:
+        """Return the frames at the end of the capture."""
+        if not self._rest and len(self._clock) > 2:
+            self._set_rest()
+        # Two edges have no period.
+        self._rest = self._rest or self._chosen_pause or max(self._end - float(self._clock[:1].sum()), _LEAST)
+        return self._cut(self._ends() if len(self._clock) else np.zeros(0, np.int64), True)
+
+    def _set_rest(self) -> None:
+        # Within a cycle, two edges are one period, regardless of the duty cycle.
+        spans = self._clock[2:] - self._clock[:-2]
+        usual = spans[spans <= 2 * np.median(spans)]
+        # Damaged files can have edges at the same time.
+        self._rest = max(self._chosen_pause or _REST * float(usual.mean()), _LEAST)
+
+    def _ends(self) -> Any:
+        """Return the index after the last edge of each cycle."""
+        gaps = np.flatnonzero(np.diff(self._clock) > self._rest) + 1
+        return np.append(gaps, len(self._clock)) if len(self._clock) else gaps
+
+    def _cut(self, ends: Any, is_last: bool = False) -> CapturedFrames:
+        """Return the frames in the cycles that end at ``ends``, and forget their edges."""
+        clock, levels = self._clock, self._levels
+        if not len(ends):
+            return CapturedFrames(np.zeros(0, np.uint64), np.zeros(0), [], self._done)
+        starts = np.concatenate([[0], ends[:-1]])
+        frames = self._frames(starts, ends, is_last)
+        cycle_end = int(ends[-1])
+        # The data line may change after the clock rests, so its edges are kept up to the next cycle.
+        until = np.inf if is_last else clock[cycle_end - 1] + self._rest
+        if cycle_end < len(clock):
+            until = clock[cycle_end]
+        gone = int(np.searchsorted(self._data, until, "left"))
+        self._levels = (levels[0] ^ (cycle_end & 1), levels[1] ^ (gone & 1))
+        self._clock, self._data = clock[cycle_end:], self._data[gone:]
+        self._begin = -np.inf
+        return frames
+
+    def _frames(self, starts: Any, ends: Any, is_last: bool) -> CapturedFrames:
+        """Return the frames in cycles with edges from ``starts`` to ``ends``."""
+        cycles = self._cycles(starts, ends)
+        if not len(cycles.falls):
+            return CapturedFrames(np.zeros(0, np.uint64), np.zeros(0), [], self._done)
+        bits = self._biss_bits(cycles) if self._is_biss else self._ssi_bits(cycles)
+        bits.reasons[self._shortest_gaps(cycles) < _SPIKE * cycles.period] = _SPIKED
+        good = np.flatnonzero(bits.reasons == 0)
+        # Over BiSS, CDS comes first.
+        count = self._bits + 1 if self._is_biss else self._bits
+        levels = self._levels_of(cycles, bits, good, count)
+        words = np.zeros(len(good), np.uint64)
+        for place in range(count - self._bits, count):
+            words = words << np.uint64(1) | levels[:, place].astype(np.uint64)
+        lost = self._lost(cycles, bits)
+        if lost and is_last and bits.reasons[-1] and self._end - cycles.last[-1] < self._rest:
+            lost[-1] = Lost(lost[-1].time, _MESSAGES[_CUT])
+        control = None
+        if self._is_biss:
+            cds = np.full(len(cycles.falls), -1, np.int64)
+            cds[good] = levels[:, 0]
+            cdm = self._levels[0] ^ (cycles.ends & 1) ^ 1
+            control = (cycles.begin * self._unit, cds, cdm)
+        return CapturedFrames(words, cycles.begin[good] * self._unit, lost, self._done, control)
+
+    def _cycles(self, starts: Any, ends: Any) -> _Cycles:
+        """Return the cycles with edges from ``starts`` to ``ends``."""
+        clock = self._clock
+        # The first falling edge of each cycle. An edge with an even index starts from the first level.
+        falls = starts + ((starts & 1) == self._levels[0])
+        after = np.append(clock[ends[:-1]], np.inf) if len(ends) else np.zeros(0)
+        if ends[-1] < len(clock):
+            after[-1] = clock[ends[-1]]
+        # The end of a time-out is an edge without a cycle.
+        real = falls < ends
+        ends, falls, after = ends[real], falls[real], after[real]
+        begin, last = clock[falls], clock[ends - 1]
+        rises = (ends - falls) // 2
+        period = np.where(rises > 1, 2 * (last - begin) / np.maximum(ends - 1 - falls, 1), self._rest / _REST)
+        period = np.maximum(period, 1e-6 * self._rest)
+        return _Cycles(falls=falls, ends=ends, rises=rises, begin=begin, last=last, after=after, period=period)
+
+    def _biss_bits(self, cycles: _Cycles) -> _Bits:
+        """Return the bits after the start bit, which is the first rise of the data line after its first fall."""
+        clock, falls, ends, last, period = self._clock, cycles.falls, cycles.ends, cycles.last, cycles.period
+        index = np.searchsorted(self._data, cycles.begin, "left")
+        level = self._levels[1] ^ (index & 1)
+        padded = np.append(self._data, [np.inf, np.inf])
+        down, up = padded[index], padded[index + 1]
+        first = (np.searchsorted(clock, up, "right") - falls) // 2 - 1
+        start_bit = falls + 1 + 2 * np.maximum(first, 0)
+        second = clock[np.minimum(falls + 3, ends - 1)]
+        late = np.maximum(np.floor((np.where(np.isfinite(down), down, 0) - second) / period), 0)
+        short = cycles.rises - 1 - (first - late) < self._bits + 1
+        reasons = np.zeros(len(falls), np.int64)
+        reasons[short] = _SHORT
+        reasons[(up > last + period * (late + 2)) | (up >= cycles.after) | (first < 0)] = _NO_START
+        reasons[down > np.minimum(cycles.after, last + _DELAY * period)] = _HIGH
+        reasons[level == 0] = _LOW
+        delay = up - clock[np.minimum(start_bit, len(clock) - 1)]
+        sent = np.where(reasons == _SHORT, np.maximum(cycles.rises - 2 - (first - late), 0), cycles.rises)
+        return _Bits(reasons=reasons, skipped=first + 1, delay=delay, sent=sent)
+
+    def _ssi_bits(self, cycles: _Cycles) -> _Bits:
+        """Return the bits, one for each rising edge. The first change of the data line shows its delay."""
+        clock, falls, ends, period = self._clock, cycles.falls, cycles.ends, cycles.period
+        padded = np.append(self._data, [np.inf, np.inf])
+        first_rise = clock[np.minimum(falls + 1, ends - 1)]
+        change = padded[np.searchsorted(self._data, first_rise, "left")]
+        rises_before = (np.searchsorted(clock, change, "right") - falls) // 2
+        near = falls + 1 + 2 * np.maximum(rises_before - 1, 0)
+        delay = np.where(change < cycles.last + period, change - clock[np.minimum(near, ends - 1)], 0.0)
+        delay = np.where(delay < period, delay, 0.0)
+        reasons = np.zeros(len(falls), np.int64)
+        reasons[cycles.rises < self._bits] = _SHORT
+        return _Bits(reasons=reasons, skipped=np.zeros(len(falls), np.int64), delay=delay, sent=cycles.rises)
+
+    def _shortest_gaps(self, cycles: _Cycles) -> Any:
+        """Return the shortest time between two edges of each cycle."""
+        gaps = np.append(np.diff(self._clock), np.inf)
+        # A gap after the last edge of a cycle is a rest.
+        gaps[cycles.ends - 1] = np.inf
+        return np.minimum.reduceat(gaps, cycles.falls)
+
+    def _lost(self, cycles: _Cycles, bits: _Bits) -> list[Lost]:
+        """Return the cycles without a frame."""
+        lost: list[Lost] = []
+        is_first_cut = cycles.begin[0] - self._begin < self._rest
+        for index in np.flatnonzero(bits.reasons):
+            reason = self._message(int(bits.reasons[index]), int(bits.sent[index]), bool(index == 0 and is_first_cut))
+            lost.append(Lost(float(cycles.begin[index]) * self._unit, reason))
+        return lost
+
+    def _levels_of(self, cycles: _Cycles, bits: _Bits, good: Any, count: int) -> Any:
+        """Return the levels of the data line in the middle of each bit, as an array with a row for each good cycle."""
+        falls, rises, period = cycles.falls[good], cycles.rises[good], cycles.period[good]
+        delay = bits.delay[good]
+        clock, data = self._clock, self._data
+        order = bits.skipped[good][:, None] + np.arange(count)[None, :]
+        beyond = np.maximum(order - (rises - 1)[:, None], 0)
+        places = falls[:, None] + 1 + 2 * (order - beyond)
+        times = clock[places]
+        if beyond.any():
+            times += beyond * period[:, None]
+        # A bit changes up to one sample before its edge is seen.
+        half = period / 2 - self._early
+        if self._early and len(period) and period.min() < _COARSE:
+            times, delay, half = self._refined(times, beyond == 0, delay, period)
+        times += (delay + half)[:, None]
+        return (np.searchsorted(data, times.ravel(), "right").reshape(times.shape) & 1) ^ self._levels[1]
+
+    def _refined(self, times: Any, has_edge: Any, delay: Any, period: Any) -> tuple[Any, Any, Any]:
+        """Refine the times of the clock's edges, the delay, and half a bit, if there are few samples per period.
+
+        A straight line through all edges of a cycle, and the mean of the delays of all bits, are exact to a fraction of
+        a sample.
+        """
+        x, weight = np.arange(times.shape[1], dtype=np.float64)[None, :], has_edge.astype(np.float64)
+        count = np.maximum(weight.sum(axis=1), 1)
+        mean_x, mean_y = (weight * x).sum(axis=1) / count, (weight * times).sum(axis=1) / count
+        off = (x - mean_x[:, None]) * weight
+        slope = (off * (times - mean_y[:, None])).sum(axis=1) / np.maximum((off * off).sum(axis=1), 1e-9)
+        line = mean_y[:, None] + slope[:, None] * (x - mean_x[:, None])
+        is_even = (np.abs(line - times) * weight).max(axis=1) < 1.5
+        # The first edge of the data line near each bit.
+        expected = line + delay[:, None]
+        data = np.append(self._data, np.inf)
+        next_edges = np.searchsorted(self._data, (expected - slope[:, None] / 2).ravel())
+        near = data[next_edges].reshape(times.shape) - expected
+        is_near = near < slope[:, None] / 2
+        late = np.where(is_near, near, 0.0).sum(axis=1) / np.maximum(is_near.sum(axis=1), 1)
+        return (
+            np.where(is_even[:, None], line, times),
+            np.where(is_even, delay + late, delay),
+            np.where(is_even, slope / 2, period / 2 - self._early),
+        )
+
+    def _message(self, reason: int, bits_sent: int, is_cut: bool) -> str:
+        if is_cut and reason in (_SHORT, _NO_START, _LOW):
+            return "the capture begins within this cycle"
+        if reason == _SHORT:
+            return f"the clock stops after {bits_sent} of {self._bits} bits"
+        return _MESSAGES[reason]
+
+
+_SHORT, _NO_START, _HIGH, _LOW, _SPIKED, _CUT = range(1, 7)
+_MESSAGES: Final = {
+    _NO_START: "no start bit: the data line stays low after the acknowledgement",
+    _HIGH: "no acknowledgement: the data line stays high",
+    _LOW: "the data line is low before the cycle begins",
+    _SPIKED: "a very short pulse on the clock",
+    _CUT: "the capture ends within this cycle",
+}

@@ -1,0 +1,262 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Reads the captures of logic analysers: sigrok sessions, CSV, Saleae's binary files, VCD and NumPy files.
+
+Files are recognised by their contents and read in chunks, so memory use does not depend on their size.
+"""
+
+from __future__ import annotations
+
+import re
+import struct
+import zipfile
+import zlib
+from collections.abc import Generator, Sequence
+from configparser import ConfigParser
+from configparser import Error as ConfigError
+from contextlib import ExitStack, contextmanager
+from importlib import import_module
+from typing import Any, BinaryIO, Final
+
+from ..bulk.words import listed, short
+from ..errors import InputError, UsageError
+from .signal_text import HEADER, HINT, rate_of, size_of, table_signals, vcd_signals
+from .signals import SAMPLES, Names, Signals, merged, of_samples, packed
+
+np: Any = import_module("numpy")
+
+_SALEAE: Final = b"<SALEAE>"
+
+
+@contextmanager
+def opened_signals(paths: Sequence[str], names: Names, rate: float | None = None) -> Generator[Signals, None, None]:
+    """Open a capture.
+
+    Args:
+        paths: The file. Saleae's binary files have one signal each: the clock, then the data line.
+        names: The channels of the signals.
+        rate: Sample rate in Hz, needed if the file does not specify it.
+
+    Raises:
+        InputError: The file is not a capture, or does not have these channels.
+        UsageError: There are several files, but not one signal in each.
+        OSError: A file cannot be read.
+    """
+    with ExitStack() as stack:
+        files = [stack.enter_context(open(path, "rb")) for path in paths]
+        heads = [file.read(HEADER) for file in files]
+        for file in files:
+            file.seek(0)
+        is_saleae = [head.startswith(_SALEAE) for head in heads]
+        wanted = 1 if names.clock is None else 2
+        if any(is_saleae):
+            if not all(is_saleae) or len(files) != wanted:
+                lines = (
+                    "the file of the data line" if wanted == 1 else "two files, that of the clock and of the data line"
+                )
+                raise UsageError(f"each binary file of Saleae has one signal: give {lines}")
+            signals = _saleae(files, paths)
+        elif len(files) != 1:
+            raise UsageError("give one file: only binary files of Saleae have one signal each")
+        else:
+            signals = _single_file(stack, files[0], paths[0], heads[0], names, rate)
+        try:
+            yield signals
+        finally:
+            signals.edges.close()
+
+
+def _single_file(stack: ExitStack, file: BinaryIO, path: str, head: bytes, names: Names, rate: float | None) -> Signals:
+    if head.startswith(b"PK"):
+        return _session(stack, file, path, names, rate)
+    if head.startswith(b"\x93NUMPY"):
+        return _array(file, path, names, rate)
+    if not head:
+        raise InputError(path, "", "the file is empty")
+    if b"\0" in head:
+        raise InputError(path, "", f"this is not a capture: {HINT}")
+    if head.lstrip().startswith(b"$"):
+        return vcd_signals(file, path, names)
+    return table_signals(file, path, head, names, rate)
+
+
+# sigrok sessions
+
+#: Most bytes of samples in a session, when unpacked: three minutes at 24 MHz, which take a minute to read.
+_MOST_UNPACKED: Final = 1 << 32
+#: Errors that a damaged ZIP file causes.
+_DAMAGED: Final = (zipfile.BadZipFile, zlib.error, struct.error, EOFError, OSError, OverflowError, RuntimeError)
+
+
+def _session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: float | None) -> Signals:
+    """Return the signals of a session: a ZIP file with metadata, and samples in files of a few megabytes."""
+    try:
+        archive = stack.enter_context(zipfile.ZipFile(file))
+        with archive.open("metadata") as metadata:
+            text = metadata.read(HEADER).decode("utf-8", "replace")
+        config = ConfigParser(interpolation=None, strict=False)
+        config.read_string(text)
+        devices = [dict(config[name]) for name in config.sections() if "capturefile" in config[name]]
+        device: dict[str, str] = devices[0] if devices else {}
+        size, stem = _small_number(device.get("unitsize", "1")), device.get("capturefile", "")
+        probe_keys = [key for key in device if re.fullmatch(r"probe[0-9]{1,3}", key)]
+        probes = {_small_number(key[5:]): device[key] for key in probe_keys}
+    except (KeyError, ConfigError, ValueError, *_DAMAGED):
+        raise InputError(path, "", "this is not a valid sigrok session") from None
+    if not stem:
+        raise InputError(path, "", "this sigrok session has no logic signals")
+    if size not in (1, 2, 4, 8):
+        raise InputError(path, "", f"samples of {size} bytes are not supported: expected 1, 2, 4 or 8")
+    numbers = [number for number in sorted(probes) if 1 <= number <= 8 * size]
+    channels = [probes[number] for number in numbers]
+    # The number of a probe is also accepted, although only probes in use have names.
+    numbered_names = Names(*(_numbered(name, probes, numbers, path) for name in names))
+    masks = tuple(1 << numbers[place] - 1 for place in numbered_names.places(channels, path))
+    entries = _entries(archive, stem)
+    if not entries:
+        raise InputError(path, "", "this sigrok session has no samples")
+    sample_rate = rate or rate_of(device.get("samplerate", ""))
+    total = sum(info.file_size for info in entries)
+    if total > _MOST_UNPACKED:
+        sizes = f"{total / 1e9:.1f} GB unpacked, and at most {_MOST_UNPACKED / 1e9:.1f} GB are read"
+        raise InputError(path, "", f"the samples have {sizes}: save a shorter session")
+    parts = _unpacked(archive, entries, size, path)
+    return Signals(of_samples(parts, masks), 1 / sample_rate if sample_rate else None, True, total)
+
+
+def _numbered(name: Any, probes: dict[int, str], numbers: list[int], path: str) -> Any:
+    """Return the place of a probe that is chosen by its number, or the name unchanged."""
+    text = name or ""
+    if not (text.isascii() and text.isdigit() and len(text) < 4) or text in probes.values():
+        return name
+    if int(text) not in numbers:
+        raise InputError(path, "", f"no channel {short(text)}; the channels are {listed([*probes.values()])}")
+    return str(numbers.index(int(text)) + 1)
+
+
+def _entries(archive: zipfile.ZipFile, stem: str) -> list[zipfile.ZipInfo]:
+    """Return the files of samples in order: ``logic-1`` or ``logic-1-1``, ``logic-1-2`` and so on."""
+    named = {info.filename: info for info in archive.infolist()}
+    if stem in named:
+        return [named[stem]]
+    parts: list[zipfile.ZipInfo] = []
+    while (name := f"{stem}-{len(parts) + 1}") in named:
+        parts.append(named[name])
+    return parts
+
+
+def _unpacked(
+    archive: zipfile.ZipFile, entries: list[zipfile.ZipInfo], size: int, path: str
+) -> Generator[tuple[Any, int, Any], None, None]:
+    done, remainder = 0, b""
+    try:
+        for info in entries:
+            with archive.open(info) as file:
+                while data := file.read(SAMPLES * size):
+                    done += len(data)
+                    data = remainder + data
+                    whole = len(data) // size * size
+                    remainder = data[whole:]
+                    yield np.frombuffer(data, f"<u{size}", whole // size), done, None
+    except _DAMAGED as error:
+        raise InputError(path, f"offset {done}", f"the samples are damaged: {error or 'they end early'}") from None
+
+
+def _small_number(text: str) -> int:
+    if not (text.isascii() and text.isdigit() and len(text) < 10):
+        raise ValueError(text)
+    return int(text)
+
+
+# NumPy files
+
+
+def _array(file: BinaryIO, path: str, names: Names, rate: float | None) -> Signals:
+    form = np.lib.format
+    try:
+        version = form.read_magic(file)
+        read = form.read_array_header_1_0 if version == (1, 0) else form.read_array_header_2_0
+        shape, is_fortran, kind = read(file)
+    except Exception:  # The parser of the header raises many types.
+        raise InputError(path, "", "this is not a valid NumPy file") from None
+    if kind.kind not in "uib" or kind.itemsize > 8 or len(shape) not in (1, 2) or (is_fortran and len(shape) == 2):
+        raise InputError(path, "", f"expected whole numbers, one row per sample, got {kind} {shape}")
+    width = shape[1] if len(shape) == 2 else 1
+    if not 0 < width <= 1024:
+        raise InputError(path, "", f"expected 1 to 1024 channels, got {width}")
+    count = width if len(shape) == 2 else 8 * kind.itemsize
+    places = names.places([str(place + 1) for place in range(count)], path)
+    bits = range(len(places)) if len(shape) == 2 else places
+    masks = tuple(1 << bit for bit in bits)
+
+    def parts() -> Generator[tuple[Any, int, Any], None, None]:
+        done, step = 0, width * kind.itemsize
+        while data := file.read(max(SAMPLES // width, 1) * step):
+            done += len(data)
+            part = np.frombuffer(data, kind, len(data) // step * width)
+            if len(shape) == 2:
+                part = packed(part.reshape(-1, width)[:, places])
+            else:
+                part = part.view(f"{kind.byteorder if kind.itemsize > 1 else ''}u{kind.itemsize}")
+                part = part.astype(f"u{kind.itemsize}", copy=False)
+            yield part, done, None
+
+    return Signals(of_samples(parts(), masks), 1 / rate if rate else None, True)
+
+
+# Saleae's binary files
+
+
+class _Saleae:
+    """Binary file of one digital channel, version 0 or 1. Version 1 has several chunks with gaps between them."""
+
+    def __init__(self, file: BinaryIO, path: str) -> None:
+        self._file, self._path = file, path
+        version, kind = struct.unpack("<8xii", self._take(16))
+        if kind != 0:
+            raise InputError(path, "", "this Saleae file has analog values: export the digital channels")
+        if version not in (0, 1):
+            raise InputError(path, "", f"Saleae's binary format {version} is not supported: export as CSV")
+        self._has_rate = version == 1
+        self.chunks = struct.unpack("<Q", self._take(8))[0] if version == 1 else 1
+        self.end, self._ready = 0.0, (0, 0)
+        if self.chunks:
+            self._ready = self._chunk()
+
+    def _take(self, size: int) -> bytes:
+        data = self._file.read(size)
+        if len(data) != size:
+            raise InputError(self._path, "", "this Saleae file ends early")
+        return data
+
+    def _chunk(self) -> tuple[int, int]:
+        """Return the first level and the number of edges of the next chunk."""
+        header = struct.Struct("<IdddQ" if self._has_rate else "<IddQ")
+        level, *_, begin, end, count = header.unpack(self._take(header.size))
+        if not (np.isfinite(begin) and np.isfinite(end)) or level > 1:
+            raise InputError(self._path, "", "this Saleae file is damaged")
+        self._start, self.end = begin, max(self.end, end)
+        return int(level), int(count)
+
+    def edges(self) -> Generator[tuple[int, Any, int], None, None]:
+        """Yield the level before some edges, their times, and the amount read so far."""
+        last, level = -np.inf, self._ready[0]
+        yield level, np.zeros(0), self._file.tell()
+        for place in range(self.chunks):
+            first, count = self._ready if not place else self._chunk()
+            if first != level:
+                # The signal changed in the gap before this chunk.
+                level, last = first, self._start
+                yield level ^ 1, np.array([self._start]), self._file.tell()
+            while count:
+                part = np.frombuffer(self._take(8 * min(count, SAMPLES // 8)), "<f8")
+                if not (np.isfinite(part).all() and last <= part[0] and (np.diff(part) >= 0).all()):
+                    raise InputError(self._path, "", "the times of this Saleae file are not in ascending order")
+                yield level, part, self._file.tell()
+                count, last, level = count - len(part), float(part[-1]), level ^ (len(part) & 1)
+
+
+def _saleae(files: Sequence[BinaryIO], paths: Sequence[str]) -> Signals:
+    readers = [_Saleae(file, path) for file, path in zip(files, paths, strict=True)]
+    edge_streams = [reader.edges() for reader in readers]
+    edges = merged(edge_streams, end=lambda: max(reader.end for reader in readers))
+    return Signals(edges, 1.0, False, sum(map(size_of, files)))

@@ -1,0 +1,261 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Finds the bytes on a serial line, and the replies of an RS-485 encoder among them."""
+
+from __future__ import annotations
+
+from collections.abc import Generator, Iterator, Mapping, Sequence
+from importlib import import_module
+from typing import Any, Final, NamedTuple
+
+from ..bulk.decode import decode_many
+from ..bulk.shape import Shape
+from ..errors import ErrorKind, InputError
+from ..files.stream import counted
+from .clocked import CapturedFrames, Lost
+from .signals import Signals
+
+np: Any = import_module("numpy")
+
+#: A byte has a start bit, eight data bits, and a stop bit.
+_BITS: Final = 10
+#: Number of bytes that are kept until the next stretch of the capture arrives.
+_KEPT: Final = 64
+#: Longest pause within a message, in byte times.
+_PAUSE: Final = 20
+
+
+class _Bytes(NamedTuple):
+    """Bytes of a stretch, the time of each start bit, and True for each byte with a stop bit."""
+
+    values: Any
+    times: Any
+    has_stop_bit: Any
+    done: int
+
+
+def serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, None]:
+    """Yield the bytes on a serial line: eight data bits, least significant bit first, without parity.
+
+    Args:
+        signals: The line, high at rest.
+        baud: Bits per second, or per sample if the sample rate is unknown.
+    """
+    bit = 1 / baud / (signals.seconds or 1.0)
+    early = 0.5 if signals.is_sampled else 0.0
+    edges, level, free, end, done, is_new = np.zeros(0), 1, -np.inf, 0.0, 0, True
+    for part in (*(), *_parts(signals)):
+        if part is not None:
+            level, is_new = (part.levels[0], False) if is_new else (level, False)
+            edges, end, done = np.concatenate([edges, part.times[0]]), part.end, part.done
+        # An edge with an even index starts from the first level.
+        falls = edges[1 - level :: 2]
+        whole = int(np.searchsorted(falls, end - _BITS * bit, "right")) if part is not None else len(falls)
+        falls = falls[:whole]
+        if not len(falls):
+            continue
+        # The stop bit lasts at least half a bit, and the next byte may follow at once.
+        following = np.searchsorted(falls, falls + (_BITS - 0.5) * bit, "left").tolist()
+        chosen: list[int] = []
+        place = int(np.searchsorted(falls, free, "left"))
+        while place < whole:
+            chosen.append(place)
+            place = following[place]
+        if not chosen:
+            continue
+        starts = falls[chosen]
+        free = float(starts[-1]) + (_BITS - 0.5) * bit
+        times = starts[:, None] + (bit * (1.5 + np.arange(9)) - early)[None, :]
+        levels = (np.searchsorted(edges, times.ravel(), "right").reshape(times.shape) & 1) ^ level
+        values = (levels[:, :8] << np.arange(8)).sum(axis=1).astype(np.uint8)
+        yield _Bytes(values, starts * (signals.seconds or 1.0), levels[:, 8] == 1, done)
+        gone = int(np.searchsorted(edges, free, "left"))
+        edges, level = edges[gone:], level ^ (gone & 1)
+
+
+def _parts(signals: Signals) -> Iterator[Any]:
+    """Yield the stretches of a capture, then None."""
+    yield from signals.edges
+    yield None
+
+
+class Kinds(NamedTuple):
+    """Kinds of frames on a line: those of the encoder and of the master, by name, and the requested one or none."""
+
+    replies: Mapping[str, Shape]
+    requests: Mapping[str, Shape]
+    wanted: str = ""
+
+
+def replies(signals: Signals, name: str, baud: float, kinds: Kinds) -> Generator[CapturedFrames, None, None]:
+    """Yield the replies of one kind.
+
+    The line may also carry requests and other kinds of replies. If no kind is requested, the most frequent kind
+    with a position is used.
+
+    Args:
+        signals: The line.
+        name: Name of the file, for errors.
+        baud: Bits per second.
+        kinds: Kinds of frames.
+
+    Raises:
+        InputError: The line never changes.
+    """
+    finder = _Replies(kinds, _BITS / baud)
+    first: list[CapturedFrames] = []
+    is_silent = True
+    for part in serial_bytes(signals, baud):
+        is_silent = False
+        first.append(finder.feed(part))
+        if finder.wanted:
+            yield from map(finder.with_kind, first)
+            first.clear()
+    if is_silent:
+        raise InputError(name, "", "no byte was sent: choose another channel with --data")
+    yield from map(finder.with_kind, [*first, finder.finish()])
+
+
+class _Replies:
+    """Finder of replies in bytes. It keeps the last bytes until more arrive."""
+
+    def __init__(self, kinds: Kinds, duration: float) -> None:
+        self._kinds, self._pause = kinds, _PAUSE * duration
+        self._values, self._times, self._has_stop_bit = np.zeros(0, np.uint8), np.zeros(0), np.zeros(0, bool)
+        self.wanted, self._done = kinds.wanted, 0
+
+    def feed(self, part: _Bytes) -> CapturedFrames:
+        """Return the replies that further bytes complete."""
+        self._values = np.concatenate([self._values, part.values])
+        self._times = np.concatenate([self._times, part.times])
+        self._has_stop_bit = np.concatenate([self._has_stop_bit, part.has_stop_bit])
+        self._done = part.done
+        return self._find(max(len(self._values) - _KEPT, 0))
+
+    def finish(self) -> CapturedFrames:
+        """Return the replies among the last bytes."""
+        return self._find(len(self._values))
+
+    def with_kind(self, stretch: CapturedFrames) -> CapturedFrames:
+        """Return the frames with the kind of the replies, which is not known at first."""
+        if not self.wanted or len(stretch.frames):
+            return stretch
+        return stretch._replace(
+            kind=self.wanted, frames=np.zeros((0, self._kinds.replies[self.wanted].length), np.uint8)
+        )
+
+    def _valid(self, shape: Shape) -> Any:
+        """Return whether a valid frame begins at each byte."""
+        count, length = len(self._values), shape.length
+        is_valid = np.zeros(count + 1, bool)
+        if count >= length:
+            windows = np.lib.stride_tricks.sliding_window_view(self._values, length)
+            is_valid[: len(windows)] = decode_many(np.ascontiguousarray(windows), shape, None).fault == 0
+            gaps = np.concatenate([[0], np.cumsum(np.diff(self._times) > self._pause)])
+            is_valid[: len(windows)] &= gaps[length - 1 :] == gaps[: len(windows)]
+            faulty_counts = np.concatenate([[0], np.cumsum(~self._has_stop_bit)])
+            is_valid[: len(windows)] &= faulty_counts[length:] == faulty_counts[: len(windows)]
+        return is_valid
+
+    def _find(self, until: int) -> CapturedFrames:
+        """Return the replies that begin before the byte ``until``, and forget their bytes."""
+        shapes = self._kinds.replies
+        # At each byte, the longest reply counts.
+        names = sorted(shapes, key=lambda name: (-shapes[name].length, name))
+        request_lengths = self._request_lengths()
+        starts, gaps, end = self._walk(until, names, self._reply_kinds(names), request_lengths)
+        if not self.wanted:
+            candidates = [name for name in names if starts[name] and shapes[name].otherwise is not None]
+            if candidates:
+                self.wanted = max((len(starts[name]), name) for name in candidates)[1]
+        stretch = self._result(starts, gaps, request_lengths)
+        self._values, self._times = self._values[end:], self._times[end:]
+        self._has_stop_bit = self._has_stop_bit[end:]
+        return stretch
+
+    def _reply_kinds(self, names: Sequence[str]) -> list[int]:
+        """Return the index in ``names`` of the reply that begins at each byte, or -1."""
+        kinds = np.full(len(self._values) + 1, -1)
+        for index, name in reversed([*enumerate(names)]):
+            kinds[self._valid(self._kinds.replies[name])] = index
+        reply_kinds: list[int] = kinds.tolist()
+        return reply_kinds
+
+    def _request_lengths(self) -> list[int]:
+        """Return the length of the request that begins at each byte, or 0."""
+        longest = np.zeros(len(self._values) + 1, np.int64)
+        for shape in self._kinds.requests.values():
+            longest = np.maximum(longest, shape.length * self._valid(shape))
+        lengths: list[int] = longest.tolist()
+        return lengths
+
+    def _walk(
+        self, until: int, names: Sequence[str], reply_kinds: list[int], request_lengths: list[int]
+    ) -> tuple[dict[str, list[int]], list[tuple[int, int]], int]:
+        """Return the starts of the replies by name, the bytes between them, and the end of the bytes seen."""
+        count = len(self._values)
+        starts: dict[str, list[int]] = {name: [] for name in names}
+        gaps: list[tuple[int, int]] = []
+        place = first = 0
+        while place < until:
+            reply_start = place + request_lengths[place]
+            if not (place < reply_start < count and reply_kinds[reply_start] >= 0):
+                reply_start = place
+            if reply_kinds[reply_start] < 0:
+                place += 1
+                continue
+            if first < place:
+                gaps.append((first, place))
+            name = names[reply_kinds[reply_start]]
+            starts[name].append(reply_start)
+            first = place = reply_start + self._kinds.replies[name].length
+        end = min(max(place, first), count)
+        # The last bytes may begin a reply that is not complete yet, unless the capture ends.
+        if until != count and first < end <= first + 4 * _KEPT:
+            end = first
+        if first < end:
+            gaps.append((first, end))
+        return starts, gaps, end
+
+    def _result(
+        self, starts: dict[str, list[int]], gaps: Sequence[tuple[int, int]], request_lengths: list[int]
+    ) -> CapturedFrames:
+        lost: list[Lost] = []
+        reply_starts = starts.pop(self.wanted, [])
+        for first, end in gaps:
+            after_request = first + request_lengths[first] if request_lengths[first] < end - first else first
+            if self._is_damaged_reply(first, after_request, end):
+                reply_starts.append(after_request)
+            else:
+                lost.append(Lost(float(self._times[first]), self._reason(first, end, request_lengths)))
+        reply_starts.sort()
+        places = np.array(reply_starts, np.int64)
+        shape = self._kinds.replies.get(self.wanted)
+        length = shape.length if shape is not None else 1
+        rows = np.zeros((0, length), "u1")
+        if len(places):
+            rows = self._values[places[:, None] + np.arange(length)[None, :]]
+        return CapturedFrames(
+            frames=rows,
+            times=self._times[places],
+            lost=lost,
+            done=self._done,
+            kind=self.wanted,
+            others={name: len(name_starts) for name, name_starts in starts.items() if name_starts},
+        )
+
+    def _is_damaged_reply(self, first: int, start: int, end: int) -> bool:
+        """Return whether the bytes from ``start`` to ``end`` are a reply of the wanted kind with a CRC error."""
+        shape = self._kinds.replies.get(self.wanted)
+        if shape is None or not self._has_stop_bit[first:end].all() or end - start != shape.length:
+            return False
+        fault = decode_many(self._values[start:end][None, :], shape, None).fault[0]
+        return bool(fault == ErrorKind.CRC)
+
+    def _reason(self, first: int, end: int, request_lengths: list[int]) -> str:
+        data = self._values[first:end].tobytes()
+        bytes_text = data[:12].hex(" ").upper() + (" ..." if len(data) > 12 else "")
+        if not self._has_stop_bit[first:end].all():
+            return f"a byte without a stop bit: check the baud rate, and whether the line is inverted ({bytes_text})"
+        if request_lengths[first] == end - first:
+            return f"no reply to the request {bytes_text}"
+        return f"{counted(len(data), 'byte')} without a valid reply: {bytes_text}"

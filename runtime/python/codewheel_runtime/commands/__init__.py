@@ -1,0 +1,2 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Command line of a package."""

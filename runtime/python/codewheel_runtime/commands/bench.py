@@ -1,0 +1,182 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Commands for the bench: decode captures, draw plots, and show an encoder live."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import sys
+from importlib import import_module
+from typing import Any
+
+from ..bulk.decode import decode_many
+from ..bulk.table import Table
+from ..captures.any_biss import BissLayout, biss_layout
+from ..captures.capture import Captures, CaptureSummary, Lost
+from ..encoder import Encoder
+from ..errors import InputError, UsageError
+from ..files.inputs import Stored
+from ..files.layouts import shape_for
+from ..files.sources import kind_of, opened
+from ..files.stream import seconds_of
+from ..reports import Interface
+from .common import USAGE, Failed, encoder_of, missing, working
+
+np: Any = import_module("numpy")
+
+#: Number of lost cycles and accesses that are printed.
+_PRINTED = 10
+
+
+def capture(package: str, chosen: argparse.Namespace) -> None:
+    """Decode a capture into a file of columns."""
+    encoder = _encoder(package, chosen)
+    with working(package, chosen.files[0]) as progress:
+        summary = Captures(package).decode_capture(
+            encoder,
+            chosen.files,
+            chosen.output,
+            **_probes(chosen),
+            si=chosen.si,
+            to=chosen.write,
+            columns=chosen.columns,
+            limit=chosen.limit,
+            raw=chosen.raw,
+            force=chosen.force,
+            progress=progress,
+        )
+    _report(summary, chosen)
+
+
+def plot(package: str, chosen: argparse.Namespace) -> None:
+    """Plot position and speed of a capture over time."""
+    encoder = _encoder(package, chosen)
+    try:
+        from .plot import save
+    except ImportError as error:
+        raise missing(package, error) from None
+    with working(package, chosen.files[0]):
+        lost: tuple[Lost, ...] = ()
+        if _has_frames(chosen.files[0]):
+            table = _frames(encoder, chosen)
+        else:
+            table, lost, *_ = Captures(package).read_capture(encoder, chosen.files, **_probes(chosen))
+        if not table.count:
+            raise Failed(_nothing(lost, chosen))
+        save(table, chosen.output, lost, force=chosen.force, sources=chosen.files)
+    print(f"{chosen.output}: {table.count} frames, {len(lost)} lost")
+
+
+def _has_frames(path: str) -> bool:
+    """Return whether a file has a column of frames, and is not a capture."""
+    kind = kind_of(path)
+    if kind != "csv":
+        return kind == "parquet"
+    with open(path, encoding="utf-8-sig", errors="replace") as file:
+        head = file.readline(1 << 16)
+    return any(cell.strip().strip('"').lower() in ("word", "frame") for cell in re.split("[,;\t]", head))
+
+
+def _frames(encoder: Encoder | BissLayout, chosen: argparse.Namespace) -> Table:
+    """Return the frames of a file with the columns ``time`` and ``word`` or ``frame``."""
+    shape = encoder.shape if isinstance(encoder, BissLayout) else shape_for(encoder, chosen.layout, dict(chosen.choose))
+    path = chosen.files[0]
+    frames: list[Any] = []
+    times: list[Any] = []
+    with opened(path, Stored(digits=chosen.digits, wanted=("time",)), shape, lambda frames: 1.0) as read:
+        if "time" not in read.empty_columns:
+            raise InputError(path, "", "no column 'time'; a plot needs the time of each frame in seconds")
+        for part in read.parts:
+            times.append(seconds_of(part.other_columns["time"], path))
+            frames += _listed_rows(part.frames) if shape.length else _listed_numbers(part.frames)
+    return decode_many(frames, shape, encoder).with_columns(time=np.concatenate([np.zeros(0), *times]))
+
+
+def _listed_rows(frames: Any) -> list[bytes | None]:
+    """Return rows of bytes as a list. A missing frame is None."""
+    return [None if row is None else bytes(row) for row in frames]
+
+
+def _listed_numbers(frames: Any) -> Any:
+    """Return numbers as a list. A missing frame is None."""
+    return frames.tolist() if hasattr(frames, "tolist") else frames
+
+
+def monitor(package: str, chosen: argparse.Namespace) -> None:
+    """Show an encoder live."""
+    from .. import link
+    from .monitor import watch
+
+    encoder = encoder_of(package, chosen)
+    if encoder.interface is not Interface.RS485:
+        is_spi = encoder.interface is Interface.SPI
+        how = "export the words that it finds, and use 'decode'" if is_spi else "use 'capture'"
+        problem = f"{encoder.code} has the interface {encoder.interface.title}, and a serial port cannot send its clock"
+        raise Failed(f"{problem}: record it with a logic analyser, and {how}", USAGE)
+    try:
+        # Without retries, every error is counted.
+        with link.open_encoder(chosen.port, encoder, retries=0) as opened:
+            watch(opened, encoder, chosen.port, count=chosen.count, interval_s=chosen.interval)
+    except link.LinkError as error:
+        raise Failed(error) from None
+
+
+def _encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLayout:
+    """Return the encoder or the layout, and remove its label from ``files``."""
+    if chosen.biss is not None:
+        try:
+            return biss_layout(chosen.biss)
+        except UsageError as error:
+            raise Failed(error, USAGE) from None
+    chosen.order_code, *chosen.files = chosen.files
+    try:
+        encoder = encoder_of(package, chosen)
+    except Failed:
+        if os.path.isfile(chosen.order_code):
+            problem = f"{chosen.order_code} is a file: give the order code in front of it, or --biss"
+            raise Failed(problem, USAGE) from None
+        raise
+    if not chosen.files:
+        raise Failed("give the order code and the file of the capture, or --biss and the file", USAGE)
+    return encoder
+
+
+def _probes(chosen: argparse.Namespace) -> dict[str, Any]:
+    """Return the arguments that both commands have."""
+    names = ("clock", "data", "rate", "rest", "baud", "layout")
+    return {**{name: getattr(chosen, name) for name in names}, "answers": dict(chosen.choose)}
+
+
+def _report(summary: CaptureSummary, chosen: argparse.Namespace) -> None:
+    out = sys.stderr if chosen.output == "-" else sys.stdout
+    if chosen.json:
+        print(json.dumps(summary.to_dict()), file=out)
+    else:
+        for lost in summary.first_lost[:_PRINTED]:
+            print(f"{lost.time:.9g}: {lost.reason}", file=out)
+        if (more := sum(summary.lost.values()) - _PRINTED) > 0:
+            print(f"... and {more} more lost", file=out)
+        for access in summary.accesses[:_PRINTED]:
+            print(f"{access.time:.9g}: {access}", file=out)
+        if (more := summary.access_count - _PRINTED) > 0:
+            print(f"... and {more} more accesses; --json prints all of them", file=out)
+        print(summary, file=out)
+    if not summary.frames.frames:
+        raise Failed(_nothing(summary.first_lost, chosen))
+    if 100 * summary.error_rate > chosen.max_errors:
+        problem = f"{summary.error_rate:.0%} of the cycles have no valid frame"
+        raise Failed(f"{problem}; check {_described(chosen)} and the channels (--max-errors is {chosen.max_errors:g})")
+
+
+def _described(chosen: argparse.Namespace) -> str:
+    """Return a description of the frames for a message."""
+    return "the order code" if chosen.biss is None else "the layout (--biss)"
+
+
+def _nothing(lost: Any, chosen: argparse.Namespace) -> str:
+    """Return the message for a capture without a frame."""
+    first: Lost | None = next(iter(lost), None)
+    reason = f": {first.reason}" if first else ""
+    return f"the capture contains no frame{reason}; check the channels (--clock, --data) and {_described(chosen)}"

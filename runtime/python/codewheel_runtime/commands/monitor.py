@@ -1,0 +1,210 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Shows an encoder live in a terminal: position, angle, speed, verdict, reports, rate and errors."""
+
+from __future__ import annotations
+
+import shutil
+import sys
+from collections import Counter, deque
+from time import monotonic, sleep
+from typing import Any, Protocol, TextIO
+
+from ..codec import PositionRange
+from ..encoder import Encoder
+
+#: Number of updates of the screen per second.
+_RATE = 10
+#: Time over which speed and rate are measured.
+_SPAN_S = 0.5
+#: Number of failures in succession after which to give up if the encoder never answered.
+_GIVEN_UP = 10
+
+
+class Reader(Protocol):
+    """Source of frames, such as a link."""
+
+    def read(self) -> Any:
+        """Return a frame. Raises RuntimeError if there is no valid one."""
+        ...
+
+
+def watch(
+    reader: Reader,
+    encoder: Encoder,
+    place: str,
+    *,
+    count: int | None = None,
+    interval_s: float = 0.0,
+    out: TextIO | None = None,
+) -> None:
+    """Show live readings of an encoder until the program is interrupted.
+
+    On a terminal, the screen is updated ten times per second. Elsewhere, each reading is a line.
+
+    Args:
+        reader: The link.
+        encoder: The encoder.
+        place: Name of the port.
+        count: Number of readings. By default, until interrupted.
+        interval_s: Time in seconds between two readings.
+        out: File to write to. The default is standard output.
+
+    Raises:
+        RuntimeError: The encoder never answered. This is the error that ``reader`` raised.
+    """
+    screen = _Screen(encoder, place, out or sys.stdout)
+    done = 0
+    try:
+        while count is None or done < count:
+            screen.show_reading_of(reader)
+            done += 1
+            if interval_s:
+                sleep(interval_s)
+    except KeyboardInterrupt:
+        pass
+    finally:
+        screen.end()
+
+
+class _Screen:
+    """Last readings, and the lines that show them."""
+
+    def __init__(self, encoder: Encoder, place: str, out: TextIO) -> None:
+        self._encoder, self._place, self._out = encoder, place, out
+        self._is_live = out.isatty()
+        self._frame: Any = None
+        self._count: int | None = None
+        self._range: PositionRange | None = None
+        self._recent: deque[tuple[float, int | None]] = deque()
+        self._errors: Counter[str] = Counter()
+        self._drawn_at, self._height, self._last_error = 0.0, 0, ""
+        self._began = monotonic()
+        self.frames = self.failures = 0
+
+    def show_reading_of(self, reader: Reader) -> None:
+        """Show the next frame or failure. Raises the error of the reader if the encoder never answered."""
+        try:
+            self.add(reader.read())
+        except RuntimeError as error:
+            self.fail(error)
+            if not self.frames and self.failures >= _GIVEN_UP:
+                raise
+
+    def add(self, frame: Any) -> None:
+        """Add a frame."""
+        self.frames += 1
+        self._frame, now = frame, monotonic()
+        position = frame.usable_position
+        if position is not None:
+            self._count = self._unwrapped(frame.__class__, position)
+        self._recent.append((now, None if position is None else self._count))
+        while self._recent and now - self._recent[0][0] > _SPAN_S:
+            self._recent.popleft()
+        self._update(now)
+
+    def fail(self, error: RuntimeError) -> None:
+        """Add a failure."""
+        self.failures += 1
+        self._errors[_kind(error)] += 1
+        self._last_error = str(error)
+        if not self._is_live:
+            self._out.write(f"{monotonic() - self._began:.3f} {error}\n")
+            self._out.flush()
+        else:
+            self._update(monotonic())
+
+    def end(self) -> None:
+        """Show the last state."""
+        if self._is_live:
+            self._draw()
+        elif self.frames + self.failures:
+            self._out.write(f"{self._counts()}\n")
+            self._out.flush()
+
+    def _unwrapped(self, kind: type, position: int) -> int:
+        """Return the count of a position. It starts again if the range of the positions has changed."""
+        try:
+            valid = self._encoder.range_of(kind)
+        except ValueError:
+            return position
+        is_first = self._count is None or valid != self._range
+        self._range = valid
+        return valid.unwrap(position if is_first or self._count is None else self._count, position)
+
+    def _update(self, now: float) -> None:
+        if not self._is_live:
+            self._out.write(f"{now - self._began:.3f} {' '.join(value for _, value in self._values()[:4])}\n")
+            self._out.flush()
+        elif now - self._drawn_at >= 1 / _RATE:
+            self._drawn_at = now
+            self._draw()
+
+    def _draw(self) -> None:
+        columns = shutil.get_terminal_size().columns - 1
+        head = f"{self._encoder.code}, {self._encoder.interface.title}, {self._place}    Ctrl-C ends"
+        lines = [head, *(f"{name:<10}{value}" for name, value in (*self._values(), *self._state()))]
+        up = f"\x1b[{self._height}A" if self._height else ""
+        text = "".join(f"\r\x1b[2K{line[:columns]}\n" for line in lines)
+        self._out.write(up + text)
+        self._out.flush()
+        self._height = len(lines)
+
+    def _values(self) -> list[tuple[str, str]]:
+        frame = self._frame
+        if frame is None:
+            return [("position", "-"), ("angle", "-"), ("speed", "-"), ("verdict", "-")]
+        usable = frame.usable_position
+        name, value = _measure(self._encoder, usable)
+        return [
+            ("position", "-" if usable is None else f"{usable} counts"),
+            (name, value),
+            ("speed", self._speed()),
+            ("verdict", frame.verdict.value.replace("_", " ")),
+        ]
+
+    def _state(self) -> list[tuple[str, str]]:
+        reports = self._frame.reports if self._frame is not None else ()
+        times = [at for at, _ in self._recent]
+        rate = (len(times) - 1) / (times[-1] - times[0]) if len(times) > 1 and times[-1] > times[0] else 0.0
+        return [
+            ("alarms", ", ".join(report.name for report in reports) or "none"),
+            ("rate", f"{rate:.0f} readings/s"),
+            ("errors", self._counts()),
+            ("", self._last_error),
+        ]
+
+    def _counts(self) -> str:
+        total = self.frames + self.failures
+        kinds = ", ".join(f"{count} {kind}" for kind, count in self._errors.most_common())
+        return f"{self.failures} of {total} readings failed" + (f": {kinds}" if kinds else "")
+
+    def _speed(self) -> str:
+        points = [(at, count) for at, count in self._recent if count is not None]
+        if len(points) < 2 or points[-1][0] <= points[0][0]:
+            return "-"
+        per_second = (points[-1][1] - points[0][1]) / (points[-1][0] - points[0][0])
+        encoder: Any = self._encoder
+        if hasattr(encoder, "millimetres"):
+            return f"{per_second * encoder.millimetres(1):.3f} mm/s"
+        if hasattr(encoder, "from_turns"):
+            return f"{60 * per_second / encoder.from_turns(1):.3f} rpm"
+        return f"{per_second:.0f} counts/s"
+
+
+def _measure(encoder: Any, position: int | None) -> tuple[str, str]:
+    """Return the name and the value of a position in a unit."""
+    if hasattr(encoder, "millimetres"):
+        return "length", "-" if position is None else f"{encoder.millimetres(position):.4f} mm"
+    if hasattr(encoder, "degrees"):
+        return "angle", "-" if position is None else f"{encoder.degrees(position):.5f}°"
+    return "angle", "-"
+
+
+def _kind(error: RuntimeError) -> str:
+    """Return the text for an error class: 'no reply' for NoReplyError."""
+    words: list[str] = []
+    for character in type(error).__name__.removesuffix("Error"):
+        if character.isupper() or not words:
+            words.append("")
+        words[-1] += character.lower()
+    return " ".join(words)

@@ -1,0 +1,125 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Types shared by the file readers, and the check of a file's first frames."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Generator, Iterable, Mapping, Sequence
+from types import MappingProxyType
+from typing import Any, Final, Literal, NamedTuple
+
+from ..bulk.words import DigitKind, WordKind, listed, short
+from ..errors import InputError, UsageError
+
+#: Number of frames read at once: large enough to keep the overhead low, small enough to limit memory use.
+CHUNK: Final = 1 << 17
+#: Number of rows read at once if each cell is a separate object.
+ROWS: Final = 1 << 16
+#: Number of frames at the start of a file that are used to check whether it is read correctly.
+FIRST: Final = 1000
+
+FileKind = Literal["binary", "csv", "parquet"]
+#: Function that returns the fraction of valid frames.
+Share = Callable[[Any], float]
+
+#: Default names of the column that contains the frames.
+_NAMES: Final = ("frame", "word")
+
+
+class Stored(NamedTuple):
+    """Storage format of the frames in a file.
+
+    Attributes:
+        kind: Format of the file. The default depends on its extension.
+        words: Form of a frame of bits in a binary file. ``packed`` uses as few bytes as possible, most significant
+            first. ``little`` and ``big`` are little-endian and big-endian numbers of eight bytes, ``little32`` and
+            ``big32`` of four bytes.
+        column: Name of the column with the frames. For CSV, this may be its number, from 1. Empty for the default.
+        digits: Base of numbers in text without ``0x`` or ``0b``.
+        cut: True to ignore an incomplete frame at the end.
+        wanted: Names of the other columns to keep. Empty to keep all.
+    """
+
+    kind: FileKind | None = None
+    words: WordKind = "packed"
+    column: str = ""
+    digits: DigitKind | None = None
+    cut: bool = False
+    wanted: Sequence[str] = ()
+
+    def keeps(self, name: str) -> bool:
+        """Return True if the column ``name``, which does not contain the frames, is to be kept."""
+        return not self.wanted or name in self.wanted
+
+
+class Part(NamedTuple):
+    """Frames in the form that ``decode_many`` expects, the other columns of the same rows, and the progress.
+
+    ``done`` is the amount of the source that has been read, in bytes or rows. A column is a list of strings or an Arrow
+    array.
+    """
+
+    frames: Any
+    done: int
+    other_columns: Mapping[str, Any] = MappingProxyType({})
+
+
+class Source(NamedTuple):
+    """Frames of a file, the total amount of data if known, and the other columns.
+
+    ``names`` lists all other columns. ``empty_columns`` has an empty column for each that is read.
+    """
+
+    parts: Generator[Part, None, None]
+    total: int | None
+    names: tuple[str, ...] = ()
+    empty_columns: Mapping[str, Any] = MappingProxyType({})
+
+
+def kept_columns(names: Iterable[str], stored: Stored, empty: Callable[[str], Any], file: str) -> dict[str, Any]:
+    """Return an empty column for each of the other columns to keep."""
+    columns: dict[str, Any] = {}
+    for name in filter(stored.keeps, names):
+        if name in columns:
+            raise UsageError(f"{file} has two columns {short(name)}; rename one, or select the columns")
+        columns[name] = empty(name)
+    return columns
+
+
+def column_of(names: list[str], wanted: str, file: str) -> str:
+    """Return the name of the column with the frames: the requested one, the only one, or one with a default name."""
+    if wanted:
+        if names.count(wanted) == 1:
+            return wanted
+        problem = "several columns" if wanted in names else "no column"
+        raise InputError(file, "", f"{problem} {short(wanted)}; the columns are {listed(names)}")
+    place = named_place(names)
+    if place is None:
+        raise InputError(file, "", f"choose the column with the frames; the columns are {listed(names)}")
+    return names[place]
+
+
+def named_place(names: list[str]) -> int | None:
+    """Return the index of the only column, or of the only one with a default name for the frames."""
+    named = [place for place, name in enumerate(names) if len(names) == 1 or name.lower() in _NAMES]
+    return named[0] if len(named) == 1 else None
+
+
+def check_form(name: str, chosen_frames: Any, other_forms: Iterable[tuple[str, Any]], share: Share) -> None:
+    """Check that no other form works much better if many frames are invalid in the chosen form.
+
+    Args:
+        name: Name of the file.
+        chosen_frames: The first frames in the chosen form.
+        other_forms: Command-line option of each other form, and the first frames in that form.
+        share: Function that returns the fraction of valid frames.
+
+    Raises:
+        InputError: At least one frame in ten has an error, but in one of ``other_forms`` at most one in twenty would.
+    """
+    if not len(chosen_frames) or (valid := share(chosen_frames)) > 0.9:
+        return
+    for option, frames in other_forms:
+        # One or two frames can be valid by chance.
+        if len(frames) > 2 and (fitting := share(frames)) >= 0.95:
+            problem = f"{1 - valid:.0%} of the first {len(chosen_frames)} frames have an error"
+            raise InputError(name, "", f"{problem}; with {option}, {fitting:.0%} are valid")

@@ -1,0 +1,73 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Reads frames from Parquet files in chunks."""
+
+from __future__ import annotations
+
+from collections.abc import Generator
+from contextlib import contextmanager
+from importlib import import_module
+from typing import Any, BinaryIO, Final
+
+from ..bulk.arrow import NoFrame, of_arrow
+from ..bulk.shape import Shape
+from ..bulk.words import short
+from ..errors import InputError
+from . import inputs
+from .inputs import Part, Source, Stored, column_of, kept_columns
+
+#: Number of bytes of a Parquet column that are read at once.
+_BUFFER: Final = 1 << 20
+
+
+def parquet_batches(file: BinaryIO, name: str, stored: Stored, shape: Shape) -> Source:
+    """Return the frames and the other columns of a Parquet file."""
+    with _readable(name):
+        # Without a buffer, a whole column is read at once.
+        opened_file = import_module("pyarrow.parquet").ParquetFile(file, buffer_size=_BUFFER, pre_buffer=False)
+        schema = opened_file.schema_arrow
+        column = column_of(list(schema.names), stored.column, name)
+        total = int(opened_file.metadata.num_rows)
+    other_names = tuple(column_name for column_name in schema.names if column_name != column)
+    pa: Any = import_module("pyarrow")
+    empty_columns = kept_columns(
+        other_names, stored, lambda column_name: pa.array([], schema.field(column_name).type), name
+    )
+    return Source(
+        _batches(opened_file, column, tuple(empty_columns), name, stored, shape), total, other_names, empty_columns
+    )
+
+
+def _batches(
+    file: Any, column: str, kept_names: tuple[str, ...], name: str, stored: Stored, shape: Shape
+) -> Generator[Part, None, None]:
+    done = 0
+    with _readable(name):
+        # More columns mean fewer rows at once.
+        rows = max(inputs.CHUNK // (1 + len(kept_names)), 1)
+        batches = file.iter_batches(batch_size=rows, columns=[column, *kept_names])
+    while True:
+        with _readable(name):
+            batch = next(batches, None)
+            if batch is None:
+                return
+        try:
+            frames = of_arrow(batch.column(column), shape, stored.digits, done)
+        except NoFrame as error:
+            raise InputError(name, f"row {done + error.row + 1} of column {short(column)}", str(error)) from None
+        except TypeError as error:
+            raise InputError(name, f"column {short(column)}", str(error)) from None
+        done += len(batch)
+        yield Part(frames, done, {column_name: batch.column(column_name) for column_name in kept_names})
+
+
+@contextmanager
+def _readable(name: str) -> Generator[None, None, None]:
+    """Convert the errors that pyarrow raises for an unreadable file to InputError."""
+    error: Any = import_module("pyarrow").lib.ArrowException
+    try:
+        yield
+    except InputError:
+        raise
+    except (error, OSError, ValueError, MemoryError) as fault:
+        reason = next(iter(str(fault).splitlines()), type(fault).__name__)
+        raise InputError(name, "", f"this is not a valid Parquet file: {reason}") from None

@@ -1,0 +1,114 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Decodes the frames in partitions of data frames, such as those of Arrow and pandas."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from importlib import import_module
+from typing import Any, NamedTuple, cast
+
+from ..bulk.arrow import of_arrow
+from ..bulk.cells import Cells
+from ..bulk.conversion import arrow_columns, pandas_columns
+from ..bulk.decode import decode_many
+from ..bulk.shape import Shape
+from ..bulk.words import DigitKind
+from ..encoder import Encoder
+from ..errors import InputError, UsageError
+from .inputs import column_of
+
+#: Name of a partition in messages.
+_NAME = "the partition"
+
+
+class PartitionDecoder(NamedTuple):
+    """Decoder of partitions.
+
+    Attributes:
+        encoder: The encoder.
+        shape: Description of its frames.
+        column: Name of the column with the frames. Empty for the default.
+        digits: Base of numbers in text without ``0x``.
+        raw: True to keep positions that are not usable.
+    """
+
+    encoder: Encoder
+    shape: Shape
+    column: str
+    digits: DigitKind | None
+    raw: bool
+
+    def decode(self, partition: Any) -> Any:
+        """Return the partition with the fields in place of the column of frames."""
+        library, kind = type(partition).__module__.partition(".")[0], type(partition).__name__
+        if library == "pyarrow" and kind in ("Table", "RecordBatch"):
+            return self._decode_arrow(partition)
+        if library == "pandas" and kind == "DataFrame":
+            return self._decode_pandas(partition)
+        if hasattr(partition, "__arrow_c_stream__") or hasattr(partition, "__arrow_c_array__"):
+            return self._decode_arrow(import_module("pyarrow").table(partition))
+        raise TypeError(f"expected a table of Arrow, pandas, polars or DuckDB, got {kind}")
+
+    def _decode_arrow(self, partition: Any) -> Any:
+        names = list(partition.schema.names)
+        column = column_of(names, self.column, _NAME)
+        try:
+            frames = of_arrow(partition.column(names.index(column)), self.shape, self.digits)
+            table = decode_many(frames, self.shape, self.encoder)
+        except (TypeError, ValueError) as error:
+            raise InputError(_NAME, f"column {column!r}", str(error)) from None
+        decoded_columns = arrow_columns(table, table, self.raw)
+        kept_columns = {name: partition.column(index) for index, name in enumerate(names) if name != column}
+        check_apart(kept_columns, decoded_columns, _NAME)
+        columns = {**kept_columns, **decoded_columns}
+        return partition.__class__.from_arrays([*columns.values()], names=[*columns])
+
+    def _decode_pandas(self, partition: Any) -> Any:
+        names = list(map(str, partition.columns))
+        column = column_of(names, self.column, _NAME)
+        try:
+            frames = _of_series(partition.iloc[:, names.index(column)], self.shape, self.digits)
+            table = decode_many(frames, self.shape, self.encoder)
+        except (TypeError, ValueError) as error:
+            raise InputError(_NAME, f"column {column!r}", str(error)) from None
+        decoded_columns = pandas_columns(table, table, self.raw)
+        kept_part = partition.drop(columns=[partition.columns[names.index(column)]])
+        check_apart(list(map(str, kept_part.columns)), decoded_columns, _NAME)
+        return kept_part.assign(**decoded_columns)
+
+
+def _of_series(series: Any, shape: Shape, digits: DigitKind | None) -> Any:
+    """Convert a pandas column to the form that ``decode_many`` expects. Missing items are None or NaN."""
+    frames: Any = series.to_numpy()
+    if frames.dtype.kind in "ui" or (frames.dtype.kind == "f" and not shape.length):
+        return frames
+    cells = Cells(shape, digits)
+    missing = series.isna().tolist()
+    cell_frames: list[Any] = []
+    for row, cell in enumerate(frames.tolist()):
+        cell_frames.append(None if missing[row] else _frame_in(cell, shape, cells, row))
+    if cells.are_mostly_unread:
+        raise ValueError(f"row {cells.place + 1}: {cells.error}")
+    return cell_frames
+
+
+def _frame_in(cell: object, shape: Shape, cells: Cells, row: int) -> Any:
+    """Return a frame from a column of objects."""
+    if isinstance(cell, str):
+        return cells.read(cell, row)
+    if isinstance(cell, (bytes, bytearray, memoryview)):
+        data = bytes(cast(bytes, cell))
+        return data if shape.length else int.from_bytes(data, "big")
+    if isinstance(cell, int) and not shape.length:
+        return cell
+    raise TypeError(f"{str(cell)[:40]!r} is not a frame of this encoder")
+
+
+def check_apart(source_columns: Iterable[str], decoded_columns: Iterable[str], source: str) -> None:
+    """Raise UsageError if another column has the same name as a decoded one."""
+    shared = sorted({*source_columns} & {*decoded_columns})
+    if shared:
+        raise UsageError(
+            f"{source} already has a column '{shared[0]}', which the decoded frames also have: "
+            "rename it, or select other columns"
+        )

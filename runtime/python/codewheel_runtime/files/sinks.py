@@ -1,0 +1,260 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Writes columns of decoded frames to Parquet, Arrow or CSV files, and converts them for other libraries."""
+
+from __future__ import annotations
+
+import csv
+import io
+import sys
+from collections.abc import Callable, Mapping
+from importlib import import_module
+from pathlib import PurePath
+from types import TracebackType
+from typing import Any, Final, Literal, NamedTuple, Protocol, cast
+
+from ..bulk.conversion import WORDS, arrow_columns, texts_of
+from ..bulk.table import Table
+
+TargetKind = Literal["parquet", "arrow", "csv"]
+_SUFFIXES: Final[dict[str, TargetKind]] = {
+    ".parquet": "parquet",
+    ".pq": "parquet",
+    ".arrow": "arrow",
+    ".feather": "arrow",
+}
+
+#: Words for False and True in CSV.
+_BOOLS: Final = ("false", "true")
+#: Number of CSV rows that are formatted at once.
+_ROWS: Final = 1 << 14
+
+
+def target_kind(path: str) -> TargetKind:
+    """Return the format of a file according to its extension."""
+    return _SUFFIXES.get(PurePath(path).suffix.lower(), "csv")
+
+
+class Plan(NamedTuple):
+    """Columns of an output file.
+
+    Attributes:
+        names: Names of the columns, in order.
+        source_columns: Columns of the source that are also written, each as an empty column.
+        empty: A table without frames.
+        raw: True to write positions that are not usable.
+    """
+
+    names: tuple[str, ...]
+    source_columns: Mapping[str, Any]
+    empty: Table
+    raw: bool = False
+
+    @property
+    def decoded(self) -> tuple[str, ...]:
+        """Names of the columns that are decoded from frames."""
+        return tuple(name for name in self.names if name not in self.source_columns)
+
+
+class Sink(Protocol):
+    """Output file to which tables are appended."""
+
+    def __enter__(self) -> Sink: ...
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None: ...
+
+    def write(self, table: Table, other_columns: Mapping[str, Any]) -> None:
+        """Append the frames of a table, and the other columns of the same rows."""
+
+    @property
+    def lost(self) -> int:
+        """Number of cells in other columns that were left empty because they are not numbers, unlike earlier cells."""
+        ...
+
+
+class Texts:
+    """Converter from a text column to Arrow arrays of text, or of numbers if the first chunk has only numbers."""
+
+    def __init__(self) -> None:
+        self._pa: Any = import_module("pyarrow")
+        self.kind: Any = None
+        self.lost = 0
+
+    def array(self, cells: Any) -> Any:
+        """Return the cells as an array. Empty cells become null, as do cells that should be numbers but are not."""
+        if isinstance(cells, self._pa.Array):
+            if self.kind is not None and self.kind != self._pa.string():
+                try:
+                    return cells.cast(self.kind)
+                except self._pa.ArrowInvalid:
+                    pass  # Some cells are empty or have no number.
+            compute: Any = import_module("pyarrow.compute")
+            texts = compute.utf8_trim_whitespace(cells)
+            texts = compute.if_else(compute.equal(texts, ""), None, texts)
+        else:
+            texts = self._pa.array([cell.strip() or None for cell in cells], self._pa.string())
+        if self.kind is None:
+            self.kind = self._kind_of(texts)
+        try:
+            return texts.cast(self.kind)
+        except self._pa.ArrowInvalid:
+            numbers = [self._number(cell) for cell in texts]
+            self.lost += sum(cell is None for cell in numbers) - texts.null_count
+            return self._pa.array(numbers, self.kind)
+
+    def _kind_of(self, texts: Any) -> Any:
+        for kind in (self._pa.int64(), self._pa.float64()) if texts.null_count < len(texts) else ():
+            try:
+                texts.cast(kind)
+            except self._pa.ArrowInvalid:
+                continue
+            return kind
+        return self._pa.string()
+
+    def _number(self, cell: Any) -> Any:
+        try:
+            return cell.cast(self.kind).as_py()
+        except self._pa.ArrowInvalid:
+            return None
+
+
+class ArrowSink:
+    """Parquet or Arrow file."""
+
+    def __init__(self, file: Any, plan: Plan, parquet: bool) -> None:
+        self._pa: Any = import_module("pyarrow")
+        self._file, self._plan, self._parquet, self._writer = file, plan, parquet, cast(Any, None)
+        self._texts = {name: Texts() for name, column in plan.source_columns.items() if isinstance(column, list)}
+
+    def __enter__(self) -> ArrowSink:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is None and self._writer is None:
+            self.write(self._plan.empty, self._plan.source_columns)
+        if self._writer is not None:
+            self._writer.close()
+
+    @property
+    def lost(self) -> int:
+        """Number of cells in other columns that were left empty because they are not numbers, unlike earlier cells."""
+        return sum(converter.lost for converter in self._texts.values())
+
+    def write(self, table: Table, other_columns: Mapping[str, Any]) -> None:
+        """Append the frames of a table, and the other columns of the same rows."""
+        arrays = arrow_columns(table, self._plan.decoded, self._plan.raw)
+        for name in self._plan.source_columns:
+            column = other_columns[name]
+            is_array = hasattr(column, "dtype")
+            if name in self._texts:
+                column = self._texts[name].array(column)
+            arrays[name] = self._pa.array(column, from_pandas=True) if is_array else column
+        columns = {name: arrays[name] for name in self._plan.names}
+        if self._writer is None:
+            # The first cells of other columns determine their types.
+            self._writer = self._opened(self._pa.schema([(name, column.type) for name, column in columns.items()]))
+        self._writer.write(self._pa.RecordBatch.from_arrays([*columns.values()], schema=self._writer_schema))
+
+    def _opened(self, schema: Any) -> Any:
+        self._writer_schema = schema
+        if not self._parquet:
+            return self._pa.ipc.new_file(self._file, schema)
+        decoded = self._plan.decoded
+        return import_module("pyarrow.parquet").ParquetWriter(
+            self._file,
+            schema,
+            compression="zstd",
+            compression_level=1,
+            use_dictionary=[name for name in decoded if name in WORDS],
+            # Successive positions differ little, so their differences take fewer bits and less time.
+            column_encoding={name: "DELTA_BINARY_PACKED" for name in decoded if schema.field(name).type == "int64"},
+        )
+
+
+class CsvSink:
+    """CSV file with a header. It needs only NumPy."""
+
+    def __init__(self, file: Any, plan: Plan) -> None:
+        # CSV keeps every cell as text, so none is ever lost.
+        self._plan, self.lost = plan, 0
+        self._own = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
+        out = self._own or sys.stdout
+        self._flush, self._rows = out.flush, csv.writer(out, lineterminator="\n").writerows
+        self._rows([plan.names])
+
+    def __enter__(self) -> CsvSink:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if kind is None:
+            self._flush()
+        if self._own is not None:
+            # The caller closes the file.
+            self._own.detach()
+
+    def write(self, table: Table, other_columns: Mapping[str, Any]) -> None:
+        """Append the frames of a table, and the other columns of the same rows."""
+        hidden = {name: None if self._plan.raw else table.hidden(name) for name in self._plan.decoded}
+        # Python objects take much memory, so only some rows are converted at once.
+        for start in range(0, len(table.fault), _ROWS):
+            rows = slice(start, start + _ROWS)
+            columns: list[list[Any]] = []
+            for name in self._plan.names:
+                if name in self._plan.source_columns:
+                    columns.append(_plain(other_columns[name][rows]))
+                else:
+                    columns.append(self._cells(name, table[name][rows], hidden[name], rows))
+            self._rows(zip(*columns, strict=False))
+
+    @staticmethod
+    def _cells(name: str, column: Any, hidden: Any, rows: slice) -> list[Any]:
+        cells: list[Any] = column.tolist()
+        if column.dtype.kind == "O":
+            cells = [f"{cell:f}" for cell in cells]
+        if column.dtype.kind == "b":
+            cells = [_BOOLS[cell] for cell in cells]
+        if hidden is not None:
+            return ["" if is_hidden else cell for cell, is_hidden in zip(cells, hidden[rows].tolist(), strict=False)]
+        if name in WORDS:
+            words = WORDS[name]
+            return [words[index] for index in cells]
+        if column.dtype.kind == "f":
+            return ["" if cell != cell else cell for cell in cells]
+        return texts_of(column) if column.dtype.kind == "S" else cells
+
+
+def _plain(column: Any) -> list[Any]:
+    """Return the cells of another column for CSV: text unchanged, other values in their plainest form."""
+    if hasattr(column, "to_pylist"):
+        return [_plain_cell(cell) for cell in column.to_pylist()]
+    cells: list[Any] = column.tolist() if hasattr(column, "tolist") else column
+    return cells
+
+
+def _plain_cell(cell: Any) -> Any:
+    if cell is None:
+        return ""
+    if isinstance(cell, bool):
+        return _BOOLS[cell]
+    return cell.hex() if isinstance(cell, bytes) else cell
+
+
+def _parquet(file: Any, plan: Plan) -> Sink:
+    return ArrowSink(file, plan, parquet=True)
+
+
+def _arrow(file: Any, plan: Plan) -> Sink:
+    return ArrowSink(file, plan, parquet=False)
+
+
+#: Writers by format.
+SINKS: Final[Mapping[TargetKind, Callable[[Any, Plan], Sink]]] = {
+    "parquet": _parquet,
+    "arrow": _arrow,
+    "csv": CsvSink,
+}

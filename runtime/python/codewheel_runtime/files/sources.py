@@ -1,0 +1,136 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Reads frames from binary, CSV and Parquet files in chunks. Loaded only by ``decode_file`` and related functions."""
+
+from __future__ import annotations
+
+import io
+import sys
+from collections.abc import Generator, Iterator
+from contextlib import contextmanager
+from importlib import import_module
+from os import fspath
+from pathlib import PurePath
+from typing import Any, BinaryIO, Final, cast, get_args
+
+from ..bulk.shape import Shape
+from ..bulk.words import WORDS, WordKind, numbers
+from ..errors import InputError, UsageError
+from . import inputs
+from .csv_text import csv_rows
+from .inputs import FIRST, FileKind, Part, Share, Source, Stored, check_form
+from .parquet import parquet_batches
+
+np: Any = import_module("numpy")
+
+_SUFFIXES: Final[dict[str, FileKind]] = {
+    ".csv": "csv",
+    ".tsv": "csv",
+    ".txt": "csv",
+    ".parquet": "parquet",
+    ".pq": "parquet",
+}
+
+
+def kind_of(path: str) -> FileKind:
+    """Return the format of a file according to its extension."""
+    return _SUFFIXES.get(PurePath(path).suffix.lower(), "binary")
+
+
+@contextmanager
+def opened(path: str, stored: Stored, shape: Shape, share: Share) -> Generator[Source, None, None]:
+    """Open a file of frames, or standard input for ``-``. ``share`` returns the fraction of valid frames."""
+    kind = stored.kind or kind_of(path)
+    if not shape.length:
+        if shape.bits > 64:
+            raise UsageError(f"frames of {shape.bits} bits do not fit into words of 64")
+        if kind == "binary" and stored.words.endswith("32") and shape.bits > 32:
+            raise UsageError(f"frames of {shape.bits} bits do not fit into words of 32")
+    elif stored.words != "packed" and kind == "binary":
+        raise UsageError(f"words are for frames of bits, but a frame of this encoder has {shape.length} bytes")
+    if path == "-":
+        if kind == "parquet":
+            raise UsageError("Parquet cannot be read from standard input; give a file")
+        file = cast(BinaryIO, getattr(sys.stdin, "buffer", sys.stdin))
+        with _closed(_source(file, "standard input", None, kind, stored, shape, share)) as source:
+            yield source
+        return
+    with open(path, "rb") as file:
+        size = file.seek(0, io.SEEK_END) if file.seekable() else None
+        if size is not None:
+            file.seek(0)
+        with _closed(_source(file, fspath(path), size, kind, stored, shape, share)) as source:
+            yield source
+
+
+@contextmanager
+def _closed(source: Source) -> Generator[Source, None, None]:
+    """Close the generator of the parts before its file, even if the caller stops early."""
+    try:
+        yield source
+    finally:
+        source.parts.close()
+
+
+def _source(
+    file: BinaryIO, name: str, size: int | None, kind: FileKind, stored: Stored, shape: Shape, share: Share
+) -> Source:
+    if kind == "parquet":
+        return parquet_batches(file, name, stored, shape)
+    if kind == "csv":
+        return csv_rows(file, name, size, stored, shape, share)
+    return Source(_binary(file, name, size, stored, shape, share), size)
+
+
+def _binary(
+    file: BinaryIO, name: str, size: int | None, stored: Stored, shape: Shape, share: Share
+) -> Generator[Part, None, None]:
+    length, done = shape.length or _length(stored.words, shape), 0
+    while data := _read(file, length * inputs.CHUNK):
+        if not done and not shape.length:
+            head = data[: 8 * FIRST]
+            forms = ((f"--words {words}", _first(head, words, shape)) for words in _other_forms(stored.words, shape))
+            check_form(name, _first(head, stored.words, shape), forms, share)
+        if not done and size is not None and size % length and not stored.cut:
+            raise _incomplete_frame(name, size, length)
+        done += len(data)
+        excess = len(data) % length
+        if excess and not stored.cut:
+            raise _incomplete_frame(name, done, length)
+        rows = np.frombuffer(data, np.uint8, len(data) - excess).reshape(-1, length)
+        yield Part(rows if shape.length else numbers(rows, stored.words), done)
+
+
+def _incomplete_frame(name: str, size: int, length: int) -> InputError:
+    whole, excess = divmod(size, length)
+    more = "1 more byte follows" if excess == 1 else f"{excess} more bytes follow"
+    problem = f"{whole} complete frames of {length} bytes end here, and {more}"
+    return InputError(name, f"offset {whole * length}", f"{problem}; use cut to ignore the rest")
+
+
+def _read(file: BinaryIO, size: int) -> bytes:
+    """Return ``size`` bytes, or the rest of the file. A pipe delivers them in pieces."""
+    data = file.read(size)
+    if len(data) == size or not data:
+        return data
+    pieces, missing = [data], size - len(data)
+    while missing and (data := file.read(missing)):
+        pieces.append(data)
+        missing -= len(data)
+    return b"".join(pieces)
+
+
+def _length(words: WordKind, shape: Shape) -> int:
+    """Return the number of bytes that a frame of bits occupies in the file."""
+    return WORDS[words][0] or (shape.bits + 7) // 8
+
+
+def _other_forms(words: WordKind, shape: Shape) -> Iterator[WordKind]:
+    """Yield all other forms that are wide enough for such a frame."""
+    return (form for form in get_args(WordKind) if form != words and 8 * _length(form, shape) >= shape.bits)
+
+
+def _first(head: bytes, words: WordKind, shape: Shape) -> Any:
+    """Return the first frames of a file in a form."""
+    length = _length(words, shape)
+    count = min(len(head) // length, FIRST)
+    return numbers(np.frombuffer(head, np.uint8, count * length).reshape(-1, length), words)

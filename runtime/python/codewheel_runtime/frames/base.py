@@ -1,0 +1,306 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Base classes of frames and registers."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from enum import Enum
+from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
+
+from ..codec import BitField
+from ..encoder import Encoder
+from ..reports import Report
+from .descriptions import any_shape, described, module_of, shape_of
+from .encode import number_of
+
+if TYPE_CHECKING:
+    from ..bulk.shape import Shape
+    from ..bulk.table import Table
+
+_Encoder = TypeVar("_Encoder", bound=Encoder)
+
+#: The tuple class, untyped: its methods are called on tuples of any items.
+_TUPLE: Any = tuple
+
+
+class Coded:
+    """Frame or register. Another base of each class is the NamedTuple of its fields.
+
+    Objects are equal only to those of the same class, unlike a plain NamedTuple.
+    """
+
+    __slots__ = ()
+
+    def __eq__(self, other: object) -> bool:
+        if self.__class__ is other.__class__:
+            return cast(bool, _TUPLE.__eq__(self, other))
+        return False if isinstance(other, tuple) else NotImplemented
+
+    def __ne__(self, other: object) -> bool:
+        if self.__class__ is other.__class__:
+            return cast(bool, _TUPLE.__ne__(self, other))
+        return True if isinstance(other, tuple) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash((self.__class__, _TUPLE.__hash__(self)))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the fields as plain values for JSON.
+
+        Returns:
+            The fields by name. A choice is its name in lower case. The encoder is its ``order_code``. A frame with a
+            position also has ``position``, ``usable_position`` and ``verdict``, and one from an encoder ``reports``.
+        """
+        kind: Any = type(self)
+        values: dict[str, Any] = {}
+        for name in kind._fields:
+            value = getattr(self, name)
+            if isinstance(value, Encoder):
+                values["order_code"] = value.code
+            else:
+                values[name] = value.name.lower() if isinstance(value, Enum) else value
+        for name in ("position", "usable_position"):
+            if hasattr(kind, name):
+                values[name] = getattr(self, name)
+        if isinstance(self, Sent):
+            verdict = getattr(self, "verdict", None)
+            if verdict is not None:
+                values["verdict"] = verdict.value
+            values["reports"] = [report.name for report in self.reports]
+        return values
+
+    @classmethod
+    def _frame_name(cls, encoder: Encoder) -> str:
+        """Return the name of the frame, if its range of positions differs from that of other frames."""
+        return any_shape(cls, encoder).frame
+
+    def _arguments(self) -> tuple[Any, ...]:
+        """Return the encoder and the answers: the first fields."""
+        kind, values = cast(Any, type(self)), cast("tuple[Any, ...]", self)
+        return values[: len(described(kind)[1])]
+
+    def _number(self) -> tuple[Shape, int]:
+        """Return the description, and the number that the fields form."""
+        arguments = self._arguments()
+        shape = shape_of(type(self), *arguments)
+        return shape, number_of(self, shape, arguments)
+
+
+class InBits(Coded):
+    """Frame that is sent as a string of bits."""
+
+    __slots__ = ()
+
+    def encode(self) -> int:
+        """Return the word, with the first bit as the most significant one, including the CRC if it has one.
+
+        Raises:
+            RangeError: A value does not fit its field.
+        """
+        return self._number()[1]
+
+
+class InBytes(Coded):
+    """Frame or register that is made of bytes."""
+
+    __slots__ = ()
+
+    def encode(self) -> bytes:
+        """Return the bytes, including the CRC if there is one.
+
+        Raises:
+            RangeError: A value does not fit its field.
+        """
+        shape, number = self._number()
+        return number.to_bytes(shape.length, shape.order)
+
+
+class Sent(Coded):
+    """Frame that an encoder sends."""
+
+    __slots__ = ()
+
+    @property
+    def reports(self) -> tuple[Report, ...]:
+        """Reports of the encoder: active flags, unused bits that differ from the manual, and values with a verdict."""
+        tells = shape_of(type(self), *self._arguments()).tells
+        if not tells:
+            return ()
+        reports_by_name: Mapping[str, Report] = module_of(type(self), "facts").REPORTS
+        return tuple(condition.of(reports_by_name) for condition in tells if condition.is_active(self))
+
+
+class Fixed(Coded):
+    """Frame or register that is the same for every encoder."""
+
+    __slots__ = ()
+
+    @classmethod
+    def bit_fields(cls) -> tuple[BitField, ...]:
+        """Return the bit position of each field in the number that the frame or register forms."""
+        return shape_of(cls).fields
+
+
+class FixedFrame(Fixed):
+    """Frame that is the same for every encoder."""
+
+    __slots__ = ()
+
+    @classmethod
+    def decode_many(cls, frames: Any) -> Table:
+        """Decode many frames into columns. Needs NumPy.
+
+        Args:
+            frames: The frames, as rows of bytes or, if they are strings of bits, as numbers.
+
+        Returns:
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+        """
+        return decode_many(frames, cls, None)
+
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any]) -> Any:
+        """Encode many frames. Needs NumPy.
+
+        Args:
+            columns: Columns by name, as ``decode_many`` returns them.
+
+        Returns:
+            The frames, as rows of bytes or, if they are strings of bits, as numbers of 64 bits.
+
+        Raises:
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
+            TypeError: A column is missing or unknown.
+        """
+        return encode_many(columns, cls)
+
+
+class FixedBits(FixedFrame, InBits):
+    """String of bits that is the same for every encoder."""
+
+    __slots__ = ()
+
+    @classmethod
+    def frame_bits(cls) -> int:
+        """Return the number of bits in the frame, including the CRC if it has one."""
+        return shape_of(cls).bits
+
+
+class FixedBytes(FixedFrame, InBytes):
+    """Frame of bytes that is the same for every encoder."""
+
+    __slots__ = ()
+
+
+class FixedRegister(Fixed, InBytes):
+    """Register that is the same for every encoder."""
+
+    __slots__ = ()
+
+
+if TYPE_CHECKING:
+
+    class _Of(Coded, Generic[_Encoder]):
+        """Base that type checkers see: it is generic in the class of the encoder."""
+
+        __slots__ = ()
+
+else:
+
+    class _Of(Coded):
+        """Base at run time. Classes derived from ``Generic`` take longer to import."""
+
+        __slots__ = ()
+
+        def __class_getitem__(cls, encoder: object) -> type:
+            """Return the class itself."""
+            return cls
+
+
+class ByEncoder(_Of[_Encoder]):
+    """Frame or register that depends on the encoder."""
+
+    __slots__ = ()
+
+    @classmethod
+    def bit_fields(cls, variant: _Encoder) -> tuple[BitField, ...]:
+        """Return the bit position of each field in the number that the frame or register forms.
+
+        A field that the encoder does not have is 0 bits wide.
+        """
+        return shape_of(cls, variant).fields
+
+
+class FrameOf(ByEncoder[_Encoder]):
+    """Frame that depends on the encoder."""
+
+    __slots__ = ()
+
+    @classmethod
+    def decode_many(cls, frames: Any, variant: _Encoder) -> Table:
+        """Decode many frames into columns. Needs NumPy.
+
+        Args:
+            frames: The frames, as rows of bytes or, if they are strings of bits, as numbers.
+            variant: The encoder.
+
+        Returns:
+            The columns. An error in a frame is not raised, but recorded in the column ``fault``.
+        """
+        return decode_many(frames, cls, variant, variant)
+
+    @classmethod
+    def encode_many(cls, columns: Mapping[str, Any], variant: _Encoder) -> Any:
+        """Encode many frames. Needs NumPy.
+
+        Args:
+            columns: Columns by name, as ``decode_many`` returns them.
+            variant: The encoder.
+
+        Returns:
+            The frames, as rows of bytes or, if they are strings of bits, as numbers of 64 bits.
+
+        Raises:
+            RangeError: A value does not fit its field. ``row`` is the first row with such a value.
+            TypeError: A column is missing or unknown.
+        """
+        return encode_many(columns, cls, variant)
+
+
+class BitsOf(FrameOf[_Encoder], InBits):
+    """String of bits that depends on the encoder."""
+
+    __slots__ = ()
+
+    @classmethod
+    def frame_bits(cls, variant: _Encoder) -> int:
+        """Return the number of bits in the frame, including the CRC if it has one."""
+        return shape_of(cls, variant).bits
+
+
+class BytesOf(FrameOf[_Encoder], InBytes):
+    """Frame of bytes that depends on the encoder."""
+
+    __slots__ = ()
+
+
+class RegisterOf(ByEncoder[_Encoder], InBytes):
+    """Register that depends on the encoder."""
+
+    __slots__ = ()
+
+
+def decode_many(frames: object, kind: type, encoder: Encoder | None, *arguments: object) -> Table:
+    """Decode many frames of one class. ``arguments`` are the encoder and the answers that the class needs."""
+    shape = shape_of(kind, *arguments)
+    from ..bulk import decode as bulk_decode
+
+    return bulk_decode.decode_many(frames, shape, encoder)
+
+
+def encode_many(columns: Mapping[str, Any], kind: type, *arguments: object) -> Any:
+    """Encode many frames of one class. ``arguments`` are the encoder and the answers that the class needs."""
+    shape = shape_of(kind, *arguments)
+    from ..bulk import encode as bulk_encode
+
+    return bulk_encode.encode_many(columns, shape)
