@@ -46,9 +46,9 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 def pytest_collection_modifyitems(items: Sequence[pytest.Item]) -> None:
     """A test that needs a shared artefact is slow, because one of them must build it. So is the longer evidence."""
-    for item in items:
-        if "made_once" in getattr(item, "fixturenames", ()) or ROOT / "tests" / "verify" in item.path.parents:
-            item.add_marker(pytest.mark.slow)
+    for test in items:
+        if "made_once" in getattr(test, "fixturenames", ()) or ROOT / "tests" / "verify" in test.path.parents:
+            test.add_marker(pytest.mark.slow)
 
 
 def pytest_configure() -> None:
@@ -106,23 +106,23 @@ def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 @pytest.fixture(scope="session", autouse=True)
 def _tools_are_tried_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory) -> None:
     """The processes of a run share the results."""
-    own = tmp_path_factory.getbasetemp()
-    working_tools.results = (own.parent if hasattr(pytestconfig, "workerinput") else own) / "tools"
+    base_folder = tmp_path_factory.getbasetemp()
+    working_tools.results = (base_folder.parent if hasattr(pytestconfig, "workerinput") else base_folder) / "tools"
 
 
 def _once(read: Callable[..., Any]) -> Callable[..., Any]:
-    known: dict[Any, Any] = {}
+    results: dict[Any, Any] = {}
 
     def once(*arguments: Any, **options: Any) -> Any:
-        given = arguments[0] if arguments else None
-        paths: Sequence[Path] = given or ()
-        key = (given is None, tuple(paths), None if all(path.is_absolute() for path in paths) else Path.cwd())
+        first = arguments[0] if arguments else None
+        paths: Sequence[Path] = first or ()
+        key = (first is None, tuple(paths), None if all(path.is_absolute() for path in paths) else Path.cwd())
         if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths):
             return read(*arguments, **options)
-        if key not in known:
-            known[key] = read(*arguments[:1])
-        found, report = known[key]
-        return found, deepcopy(report)
+        if key not in results:
+            results[key] = read(*arguments[:1])
+        families, report = results[key]
+        return families, deepcopy(report)
 
     return once
 
@@ -161,8 +161,8 @@ def hostile(library: Library) -> Library:
 @pytest.fixture(scope="session")
 def made_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory) -> MadeOnce:
     """Fill a folder once for all workers of a run. The first one does the work, and the others wait for it."""
-    own = tmp_path_factory.getbasetemp()
-    shared = own.parent if hasattr(pytestconfig, "workerinput") else own
+    base_folder = tmp_path_factory.getbasetemp()
+    shared = base_folder.parent if hasattr(pytestconfig, "workerinput") else base_folder
 
     def made(name: str, fill: Callable[[Path], object]) -> Path:
         folder = shared / "once" / name
@@ -229,11 +229,11 @@ def generated_python(
 def packages(generated_python: tuple[Path, ModuleType], library: Library) -> Mapping[str, ModuleType]:
     """The generated package of each family."""
     folder, main = generated_python
-    found = {}
+    packages = {}
     with pytest.MonkeyPatch.context() as patch:
         for device in library.devices:
             maker = device.manufacturer
             if not maker.main:
                 patch.syspath_prepend(folder / maker.python_package)
-            found[device.name] = main if maker.main else importlib.import_module(maker.python_package)
-    return found
+            packages[device.name] = main if maker.main else importlib.import_module(maker.python_package)
+    return packages

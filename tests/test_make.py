@@ -62,7 +62,7 @@ def test_the_tests_install_what_they_build_with() -> None:
     listed = re.findall(r"^test = \[(.*)\]$", (ROOT / "pyproject.toml").read_text(encoding="utf-8"), re.MULTILINE)
     required = set[str]()
     for path in (ROOT / "pyproject.toml", *(ROOT / "generated" / "python").rglob("pyproject.toml")):
-        (found,) = re.findall(r"^requires = \[(.*)\]$", path.read_text(encoding="utf-8"), re.MULTILINE)
-        required.update(re.findall(r'"([^"]+)"', found))
+        (requirements,) = re.findall(r"^requires = \[(.*)\]$", path.read_text(encoding="utf-8"), re.MULTILINE)
+        required.update(re.findall(r'"([^"]+)"', requirements))
     assert required
     assert required <= set(re.findall(r'"([^"]+)"', listed[0]))

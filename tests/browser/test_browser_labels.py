@@ -61,8 +61,8 @@ def read(library: Library, text: str) -> Any:
         for command in COMMANDS:
             message = message.partition(command)[0]
         return message
-    found = match.variant.code, list(match.unlisted), match.tail, match.special, match.written_as_in
-    return [device.name, *found]
+    description = match.variant.code, list(match.unlisted), match.tail, match.special, match.written_as_in
+    return [device.name, *description]
 
 
 @pytest.mark.slow
@@ -75,7 +75,7 @@ def test_labels_of_people(node: Asker, library: Library) -> None:
 def test_labels_with_mistakes(node: Asker, library: Library) -> None:
     """One character of a listed code is omitted, changed, or written twice."""
     random_ = random.Random(5)
-    codes = [item.code for device in library.devices for item in device.variants]
+    codes = [variant.code for device in library.devices for variant in device.variants]
     texts = []
     for _ in range(600):
         code = random_.choice(codes)
@@ -83,12 +83,9 @@ def test_labels_with_mistakes(node: Asker, library: Library) -> None:
         middle = random_.choice(["", random_.choice("0123456789ABSKJPCG/-"), 2 * code[place]])
         texts.append(code[:place] + middle + code[place + 1 :])
     answers = node("labels", [{"texts": texts}])[0]
-    wrong = {
-        text: (answer, read(library, text))
-        for text, answer in zip(texts, answers, strict=True)
-        if answer != read(library, text)
-    }
-    assert wrong == {}
+    pairs = {text: (answer, read(library, text)) for text, answer in zip(texts, answers, strict=True)}
+    differing = {text: pair for text, pair in pairs.items() if pair[0] != pair[1]}
+    assert differing == {}
 
 
 @pytest.mark.slow

@@ -49,7 +49,7 @@ def test_20_000_accesses_without_a_loss(library: ctypes.CDLL, late: bool) -> Non
         chance = random.Random(seed)
         slave = model(chance, **times)
         accesses(Master(library, slave, late), slave, chance, ACCESSES // len(TIMES) + 1)
-        assert set(slave.wrong) <= (SEEN if late and times else set())
+        assert set(slave.violations) <= (SEEN if late and times else set())
 
 
 @pytest.mark.parametrize("late", [False, True], ids=["in the same frame", "a frame later"])
@@ -58,7 +58,7 @@ def test_accesses_without_a_loss(library: ctypes.CDLL, times: str, late: bool) -
     chance = random.Random(times)
     slave = model(chance, **TIMES[times])
     accesses(Master(library, slave, late), slave, chance, 150)
-    assert set(slave.wrong) <= (SEEN if late and TIMES[times] else set())
+    assert set(slave.violations) <= (SEEN if late and TIMES[times] else set())
 
 
 def test_a_bit_that_comes_late_needs_the_late_master(library: ctypes.CDLL) -> None:
@@ -117,7 +117,7 @@ def test_a_slave_that_is_never_ready(library: ctypes.CDLL) -> None:
         assert line.write(0x20, b"\x12", 0) == "DONE"
         assert line.write(0x21, b"\x34", limit) == "BUSY"
         assert slave.stored == [(0x20, 0x12)]
-        assert slave.wrong == []
+        assert slave.violations == []
 
 
 @pytest.mark.slow

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browser_harness import Asker, Case, cases, drawn
+from browser_harness import Asker, Case, cases, disturbed_numbers
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
 from codewheel.targets import Library
@@ -33,10 +33,10 @@ def packages(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def item_of(case: Case, count: int, random_: random.Random, encoder: Any, kinds: Counter[str]) -> dict[str, Any]:
     """Return frames of a case with a CRC-32 of the reference's result for each. Python is compared on the way."""
     texts, expected = [], []
-    for number, other in drawn(case, count, random_):
+    for number, other in disturbed_numbers(case, count, random_):
         decoded = case.decoded(number, other)
         texts.append(case.text(number, other))
-        expected.append(f"{zlib.crc32(case.said(decoded).encode()):08x}")
+        expected.append(f"{zlib.crc32(case.result_text(decoded).encode()):08x}")
         kinds[decoded.problems[0].fault.value if decoded.problems else "sound"] += 1
         if encoder is not None:
             same_in_python(case, encoder, texts[-1], decoded)
@@ -56,14 +56,14 @@ def same_in_python(case: Case, encoder: Any, text: str, decoded: codec.Decoded) 
     assert not decoded.problems, text
     verdict = getattr(found, "verdict", None)
     assert (verdict and verdict.value) == (said.verdict and said.verdict.value), text
-    assert sorted(item.meaning for item in found.reports) == sorted(item.meaning for item in said.reports), text
+    assert sorted(report.meaning for report in found.reports) == sorted(report.meaning for report in said.reports), text
     layout = decoded.layout.layout if decoded.layout is not None else case.layout
-    names = {item.name for item in layout.fields if item.carries_data} | {item.name for item in layout.joins}
-    for item in decoded.fields:
-        if item.name in names and hasattr(found, item.name):
-            value = getattr(found, item.name)
-            assert item.value == (
-                value.name.lower() if isinstance(item.value, str) and hasattr(value, "name") else value
+    names = {join.name for join in layout.fields if join.carries_data} | {join.name for join in layout.joins}
+    for field in decoded.fields:
+        if field.name in names and hasattr(found, field.name):
+            value = getattr(found, field.name)
+            assert field.value == (
+                value.name.lower() if isinstance(field.value, str) and hasattr(value, "name") else value
             )
 
 
@@ -81,7 +81,7 @@ def test_frames_and_registers(family: str, packages: Path, tmp_path: Path) -> No
     program = tool("chromium")
     ask = Asker(tmp_path, generate(Library((device,)))["browser/decode.js"], program)
     random_, items, kinds = random.Random(family), [], Counter[str]()
-    delivered = {item.code: item.parameters for item in device.variants}
+    delivered = {variant.code: variant.parameters for variant in device.variants}
     for found in cases(device):
         count = FRAMES if found[0].register is None else FRAMES // 10
         for case in found:
@@ -90,5 +90,5 @@ def test_frames_and_registers(family: str, packages: Path, tmp_path: Path) -> No
             encoder = package.lookup(case.variant.code) if in_python else None
             items.append(item_of(case, count // len(found), random_, encoder, kinds))
     answers = ask("compared", items, timeout=1800)
-    assert [wrong for one in answers for wrong in one][:5] == []
+    assert [wrong for answer in answers for wrong in answer][:5] == []
     assert kinds.keys() >= {"sound", "length"}

@@ -83,11 +83,8 @@ def test_resets_of_ten_requests(generated_python: Package, library: Library, fau
         bench = Bench(lika, code, f"{fault}:0.05", seed=at, retries=20)
         bench.virtual.position = 1234 + at
         module = getattr(lika, bench.session.encoder.family.name)
-        procedure = next(
-            item
-            for item in bench.virtual.device.procedures
-            if "reset" in item.name and item.interface == "rs485" and "errors" not in item.name
-        )
+        procedures = [procedure for procedure in bench.virtual.device.procedures if procedure.interface == "rs485"]
+        procedure = next(reset for reset in procedures if "reset" in reset.name and "errors" not in reset.name)
         try:
             bench.do(bench.session.run(getattr(module, procedure.name)()))
         except lika.StepError:

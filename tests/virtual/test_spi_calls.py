@@ -54,8 +54,8 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     text = (SPECS / "mps" / "ma732.yaml").read_text(encoding="utf-8")
     (folder / "ma732.yaml").write_text(text + NEIGHBOURS, encoding="utf-8")
     specs = [str(SPECS / "mps" / "manufacturer.yaml"), str(folder / "ma732.yaml")]
-    for name, given in (("infineon", [str(SPECS / "infineon")]), ("mps", specs)):
-        command = ["generate", *given, "--target", "python", "--target", "c", "-o", str(folder / name)]
+    for name, specs_of_maker in (("infineon", [str(SPECS / "infineon")]), ("mps", specs)):
+        command = ["generate", *specs_of_maker, "--target", "python", "--target", "c", "-o", str(folder / name)]
         assert main(command) == 0
     return folder
 

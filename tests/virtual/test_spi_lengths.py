@@ -72,11 +72,13 @@ def test_the_counter_of_a_longer_word_is_decoded(package: Any) -> None:
 
 def test_c_decodes_both_lengths(outputs: Path, tmp_path: Path) -> None:
     source, program = tmp_path / "orbis.c", tmp_path / "orbis"
-    checks = "".join(
-        f"    if ((rls_orbis_spi_decode(&RLS_ORBIS_SPI_{code.removeprefix('Orbis-')}, UINT64_C(0x{word.hex()}),"
-        f" &frame) != CW_OK) || (frame.position != 0x{POSITION:X}U)) return {at};\n"
-        for at, (code, word) in enumerate(WORDS.items(), 1)
-    )
+    checks = ""
+    for at, (code, word) in enumerate(WORDS.items(), 1):
+        table = f"RLS_ORBIS_SPI_{code.removeprefix('Orbis-')}"
+        checks += (
+            f"    if ((rls_orbis_spi_decode(&{table}, UINT64_C(0x{word.hex()}),"
+            f" &frame) != CW_OK) || (frame.position != 0x{POSITION:X}U)) return {at};\n"
+        )
     source.write_text(
         f'#include "rls/orbis_spi.h"\nint main(void)\n{{\n    rls_orbis_spi_frame frame;\n{checks}    return 0;\n}}\n',
         encoding="ascii",
