@@ -48,7 +48,7 @@ def test_doxygen_has_no_warning(tmp_path: Path) -> None:
 
 def test_a_warning_would_be_seen(tmp_path: Path) -> None:
     include = generated_tree(tmp_path) / "c" / "include"
-    made = tmp_path / "broken"
-    made.mkdir()
-    broken = planted(include, "receive.h", "Bit 0 was received first.", "\\nothing_of_the_kind", made)
+    folder = tmp_path / "broken"
+    folder.mkdir()
+    broken = planted(include, "receive.h", "Bit 0 was received first.", "\\nothing_of_the_kind", folder)
     assert any("nothing_of_the_kind" in line for line in warnings(broken, tmp_path / "doxygen"))

@@ -154,16 +154,16 @@ def symbols(core: str, include: Path, folder: Path, *options: str) -> Mapping[st
     listed = subprocess.run(
         [tool("arm-none-eabi-nm"), "-S", str(folder / "motion.o")], capture_output=True, text=True, check=True
     ).stdout
-    found = re.findall(r"^(?:\w+ (\w+))? +(\w) (\S+)$", listed, re.MULTILINE)
-    return {name: (letter, int(size or "0", 16)) for size, letter, name in found}
+    rows = re.findall(r"^(?:\w+ (\w+))? +(\w) (\S+)$", listed, re.MULTILINE)
+    return {name: (letter, int(size or "0", 16)) for size, letter, name in rows}
 
 
 @pytest.mark.parametrize("core", CORES)
 def test_nothing_divides_and_the_tracker_calls_nothing(core: str, include: Path, tmp_path: Path) -> None:
-    found = symbols(core, include, tmp_path)
-    called = {name for name, (letter, _) in found.items() if letter == "U"}
+    symbol_table = symbols(core, include, tmp_path)
+    called = {name for name, (letter, _) in symbol_table.items() if letter == "U"}
     assert not [name for name in called if "div" in name or "mod" in name or re.search(r"_d[a-z]+$|2d$", name)]
-    assert "tracker_add" in found
+    assert "tracker_add" in symbol_table
     # The tracker alone, without functions of the compiler's library.
     alone = tmp_path / "alone"
     alone.mkdir()

@@ -44,9 +44,9 @@ def program(folder: Path, engine: str) -> str:
     """Return the code for an engine in the README of the package."""
     text = (folder / "README.md").read_text(encoding="utf-8")
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
-    found = [block for block in blocks if re.search(rf"^import {engine}\b", block, re.MULTILINE)]
-    assert len(found) == 1
-    return found[0]
+    engine_blocks = [block for block in blocks if re.search(rf"^import {engine}\b", block, re.MULTILINE)]
+    assert len(engine_blocks) == 1
+    return engine_blocks[0]
 
 
 @pytest.mark.parametrize("engine", ENGINES)

@@ -97,19 +97,21 @@ def options(compiler: str, names: tuple[str, ...]) -> list[str]:
 
 def compiled(command: Sequence[str], code: str, folder: Path, include: Path, *more: str) -> Path:
     """Return the object compiled from this text, without any message."""
-    text, made = folder / "unit.c", folder / "unit.o"
+    text, object_file = folder / "unit.c", folder / "unit.o"
     text.write_text(code, encoding="ascii")
     done = subprocess.run(
-        [*command, f"-I{include}", *(more or ("-O2",)), "-c", str(text), "-o", str(made)],
+        [*command, f"-I{include}", *(more or ("-O2",)), "-c", str(text), "-o", str(object_file)],
         capture_output=True,
         text=True,
     )
     assert done.returncode == 0, done.stderr[:6000]
     assert not done.stderr, done.stderr[:6000]
-    return made
+    return object_file
 
 
-@pytest.mark.parametrize(("compiler", "names"), COMPILERS, ids=lambda item: item if isinstance(item, str) else item[0])
+@pytest.mark.parametrize(
+    ("compiler", "names"), COMPILERS, ids=lambda value: value if isinstance(value, str) else value[0]
+)
 def test_no_warning(compiler: str, names: tuple[str, ...], headers: tuple[Path, list[str]], tmp_path: Path) -> None:
     """The oldest and the newest standard compile all headers, the oldest in all forms. Others only read them."""
     include, every = headers
@@ -156,24 +158,20 @@ def test_no_macro_leaks(compiler: str, headers: tuple[Path, list[str]], tmp_path
     every_one = "".join(f'#include "{header}"\n' for header in every if header.startswith("codewheel/"))
     standard = macros("#include <stdbool.h>\n#include <stddef.h>\n#include <stdint.h>\n")
     runtime = macros(every_one) - standard
-    assert all(item.startswith(("CW_", "CODEWHEEL_")) for item in runtime)
+    assert all(macro.startswith(("CW_", "CODEWHEEL_")) for macro in runtime)
     for header in every:
         if not header.startswith("codewheel/"):
             maker, name = header.removesuffix(".h").upper().split("/")
             name = re.sub("_(LABELS|REPORTS|REGISTERS|PROCEDURES|SIMULATE)$", "", name)
-            own = macros(f'#include "{header}"\n') - standard - runtime
-            assert own
-            assert all(item.startswith(f"{maker}_{name}_") for item in own)
+            family_macros = macros(f'#include "{header}"\n') - standard - runtime
+            assert family_macros
+            assert all(macro.startswith(f"{maker}_{name}_") for macro in family_macros)
 
 
 def test_only_the_three_headers_of_the_standard_are_included(headers: tuple[Path, list[str]]) -> None:
     include, every = headers
-    used = {
-        line.strip()
-        for header in every
-        for line in (include / header).read_text().splitlines()
-        if re.match(r"\s*#\s*include", line)
-    }
+    lines = [line.strip() for header in every for line in (include / header).read_text().splitlines()]
+    used = {line for line in lines if re.match(r"#\s*include", line)}
     assert {line for line in used if "<" in line} == {f"#include <std{name}.h>" for name in ("bool", "def", "int")}
 
 
