@@ -84,11 +84,11 @@ def source(functions: Mapping[str, tuple[str, tuple[str, ...]]] = FUNCTIONS) -> 
     for kind in (Tracker, Config):
         name = "cw_tracker" if kind is Tracker else "cw_tracker_config"
         text += f"typedef char {name}_here[(sizeof({name}) == {ctypes.sizeof(kind)}U) ? 1 : -1];\n"
-    for name, (kind, given) in functions.items():
-        head = f"{kind} {name}({', '.join(f'{item} a{index}' for index, item in enumerate(given))})"
-        call = f"cw_{name}({', '.join(f'a{index}' for index in range(len(given)))})"
-        back = "" if kind == "void" else "return (int)" if kind == "int" else "return "
-        text += f"{head};\n{head}\n{{\n    {back}{call};\n}}\n"
+    for name, (kind, argument_types) in functions.items():
+        head = f"{kind} {name}({', '.join(f'{type_} a{index}' for index, type_ in enumerate(argument_types))})"
+        call = f"cw_{name}({', '.join(f'a{index}' for index in range(len(argument_types)))})"
+        return_ = {"void": "", "int": "return (int)"}.get(kind, "return ")
+        text += f"{head};\n{head}\n{{\n    {return_}{call};\n}}\n"
     return text
 
 
@@ -109,7 +109,7 @@ def compile_motion(include: Path, folder: Path) -> None:
 def motion_of(folder: Path) -> ctypes.CDLL:
     """Return the library, with the types of its functions."""
     library = ctypes.CDLL(str(folder / "motion.so"))
-    for name, (kind, given) in (FUNCTIONS | DIVIDING).items():
+    for name, (kind, argument_types) in (FUNCTIONS | DIVIDING).items():
         function = getattr(library, name)
-        function.restype, function.argtypes = _TYPES[kind], [_TYPES[item] for item in given]
+        function.restype, function.argtypes = _TYPES[kind], [_TYPES[type_] for type_ in argument_types]
     return library

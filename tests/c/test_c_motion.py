@@ -65,21 +65,21 @@ def members(tracker: Tracker) -> tuple[int, ...]:
 def test_a_turn_forward_and_back(motion: ctypes.CDLL) -> None:
     """With 17 bits, the step from 131,071 to 0 is one count forwards, and from 0 to 131,071 one count backwards."""
     tracker = started(motion, 1 << 17)
-    told = []
+    steps = []
     for now, position in enumerate((131_070, 131_071, 0, 1, 0, 131_071)):
         assert add(motion, tracker, position, 1000 * now) == OK
-        told.append((tracker.position, tracker.moved))
-    assert told == [(131070, 0), (131071, 1), (131072, 1), (131073, 1), (131072, -1), (131071, -1)]
+        steps.append((tracker.position, tracker.moved))
+    assert steps == [(131070, 0), (131071, 1), (131072, 1), (131073, 1), (131072, -1), (131071, -1)]
 
 
 def test_a_turn_that_is_no_power_of_two(motion: ctypes.CDLL) -> None:
     """With 36,000 counts, the step from 35,990 to 20 is 30 forwards, and half a turn counts as backwards."""
     tracker = started(motion, 36_000)
-    told = []
+    positions = []
     for now, position in enumerate((35_990, 20, 35_990, 17_990, 35_990)):
         assert add(motion, tracker, position, 1_000_000 * now) == OK
-        told.append(tracker.position)
-    assert told == [35_990, 36_020, 35_990, 17_990, -10]
+        positions.append(tracker.position)
+    assert positions == [35_990, 36_020, 35_990, 17_990, -10]
 
 
 def shorter(counts: int, modulus: int) -> int:
@@ -120,7 +120,7 @@ def test_no_turn_is_lost_or_gained(modulus: int, motion: ctypes.CDLL) -> None:
         before = now, true
 
 
-@pytest.mark.parametrize("modulus", [item for item in MODULI if not 0 < item < 1000])
+@pytest.mark.parametrize("modulus", [modulus for modulus in MODULI if not 0 < modulus < 1000])
 def test_a_frame_that_is_too_far_changes_nothing(modulus: int, motion: ctypes.CDLL) -> None:
     """Each valid frame is followed by some that are farther than 1.3 percent and 16 us allow."""
     random_ = random.Random(modulus)
@@ -132,14 +132,14 @@ def test_a_frame_that_is_too_far_changes_nothing(modulus: int, motion: ctypes.CD
         assert add(motion, tracker, raw, now) == OK
         for count in range(1, random_.randint(1, 3) + 1):
             after = random_.randrange(500)
-            most = math.ceil(max_speed * 1.0133 * (after + 16) / 1_000_000)
-            wrong = random_.choice([random_.randrange(modulus or 1 << 63), raw ^ 1 << random_.randrange(40), 0])
-            if abs(shorter(wrong - raw, modulus)) <= most or wrong >= (modulus or 1 << 63):
+            farthest = math.ceil(max_speed * 1.0133 * (after + 16) / 1_000_000)
+            outlier = random_.choice([random_.randrange(modulus or 1 << 63), raw ^ 1 << random_.randrange(40), 0])
+            if abs(shorter(outlier - raw, modulus)) <= farthest or outlier >= (modulus or 1 << 63):
                 break
-            held = members(tracker)
-            assert add(motion, tracker, wrong, now + after) == RANGE
+            state = members(tracker)
+            assert add(motion, tracker, outlier, now + after) == RANGE
             assert tracker.refused == count
-            assert members(tracker) == held
+            assert members(tracker) == state
             refused += 1
     assert refused > 50
 
@@ -184,10 +184,10 @@ def test_time_alone_never_makes_a_refused_position_plausible(modulus: int, motio
     """
     tracker = started(motion, modulus, 1_000_000, 100_000, 7)
     assert add(motion, tracker, 1_000_000_000, 7) == OK
-    held = members(tracker)
+    state = members(tracker)
     for now in (*range(107, 2_000_000, 100_000), 524_294, 524_295, 524_296, 60_000_000, (1 << 32) - 500_000):
         assert add(motion, tracker, 0, 7 + now) == RANGE
-    assert members(tracker) == held
+    assert members(tracker) == state
     # A position within the limit, which grows for half a second, is accepted.
     assert add(motion, tracker, 1_000_500_000, 60_000_000) == OK
     assert (tracker.position, tracker.moved, tracker.elapsed_us) == (1_000_500_000, 500_000, 59_999_993)
@@ -202,26 +202,26 @@ def test_lost_after_a_silence(silence: int, motion: ctypes.CDLL) -> None:
     assert add(motion, tracker, 100, at + silence) == OK, "just in time"
     assert add(motion, tracker, 100, at + 2 * silence + 1) == LOST
     assert (tracker.known, tracker.lost, tracker.position, tracker.refused) == (0, 1, 100, 1)
-    held = members(tracker)
+    state = members(tracker)
     assert [add(motion, tracker, 100, at + 2 * silence + later) for later in (1, 2, 1_000_000, 1 << 31)] == [LOST] * 4
-    assert (members(tracker), tracker.refused) == (held, 5)
+    assert (members(tracker), tracker.refused) == (state, 5)
     restart(motion, tracker, at)
     assert (tracker.known, tracker.lost, tracker.refused) == (0, 0, 0)
     assert add(motion, tracker, 4_000_000, at + 10_000_000) == OK
     assert (tracker.known, tracker.position) == (1, 4_000_000)
 
 
-@pytest.mark.parametrize("most", [1, 2, 7])
-def test_lost_after_so_many_refused(most: int, motion: ctypes.CDLL) -> None:
+@pytest.mark.parametrize("limit", [1, 2, 7])
+def test_lost_after_so_many_refused(limit: int, motion: ctypes.CDLL) -> None:
     """Only refusals in a row count, and an accepted position resets the number. Zeros during start-up do not count."""
-    tracker = started(motion, 1 << 23, 1000, 5_000, 0, (0, most))
+    tracker = started(motion, 1 << 23, 1000, 5_000, 0, (0, limit))
     assert [add(motion, tracker, 0, now) for now in range(20)] == [RANGE] * 20
     assert add(motion, tracker, 100, 20) == OK
     for _ in range(3):
-        assert [add(motion, tracker, 4_000_000, 21) for _ in range(most - 1)] == [RANGE] * (most - 1)
+        assert [add(motion, tracker, 4_000_000, 21) for _ in range(limit - 1)] == [RANGE] * (limit - 1)
         assert add(motion, tracker, 100, 22) == OK
-    assert [add(motion, tracker, 4_000_000, 23) for _ in range(most)] == [RANGE] * (most - 1) + [LOST]
-    assert (tracker.known, tracker.lost, tracker.position, tracker.refused) == (0, 1, 100, most)
+    assert [add(motion, tracker, 4_000_000, 23) for _ in range(limit)] == [RANGE] * (limit - 1) + [LOST]
+    assert (tracker.known, tracker.lost, tracker.position, tracker.refused) == (0, 1, 100, limit)
     assert [add(motion, tracker, 100, now) for now in (24, 1_000_000)] == [LOST] * 2
 
 
@@ -351,9 +351,9 @@ def test_the_field_of_a_motor(steps: int, motion: ctypes.CDLL) -> None:
     random_ = random.Random(steps)
     for _ in range(1_000):
         position, offset = random_.randrange(steps), random_.getrandbits(32)
-        found = motion.angle_electrical(motion.angle(position, steps), 7, offset)
+        angle = motion.angle_electrical(motion.angle(position, steps), 7, offset)
         wanted = Fraction(7 * position, steps) - Fraction(offset, 1 << 32)
-        difference = (wanted - Fraction(found, 1 << 32)) % 1
+        difference = (wanted - Fraction(angle, 1 << 32)) % 1
         assert difference < Fraction(7, 1 << 32)
 
 
@@ -393,7 +393,7 @@ def test_a_fault_is_seen(fault: str, include: Path, tmp_path: Path) -> None:
     assert text.count(sound) == 1
     path.write_text(text.replace(sound, planted), encoding="ascii")
     compile_motion(tmp_path / "include", tmp_path)
-    broken, seen = motion_of(tmp_path), 0
+    broken, failed_checks = motion_of(tmp_path), 0
     for check in (
         lambda: test_a_turn_forward_and_back(broken),
         lambda: [test_no_turn_is_lost_or_gained(modulus, broken) for modulus in (1 << 17, 36_000)],
@@ -411,8 +411,8 @@ def test_a_fault_is_seen(fault: str, include: Path, tmp_path: Path) -> None:
         try:
             check()
         except AssertionError:
-            seen += 1
-    assert seen
+            failed_checks += 1
+    assert failed_checks
 
 
 @pytest.mark.slow

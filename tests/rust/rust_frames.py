@@ -13,7 +13,7 @@ from codewheel.order_codes.run_time import with_answers
 from codewheel.reference import codec
 from codewheel_rust.family import Struct
 from rust_harness import Program
-from test_c_codec import made, run_time_variants, samples, with_crc
+from test_c_codec import encoded_sample, run_time_variants, samples, with_crc
 
 Values = Mapping[str, "int | str | bool"]
 #: Minimum number of frames for an order code, and how many of them are created one by one.
@@ -153,7 +153,7 @@ def numbers(case: Case, count: int, random_: random.Random) -> Iterator[int]:
     placed = case.placed
     data = [field for field in placed.fields if field.field.carries_data]
     choices = {field.name: samples(field.field, field.width, placed.layout, random_) for field in data}
-    sound = [made(case.device, placed, choices, {}, random_) for _ in range(min(count, _POOL))]
+    sound = [encoded_sample(case.device, placed, choices, {}, random_) for _ in range(min(count, _POOL))]
     yield from sound
     changes = [0] * _POOL
     changes += [_some_bits(placed.bits, random_) for _ in range(_POOL // 2)]

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 from batch import DECODE, Batch, Codec, on_the_wire
 from codewheel.model import Device, Variant
-from test_c_codec import made, run_time_variants, samples, with_crc
+from test_c_codec import encoded_sample, run_time_variants, samples, with_crc
 
 #: Frames of one chunk, all for one order code.
 CHUNK = 10_000
@@ -39,7 +39,7 @@ class Frames:
         data = [field for field in self.placed.fields if field.field.carries_data]
         choices = {field.name: samples(field.field, field.width, self.codec.layout, self.random) for field in data}
         for _ in range(POOL):
-            yield made(self.batch.device, self.placed, choices, {}, self.random)
+            yield encoded_sample(self.batch.device, self.placed, choices, {}, self.random)
 
     def _record(self, number: int) -> bytes:
         return self.batch.frame(self.placed, on_the_wire(self.codec.layout, number, self.placed.bits))

@@ -29,7 +29,7 @@ from codewheel.reference.findings import findings
 from codewheel.targets.c.reserved import c_name
 from codewheel.targets.python.context import Context
 from frames import chunks, input_of, wires
-from test_c_reports import said_by
+from test_c_reports import report_key
 from tools import tool
 from tree import generated_tree, interfaces, number_from_environment, package_of
 
@@ -246,7 +246,7 @@ class Oracle:
         reports = next(
             (reporting.told for reporting in reportings(device) if reporting.codec.layout.name == codec.name), ()
         )
-        self._bits = {said_by(device, report): 1 << report.report.number for report in reports}
+        self._bits = {report_key(device, report): 1 << report.report.number for report in reports}
 
     def findings_of(
         self, variant: Variant, frames: Sequence[int] | Sequence[bytes]

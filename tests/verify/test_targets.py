@@ -22,7 +22,7 @@ from frames import chunks, input_of, variants, wires
 from machines import HOST, MACHINES, Machine
 from recorded import Recording, every_device, run_tests
 from test_c_codec import FAULTS, Table
-from test_c_reports import Telling
+from test_c_reports import ExpectedReports
 from tree import generated_tree, include_of, interfaces, number_from_environment
 
 FRAMES = number_from_environment("CODEWHEEL_TARGET_FRAMES", 2_000)
@@ -140,7 +140,7 @@ def test_random_frames_mean_what_the_model_says(
     on_the_host: tuple[Batch, list[tuple[Codec, list[tuple[Variant, bytes]]]], bytes],
 ) -> None:
     batch, codec_pieces, out = on_the_host
-    table, telling, at = Table(batch.device), Telling(batch.device), 0
+    table, expected_reports, at = Table(batch.device), ExpectedReports(batch.device), 0
     for codec, pieces in codec_pieces:
         answer = struct.Struct(codec.answer)
         for variant, records in pieces:
@@ -148,25 +148,27 @@ def test_random_frames_mean_what_the_model_says(
             for wire in wires(batch, codec, records):
                 fields = answer.unpack_from(out, at)
                 at += answer.size
-                result, row = judged(table, codec, placed, wire)
+                result, row = expected_row(table, codec, placed, wire)
                 assert fields[0] == result, (codec.name, variant.code, wire, fields)
                 if result == 0:
                     assert list(fields[1:-4]) == row, (codec.name, variant.code, wire, fields, row)
                     context = (codec.name, variant.code, wire, fields)
                     assert fields[-4] != 0 or meaning(table, codec, placed, fields[-3]) == row, context
-                    assert fields[-2:] == tells(telling, codec, variant, placed, wire), context
+                    assert fields[-2:] == expected_findings(expected_reports, codec, variant, placed, wire), context
 
 
-def tells(telling: Telling, codec: Codec, variant: Variant, placed: PlacedLayout, wire: int | bytes) -> tuple[int, int]:
+def expected_findings(
+    expected_reports: ExpectedReports, codec: Codec, variant: Variant, placed: PlacedLayout, wire: int | bytes
+) -> tuple[int, int]:
     """Return the expected verdict and reports."""
     if codec.view.reports is None:
         return 255, 0
     number = wire if isinstance(wire, int) else number_from_bytes(codec.layout, wire)
-    verdict, reports = telling.of(variant, placed, number)
+    verdict, reports = expected_reports.of(variant, placed, number)
     return 255 if verdict is None else verdict, reports
 
 
-def judged(table: Table, codec: Codec, placed: PlacedLayout, wire: int | bytes) -> tuple[int, list[object]]:
+def expected_row(table: Table, codec: Codec, placed: PlacedLayout, wire: int | bytes) -> tuple[int, list[object]]:
     """Return the expected result and members."""
     if isinstance(wire, bytes) and 8 * len(wire) != placed.bits:
         return FAULTS["length"], []
@@ -184,5 +186,5 @@ def row_of(table: Table, codec: Codec, placed: PlacedLayout, number: int) -> lis
 def meaning(table: Table, codec: Codec, placed: PlacedLayout, encoded: bytes) -> list[object]:
     """Return the model's reading of an encoded word or frame."""
     wire = int.from_bytes(encoded, "big") if not codec.view.plan.in_bytes else encoded
-    result, row = judged(table, codec, placed, wire)
+    result, row = expected_row(table, codec, placed, wire)
     return row if result == 0 else []
