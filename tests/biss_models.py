@@ -24,7 +24,7 @@ def crc_4(bits: Iterable[int]) -> list[int]:
     return [1 - bit for bit in remainder]
 
 
-def of(number: int, width: int) -> list[int]:
+def bits_of(number: int, width: int) -> list[int]:
     return [number >> place & 1 for place in range(width - 1, -1, -1)]
 
 
@@ -56,7 +56,7 @@ class ModelSlave:
     _now: int = 0
     _ready: int = 0
 
-    def held(self, address: int) -> int:
+    def stored_value(self, address: int) -> int:
         return self.registers[address]
 
     def run(self) -> Bits:
@@ -124,7 +124,7 @@ class ModelSlave:
         self._ready = max(self._ready, self._now + self.chance.randint(*bounds))
 
     def _read(self, address: int, waited: bool) -> Generator[int, int, None]:
-        data = of(self.registers[address], 8)
+        data = bits_of(self.registers[address], 8)
         heard = yield from self._exchanges([1, *data, *crc_4(data)])
         if any(heard[1:]):
             self.violations.append("a read that sends more than zeros")
@@ -172,8 +172,8 @@ class ModelMaster:
         self.outcome = "done"
 
     def _one(self, address: int, value: int | None) -> Generator[int, int, bool]:
-        header = [1, 0, 0, 0, *of(address, 7)]
-        data = of(value, 8) if value is not None else []
+        header = [1, 0, 0, 0, *bits_of(address, 7)]
+        data = bits_of(value, 8) if value is not None else []
         tail = [*data, *crc_4(data)] if value is not None else [0] * 12
         access = [0, 1] if value is not None else [1, 0]
         request_bits = [*[0] * 14, 1, *header, *crc_4(header), *access, 1, *tail, 0]

@@ -71,11 +71,11 @@ def pytest_sessionfinish() -> None:
 def _quick_tests_are_quick(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Only tests that are marked as slow may start processes."""
 
-    def started(self: Any, command: Any, *more: Any, **named: Any) -> None:
+    def refuse_to_start(self: Any, command: Any, *more: Any, **named: Any) -> None:
         raise AssertionError(f"this test runs {command}: mark it with pytest.mark.slow")
 
     if request.node.get_closest_marker("slow") is None:
-        monkeypatch.setattr(subprocess.Popen, "__init__", started)
+        monkeypatch.setattr(subprocess.Popen, "__init__", refuse_to_start)
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -164,7 +164,7 @@ def made_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFact
     base_folder = tmp_path_factory.getbasetemp()
     shared = base_folder.parent if hasattr(pytestconfig, "workerinput") else base_folder
 
-    def made(name: str, fill: Callable[[Path], object]) -> Path:
+    def filled_folder(name: str, fill: Callable[[Path], object]) -> Path:
         folder = shared / "once" / name
         folder.mkdir(parents=True, exist_ok=True)
         with (folder / ".lock").open("w") as lock:
@@ -174,7 +174,7 @@ def made_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFact
                 (folder / ".done").touch()
         return folder
 
-    return made
+    return filled_folder
 
 
 @pytest.fixture(scope="session")
@@ -191,7 +191,7 @@ def import_generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Libr
 
     folders: dict[str, list[Path]] = {}
 
-    def made(library: Library, package: str) -> tuple[Path, ModuleType]:
+    def import_package(library: Library, package: str) -> tuple[Path, ModuleType]:
         folder = tmp_path_factory.mktemp("generated")
         for path, text in generate(library).items():
             target = folder / path
@@ -214,7 +214,7 @@ def import_generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Libr
         folders[package].insert(0, folder / "python" / package)
         return folder / "python", imported
 
-    return made
+    return import_package
 
 
 @pytest.fixture(scope="session")

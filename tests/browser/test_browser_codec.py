@@ -339,7 +339,7 @@ def test_reasons_are_those_of_the_command(node: Asker, library: Library) -> None
         for case in (case for layout_cases in cases(device) for case in layout_cases[:4] if case.register is None):
             if device.crc_of(case.layout) is None:
                 continue
-            texts = [*disturbed(case, random_)]
+            texts = [*disturbed_texts(case, random_)]
             items.append({**case.data, "frames": texts})
             expected.append([expected_explanations(case, text) for text in texts])
     answers = node("reasons", items)
@@ -349,7 +349,7 @@ def test_reasons_are_those_of_the_command(node: Asker, library: Library) -> None
     assert sum(bool(reasons) for answer in answers for reasons in answer) > 100
 
 
-def disturbed(case: Case, random_: random.Random) -> Iterator[str]:
+def disturbed_texts(case: Case, random_: random.Random) -> Iterator[str]:
     """Return frames with the mistakes that the page knows, and with others."""
     for number in numbers(case, 12, random_):
         bits = case.placed.bits

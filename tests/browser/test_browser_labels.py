@@ -52,7 +52,7 @@ LABELS = (
 COMMANDS = (" (codewheel show ", "; codewheel list shows")
 
 
-def read(library: Library, text: str) -> Any:
+def description_of(library: Library, text: str) -> Any:
     """Return the order code or the help of the command line for a label, without commands to run."""
     try:
         device, match = find(library.devices, text)
@@ -68,7 +68,7 @@ def read(library: Library, text: str) -> Any:
 @pytest.mark.slow
 def test_labels_of_people(node: Asker, library: Library) -> None:
     answers = node("labels", [{"texts": LABELS}])[0]
-    assert dict(zip(LABELS, answers, strict=True)) == {text: read(library, text) for text in LABELS}
+    assert dict(zip(LABELS, answers, strict=True)) == {text: description_of(library, text) for text in LABELS}
 
 
 @pytest.mark.slow
@@ -83,7 +83,7 @@ def test_labels_with_mistakes(node: Asker, library: Library) -> None:
         middle = random_.choice(["", random_.choice("0123456789ABSKJPCG/-"), 2 * code[place]])
         texts.append(code[:place] + middle + code[place + 1 :])
     answers = node("labels", [{"texts": texts}])[0]
-    pairs = {text: (answer, read(library, text)) for text, answer in zip(texts, answers, strict=True)}
+    pairs = {text: (answer, description_of(library, text)) for text, answer in zip(texts, answers, strict=True)}
     differing = {text: pair for text, pair in pairs.items() if pair[0] != pair[1]}
     assert differing == {}
 
@@ -98,4 +98,4 @@ def test_a_code_is_not_read_as_a_shorter_one_with_a_tail(ask: Callable[[Library,
     library = Library(devices)
     answers = ask(library, "node")("labels", [{"texts": ["A-SP-X-SP", "A-SP-X", "A-SP"]}])[0]
     assert [answer[:2] for answer in answers] == [["a_sp_x", "A-SP-X-SP"], ["a", "A-SP"], ["a", "A-SP"]]
-    assert answers == [read(library, text) for text in ("A-SP-X-SP", "A-SP-X", "A-SP")]
+    assert answers == [description_of(library, text) for text in ("A-SP-X-SP", "A-SP-X", "A-SP")]

@@ -152,10 +152,10 @@ def compile_programs(command: list[str], device: Device, folder: Path, include: 
 
 def runner_over(device: Device, folder: Path) -> Run:
     """Return the programs compiled into this folder as one."""
-    return as_one(device, {interface.name: runner(folder / interface.name) for interface in device.interfaces})
+    return combined_run(device, {interface.name: runner(folder / interface.name) for interface in device.interfaces})
 
 
-def as_one(device: Device, programs: Mapping[str, Run]) -> Run:
+def combined_run(device: Device, programs: Mapping[str, Run]) -> Run:
     """Send each line to the program for the interface of its order code. A label to be found goes to all programs."""
     kinds = {variant.code: variant.interface for variant in device.variants}
 
@@ -300,9 +300,9 @@ def _tested_parts(view: DeviceView) -> Iterator[tuple[str, str, str]]:
     for codec in codecs(view):
         name = short(view, codec)
         if codec.tells_difference:
-            yield "expected", name, _expected(view, codec, name)
+            yield "expected", name, _expected_branch(view, codec, name)
         if codec.reports is not None:
-            yield "tells", name, _tells(view, codec, name)
+            yield "tells", name, _report_branch(view, codec, name)
     if view.reports.all:
         yield "text", "of", _text(view)
     for identity in view.identities:
@@ -432,12 +432,12 @@ def _decoded(view: DeviceView, codec: StructCodec, verb: str, name: str, then: s
 """
 
 
-def _expected(view: DeviceView, codec: StructCodec, name: str) -> str:
+def _expected_branch(view: DeviceView, codec: StructCodec, name: str) -> str:
     then = f'printf(" %d", (int){codec.name}_is_expected(variant, &out));'
     return _decoded(view, codec, "expected", name, then)
 
 
-def _tells(view: DeviceView, codec: StructCodec, name: str) -> str:
+def _report_branch(view: DeviceView, codec: StructCodec, name: str) -> str:
     assert codec.reports is not None
     verdict, reports = codec.reports.verdict, codec.reports.reports
     then = f'printf(" %d", (int){verdict}(variant, &out));' if verdict else 'printf(" -");'

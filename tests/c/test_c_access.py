@@ -120,7 +120,7 @@ def test_data_ids_of_other_replies_are_refused(family: tuple[Device, Run]) -> No
             crc = device.crc_of(layout)
             if crc is not None:
                 frame = frame[:-1] + bytes([compute_bytes(crc, frame[:-1])])
-            expected = table.expected(layout.name, placed, number_from_bytes(layout, frame))
+            expected = table.expected_answer(layout.name, placed, number_from_bytes(layout, frame))
             assert expected.split(" ")[0] == ("0" if data_id in layout.selects else "4")
             pairs.append((f"{variant.code} decode {layout.name} {frame.hex()}", expected))
     check(run, pairs)

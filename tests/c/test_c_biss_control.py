@@ -148,14 +148,14 @@ def ask(include: Path, made_once: MadeOnce) -> Iterator[Ask]:
         assert process.stdout is not None
         into, out = process.stdin, process.stdout
 
-        def asked(*items: object) -> list[int]:
+        def ask_program(*items: object) -> list[int]:
             into.write(" ".join(str(word) for word in items) + "\n")
             into.flush()
             answer = out.readline()
             assert answer, "the program has stopped"
             return [int(word, 16) if items[0] == "d" else int(word) for word in answer.split()]
 
-        yield asked
+        yield ask_program
         into.close()
     assert process.returncode == 0
 
@@ -341,7 +341,7 @@ def test_a_sequence_of_writes_written_out(build: Build) -> None:
 def test_the_same_bits_in_both_languages(build: Build, languages: tuple[str, str]) -> None:
     """Reads, writes, refusals, waiting slaves and missing ones: every bit is as between two machines in Python."""
 
-    def story(pair: tuple[str, str]) -> list[object]:
+    def run_accesses(pair: tuple[str, str]) -> list[object]:
         line = build(pair, chain=3, readable=range(0x10, 0x60), writable=range(0x20, 0x50))
         outcomes: list[object] = []
         for delay in (0, 1, 4):
@@ -355,16 +355,16 @@ def test_the_same_bits_in_both_languages(build: Build, languages: tuple[str, str
                     outcomes += [line.run(), line.master.done, [slave.slave_id for slave in line.slaves]]
         return [*outcomes, line.cdm, line.cds, [memory.writes for memory in line.memories]]
 
-    python = story(("python", "python"))
+    python = run_accesses(("python", "python"))
     assert {"DONE", "REFUSED", "NO_ANSWER", "BUSY"} <= {outcome for outcome in python if isinstance(outcome, str)}
-    assert story(languages) == python
+    assert run_accesses(languages) == python
 
 
 @pytest.mark.parametrize("languages", PAIRS, ids="-".join)
 def test_one_flipped_bit_as_in_python(build: Build, languages: tuple[str, str]) -> None:
     """Each flipped bit has the same effect as in the tests of the Python module."""
 
-    def story(pair: tuple[str, str], write: bool, frame: int, of_cds: bool) -> object:
+    def run_accesses(pair: tuple[str, str], write: bool, frame: int, of_cds: bool) -> object:
         line = build(pair, readable=[0x44, 0x45], writable=[0x44, 0x45])
         if of_cds:
             line.disturb_cds = lambda number, bit: bit ^ (number == frame)
@@ -379,7 +379,9 @@ def test_one_flipped_bit_as_in_python(build: Build, languages: tuple[str, str]) 
     for write in (False, True):
         for of_cds in (False, True):
             for frame in range(0, 62, 1 if languages == ("c", "c") else 5):
-                assert story(languages, write, frame, of_cds) == story(("python", "python"), write, frame, of_cds), (
+                assert run_accesses(languages, write, frame, of_cds) == run_accesses(
+                    ("python", "python"), write, frame, of_cds
+                ), (
                     write,
                     of_cds,
                     frame,

@@ -77,7 +77,7 @@ class Table:
         by_member = {c_name(key): value for key, value in values.items()}
         return " ".join(str(by_member[member.name]) for member in self.members[name])
 
-    def expected(self, name: str, placed: PlacedLayout, number: int) -> str:
+    def expected_answer(self, name: str, placed: PlacedLayout, number: int) -> str:
         problems = codec.decode(self.device, placed, number).problems
         return str(FAULTS[problems[0].fault.value]) if problems else f"0 {self.row(name, placed, number)}"
 
@@ -287,7 +287,7 @@ def test_the_table_form_of_a_crc_gives_the_same(
 
 def test_disturbed_frames_have_the_same_fault_as_in_the_model(machine: tuple[Device, Run]) -> None:
     device, run = machine
-    pairs, kinds = disturbed(device)
+    pairs, kinds = disturbed_frames(device)
     check(run, pairs)
     assert kinds >= {
         "banks": {"0", "2"},
@@ -304,7 +304,7 @@ def test_disturbed_frames_have_the_same_fault_as_in_the_model(machine: tuple[Dev
     }.get(device.name, {"0", "2", "3"})
 
 
-def disturbed(device: Device) -> tuple[list[tuple[str, str]], set[str]]:
+def disturbed_frames(device: Device) -> tuple[list[tuple[str, str]], set[str]]:
     """Frames with flipped bits, the expected result of each, and the results that must occur."""
     random_ = random.Random("disturbed")
     table = Table(device)
@@ -317,7 +317,7 @@ def disturbed(device: Device) -> tuple[list[tuple[str, str]], set[str]]:
         # Errors with a valid CRC: constants, parity, ranges.
         numbers += [with_crc(device, placed, number) for number in numbers]
         for number in numbers:
-            expected = table.expected(name, placed, number)
+            expected = table.expected_answer(name, placed, number)
             kinds.add(expected[0])
             pairs.append((f"{variant.code} decode {name} {on_the_wire(placed, number)}", expected))
         if placed.layout.carried_as == "bits":

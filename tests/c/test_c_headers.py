@@ -261,7 +261,7 @@ uint64_t position(uint64_t word)
     assert "call" not in listing
 
 
-def alone(text: str) -> str:
+def code_without_spaces(text: str) -> str:
     """Return the code of a header, with normalised spaces and joined string literals."""
     return re.sub(r'""(?: "")+', '""', " ".join(without_texts(text).split()))
 
@@ -284,7 +284,7 @@ def test_text_of_a_spec_stays_text(
     assert hostile.title == HOSTILE
     assert HOSTILE in {source.section for register in hostile.registers for source in register.layout.source}
     folder = write(tmp_path, (hostile,))
-    assert alone(text_of(name, folder)) == alone(text_of(name, include))
+    assert code_without_spaces(text_of(name, folder)) == code_without_spaces(text_of(name, include))
     every = "".join(f'#include "{FAMILIES[name]}/{path.name}"\n' for path in headers_of(name, folder))
     for standard in ("-std=c99", "-std=c17"):
         compile_c(["gcc", standard, "-trigraphs"], f"{every}int main(void) {{ return 0; }}\n", tmp_path, folder)

@@ -31,7 +31,7 @@ def motion(include: Path, made_once: MadeOnce) -> ctypes.CDLL:
     return motion_of(made_once("motion", lambda folder: compile_motion(include, folder)))
 
 
-def started(
+def started_tracker(
     motion: ctypes.CDLL,
     modulus: int,
     max_speed: int = 0xFFFFFFFF,
@@ -64,7 +64,7 @@ def members(tracker: Tracker) -> tuple[int, ...]:
 
 def test_a_turn_forward_and_back(motion: ctypes.CDLL) -> None:
     """With 17 bits, the step from 131,071 to 0 is one count forwards, and from 0 to 131,071 one count backwards."""
-    tracker = started(motion, 1 << 17)
+    tracker = started_tracker(motion, 1 << 17)
     steps = []
     for now, position in enumerate((131_070, 131_071, 0, 1, 0, 131_071)):
         assert add(motion, tracker, position, 1000 * now) == OK
@@ -74,7 +74,7 @@ def test_a_turn_forward_and_back(motion: ctypes.CDLL) -> None:
 
 def test_a_turn_that_is_no_power_of_two(motion: ctypes.CDLL) -> None:
     """With 36,000 counts, the step from 35,990 to 20 is 30 forwards, and half a turn counts as backwards."""
-    tracker = started(motion, 36_000)
+    tracker = started_tracker(motion, 36_000)
     positions = []
     for now, position in enumerate((35_990, 20, 35_990, 17_990, 35_990)):
         assert add(motion, tracker, position, 1_000_000 * now) == OK
@@ -111,7 +111,7 @@ def test_no_turn_is_lost_or_gained(modulus: int, motion: ctypes.CDLL) -> None:
     for now, true, max_speed in walk("sound", modulus, 20_000):
         raw = true % modulus if modulus else true % (1 << 64)
         if first:
-            tracker = started(motion, modulus, max_speed, 0, now)
+            tracker = started_tracker(motion, modulus, max_speed, 0, now)
             offset, first, before = raw - true, False, (now, true)
         assert add(motion, tracker, raw, now) == OK
         assert tracker.position == true + offset
@@ -128,7 +128,7 @@ def test_a_frame_that_is_too_far_changes_nothing(modulus: int, motion: ctypes.CD
     for index, (now, true, max_speed) in enumerate(walk("faults", modulus, 3_000)):
         raw = true % modulus if modulus else true % (1 << 64)
         if not index:
-            tracker = started(motion, modulus, max_speed, 0, now)
+            tracker = started_tracker(motion, modulus, max_speed, 0, now)
         assert add(motion, tracker, raw, now) == OK
         for count in range(1, random_.randint(1, 3) + 1):
             after = random_.randrange(500)
@@ -145,7 +145,7 @@ def test_a_frame_that_is_too_far_changes_nothing(modulus: int, motion: ctypes.CD
 
 
 def test_an_absurd_position_is_not_believed(motion: ctypes.CDLL) -> None:
-    tracker = started(motion, 36_000, 1_000_000)
+    tracker = started_tracker(motion, 36_000, 1_000_000)
     assert add(motion, tracker, 5, 0) == OK
     for position in (1 << 40, (1 << 63) + 5, 1 << 63, 72_000 + 17_000):
         assert add(motion, tracker, position, 100) == RANGE
@@ -162,7 +162,7 @@ def test_the_limit_is_the_speed_and_a_little_more(max_speed: int, elapsed: int, 
     at_least = max_speed * elapsed // 1_000_000
     at_most = math.ceil(Fraction(max_speed * 10133 * (elapsed + 16), 10_000 * 1_000_000))
     for sign in (1, -1):
-        tracker = started(motion, 0, max_speed)
+        tracker = started_tracker(motion, 0, max_speed)
         assert add(motion, tracker, 1 << 40, 0) == OK
         assert add(motion, tracker, (1 << 40) + sign * (at_most + 1), elapsed) == RANGE
         assert add(motion, tracker, (1 << 40) + sign * at_least, elapsed) == OK
@@ -171,7 +171,7 @@ def test_the_limit_is_the_speed_and_a_little_more(max_speed: int, elapsed: int, 
 def test_without_a_speed_the_limit_does_not_start_again(motion: ctypes.CDLL) -> None:
     """4,294,967,295 counts per second and 1/16 more do not fit into 32 bits."""
     for max_speed in (0xFFFFFFFF, 0xF0F0F0F1, 0xF0F0F0F0):
-        tracker = started(motion, 0, max_speed)
+        tracker = started_tracker(motion, 0, max_speed)
         assert tracker.limit >= 0xFFFFFFFE
 
 
@@ -182,7 +182,7 @@ def test_time_alone_never_makes_a_refused_position_plausible(modulus: int, motio
     The limit grows for 2^19 us. After an hour of zeros, half a second before the time wraps around, they are still
     refused.
     """
-    tracker = started(motion, modulus, 1_000_000, 100_000, 7)
+    tracker = started_tracker(motion, modulus, 1_000_000, 100_000, 7)
     assert add(motion, tracker, 1_000_000_000, 7) == OK
     state = members(tracker)
     for now in (*range(107, 2_000_000, 100_000), 524_294, 524_295, 524_296, 60_000_000, (1 << 32) - 500_000):
@@ -196,7 +196,7 @@ def test_time_alone_never_makes_a_refused_position_plausible(modulus: int, motio
 @pytest.mark.parametrize("silence", [1, 2_000, 524_288, 3_000_000_000])
 def test_lost_after_a_silence(silence: int, motion: ctypes.CDLL) -> None:
     """No position is accepted for longer than this time. A plausible one does not end the loss, nor does time."""
-    tracker = started(motion, 1 << 23, 1000, 0, 0xFFFFFF00, (silence, 0))
+    tracker = started_tracker(motion, 1 << 23, 1000, 0, 0xFFFFFF00, (silence, 0))
     assert add(motion, tracker, 100, 0xFFFFFF00 + 5_000_000) == OK, "nothing is lost before the first"
     at = 0xFFFFFF00 + 5_000_000
     assert add(motion, tracker, 100, at + silence) == OK, "just in time"
@@ -214,7 +214,7 @@ def test_lost_after_a_silence(silence: int, motion: ctypes.CDLL) -> None:
 @pytest.mark.parametrize("limit", [1, 2, 7])
 def test_lost_after_so_many_refused(limit: int, motion: ctypes.CDLL) -> None:
     """Only refusals in a row count, and an accepted position resets the number. Zeros during start-up do not count."""
-    tracker = started(motion, 1 << 23, 1000, 5_000, 0, (0, limit))
+    tracker = started_tracker(motion, 1 << 23, 1000, 5_000, 0, (0, limit))
     assert [add(motion, tracker, 0, now) for now in range(20)] == [RANGE] * 20
     assert add(motion, tracker, 100, 20) == OK
     for _ in range(3):
@@ -227,7 +227,7 @@ def test_lost_after_so_many_refused(limit: int, motion: ctypes.CDLL) -> None:
 
 def test_the_gate_of_the_start_holds_after_a_restart(motion: ctypes.CDLL) -> None:
     """The encoder loses its supply: zeros until the axis is lost, a restart, and then more zeros."""
-    tracker = started(motion, 1 << 39, FAST, 2_000, 0, (0, 3))
+    tracker = started_tracker(motion, 1 << 39, FAST, 2_000, 0, (0, 3))
     assert [add(motion, tracker, 77 << 30, now) for now in (0, 100)] == [OK, OK]
     assert [add(motion, tracker, 0, now) for now in (200, 300, 400, 500)] == [RANGE, RANGE, LOST, LOST]
     restart(motion, tracker, 600)
@@ -238,7 +238,7 @@ def test_the_gate_of_the_start_holds_after_a_restart(motion: ctypes.CDLL) -> Non
 
 def test_a_preset_lets_the_count_begin_anew(motion: ctypes.CDLL) -> None:
     """The value of the preset is the first position. Without the restart, it would be refused."""
-    tracker = started(motion, 1 << 23, 1000, boot=10_000)
+    tracker = started_tracker(motion, 1 << 23, 1000, boot=10_000)
     assert add(motion, tracker, 4_000_000, 0) == OK
     assert add(motion, tracker, 5, 100) == RANGE
     restart(motion, tracker, 200)
@@ -255,16 +255,16 @@ def test_a_preset_lets_the_count_begin_anew(motion: ctypes.CDLL) -> None:
 
 def test_zeros_at_the_start_are_not_believed(motion: ctypes.CDLL) -> None:
     """AMM5 7.4.3: while BUSY, all position data are 0. The start is 100 us before the time wraps around."""
-    tracker = started(motion, 1 << 39, FAST, 2000, 0xFFFFFF9C)
+    tracker = started_tracker(motion, 1 << 39, FAST, 2000, 0xFFFFFF9C)
     assert [add(motion, tracker, 0, now) for now in (0xFFFFFF9C, 0, 1000, 1899)] == [RANGE] * 4
     assert (tracker.known, tracker.refused, tracker.position) == (0, 4, 0)
     assert add(motion, tracker, 77, 1899) == OK
     assert (tracker.known, tracker.refused, tracker.position) == (1, 0, 77)
     assert add(motion, tracker, 0, 1999) == OK, "once a position is known, 0 is one as any"
-    late = started(motion, 1 << 39, FAST, 2000, 0xFFFFFF9C)
+    late = started_tracker(motion, 1 << 39, FAST, 2000, 0xFFFFFF9C)
     assert [add(motion, late, 0, now) for now in (1899, 1900)] == [RANGE, OK], "a shaft may stand at 0"
-    assert started(motion, 8).boot_us == 0
-    assert add(motion, started(motion, 8), 0, 0) == OK
+    assert started_tracker(motion, 8).boot_us == 0
+    assert add(motion, started_tracker(motion, 8), 0, 0) == OK
 
 
 # -- speed
@@ -290,7 +290,7 @@ def test_speeds(motion: ctypes.CDLL) -> None:
 
 
 def test_the_speed_of_an_axis(motion: ctypes.CDLL) -> None:
-    tracker = started(motion, 1 << 17)
+    tracker = started_tracker(motion, 1 << 17)
     for position, now in ((131_000, 5), (60, 1005)):
         assert add(motion, tracker, position, now) == OK
     assert motion.tracker_speed(ctypes.byref(tracker)) == 132_000

@@ -177,7 +177,7 @@ def in_bytes(bits: Sequence[int], then: int = 0) -> str:
     return "".join(f"{int(''.join(map(str, whole[at : at + 8])), 2):02X}" for at in range(0, len(whole), 8)) or "-"
 
 
-def of(number: int, width: int) -> list[int]:
+def bits_of(number: int, width: int) -> list[int]:
     return [number >> place & 1 for place in range(width - 1, -1, -1)]
 
 
@@ -204,7 +204,7 @@ def test_a_word_after_every_rest_and_acknowledge(run: Run) -> None:
     for width in range(65):
         for _ in range(60):
             word, cds = chance.getrandbits(width), chance.getrandbits(1)
-            line = biss_line(of(word, width), chance.randint(1, 9), chance.randint(1, 40), cds)
+            line = biss_line(bits_of(word, width), chance.randint(1, 9), chance.randint(1, 40), cds)
             received = in_bytes(line, chance.getrandbits(1))
             lines += [f"b {received} {width}", f"c {received}"]
             expected += [f"0 {word}", f"0 {cds}"]
@@ -213,7 +213,7 @@ def test_a_word_after_every_rest_and_acknowledge(run: Run) -> None:
 
 
 def test_each_fault_of_a_biss_line(ask: Ask) -> None:
-    word = of(0x5A3C, 16)
+    word = bits_of(0x5A3C, 16)
     untouched = 0xA5A5A5A5A5A5A5A5
     assert ask("b FFFFFFFFFFFF 16") == [LINE_HIGH, untouched]
     assert ask("b - 16") == [LINE_HIGH, untouched], "nothing received, nothing low"
@@ -228,22 +228,22 @@ def test_each_fault_of_a_biss_line(ask: Ask) -> None:
         assert ask(f"b {in_bytes(line[:24])} 16") == [LENGTH, untouched]
         late = biss_line(word, 2, 13 + missing)[:32]
         assert ask(f"b {in_bytes(late)} 16")[0] in (LENGTH, NO_START)
-    assert ask(f"b {in_bytes(biss_line(of(0, 70)))} 65") == [LENGTH, untouched]
+    assert ask(f"b {in_bytes(biss_line(bits_of(0, 70)))} 65") == [LENGTH, untouched]
     assert ask(f"b {in_bytes(biss_line(word))} 4294967295") == [LENGTH, untouched]
     assert ask("c FFFF") == ask("c C000") == ask("c C001") == [LENGTH, 0]
 
 
 def test_the_stop_bit_is_checked_where_it_was_received(ask: Ask) -> None:
     """Some receivers clock in no stop bit, so the last bit of the word may be the last one of the buffer."""
-    line = biss_line(of(0x2B5, 10), 2, 1)  # 2 + 1 + 2 + 10 bits, and the stop bit: 16
+    line = biss_line(bits_of(0x2B5, 10), 2, 1)  # 2 + 1 + 2 + 10 bits, and the stop bit: 16
     assert ask(f"b {in_bytes(line)} 10") == [OK, 0x2B5]
-    assert ask(f"b {in_bytes(biss_line(of(0x2B5, 10), 2, 1, stop=1))} 10") == [CONSTANT, 0xA5A5A5A5A5A5A5A5]
-    line = biss_line(of(0x2B5, 10), 2, 2)[:16]
+    assert ask(f"b {in_bytes(biss_line(bits_of(0x2B5, 10), 2, 1, stop=1))} 10") == [CONSTANT, 0xA5A5A5A5A5A5A5A5]
+    line = biss_line(bits_of(0x2B5, 10), 2, 2)[:16]
     assert ask(f"b {in_bytes(line)} 10") == [OK, 0x2B5]
-    line = biss_line(of(0x2B5, 10), 2, 3)[:16]
+    line = biss_line(bits_of(0x2B5, 10), 2, 3)[:16]
     assert ask(f"b {in_bytes(line)} 10") == [LENGTH, 0xA5A5A5A5A5A5A5A5]
     # The stop bit reveals a frame that is one bit longer, if there is a stop bit.
-    line = biss_line(of(0x56B, 11), 2, 1)[:16]
+    line = biss_line(bits_of(0x56B, 11), 2, 1)[:16]
     assert ask(f"b {in_bytes(line)} 10") == [CONSTANT, 0xA5A5A5A5A5A5A5A5]
 
 
@@ -254,7 +254,7 @@ def test_a_frame_in_any_number_of_samples(run: Run) -> None:
     for count in range(60, 76):
         for rest_bits, acknowledge in product((1, 2, 5), range(1, 20)):
             word, cds = chance.getrandbits(47), chance.getrandbits(1)
-            line = (biss_line(of(word, 47), rest_bits, acknowledge, cds) + [1] * count)[:count]
+            line = (biss_line(bits_of(word, 47), rest_bits, acknowledge, cds) + [1] * count)[:count]
             packing.append(f"S {bytes(bit << 3 | chance.getrandbits(8) & 0xF7 for bit in line).hex()} 8")
             counts.append(count)
             whole = rest_bits + acknowledge + 2 + 47 <= count
@@ -273,7 +273,7 @@ def test_what_fills_up_the_last_byte_is_no_part_of_a_frame(run: Run) -> None:
     lines = []
     for bits in range(1, 40):
         for count in range(1, bits + 2):
-            samples = [1, *of(chance.getrandbits(bits), bits), 0][:count]
+            samples = [1, *bits_of(chance.getrandbits(bits), bits), 0][:count]
             lines.append((bits, bytes(samples).hex()))
     packed = run(f"S {samples} 1" for _, samples in lines)
     answers = run(f"s {line} {bits}" for line, (bits, _) in zip(packed, lines, strict=True))
@@ -290,7 +290,7 @@ def test_words_of_16_and_32_bits_and_samples(run: Run) -> None:
     chance = random.Random(2)
     data = bytes(chance.randrange(256) for _ in range(24))
     assert run([f"W {data.hex()}", f"X {data.hex()}"]) == [data.hex().upper()] * 2
-    bits = [bit for byte in data for bit in of(byte, 8)]
+    bits = [bit for byte in data for bit in bits_of(byte, 8)]
     for mask in (0x01, 0x10, 0x80):
         # The other pins of the port can have any level.
         samples = [chance.randrange(256) & ~mask | (mask if bit else 0) for bit in bits]
@@ -312,16 +312,16 @@ def test_a_frame_of_any_length_as_bytes(run: Run) -> None:
     for width in range(129):
         for length in ((width + 7) // 8, 16):
             word = chance.getrandbits(width)
-            line = biss_line(of(word, width), chance.randint(1, 9), chance.randint(1, 40), chance.getrandbits(1))
+            line = biss_line(bits_of(word, width), chance.randint(1, 9), chance.randint(1, 40), chance.getrandbits(1))
             lines.append(f"f {in_bytes(line)} {width} {length}")
             lines.append(f"F {in_bytes(line)} {len(line) - chance.getrandbits(1)} {width} {length}")
-            lines.append(f"g {in_bytes([1, *of(word, width), 0])} {width} {length}")
+            lines.append(f"g {in_bytes([1, *bits_of(word, width), 0])} {width} {length}")
             expected += [f"0 {word:0{2 * length}X}" if length else "0 "] * 3
     assert run(lines) == expected
 
 
 def test_each_fault_of_a_frame_as_bytes(run: Run) -> None:
-    word, untouched = of(0x5A3C << 64 | 1, 80), "A5" * 10
+    word, untouched = bits_of(0x5A3C << 64 | 1, 80), "A5" * 10
     biss, ssi = biss_line(word), [1, *word, 0]
     fault_by_line = {
         f"f {'FF' * 12} 80 10": LINE_HIGH,
@@ -357,7 +357,7 @@ class SsiEncoder:
     """
 
     def __init__(self, word: int, bits: int) -> None:
-        self.left, self.data = of(word, bits), 1
+        self.left, self.data = bits_of(word, bits), 1
 
     def rise(self) -> None:
         self.data = self.left.pop(0) if self.left else 0
@@ -386,10 +386,10 @@ def test_each_fault_of_an_ssi_line(ask: Ask) -> None:
     untouched = 0xA5A5A5A5A5A5A5A5
     assert ask("s FFFFFF 20") == [LINE_HIGH, untouched], "not plugged in"
     assert ask("s 000000 20") == [LINE_LOW, untouched], "a short"
-    assert ask(f"s {in_bytes([0, *of(0x12345, 20), 0])} 20") == [LINE_LOW, untouched], "the pause was too short"
-    assert ask(f"s {in_bytes([1, *of(0x12345, 20), 1])} 20") == [CONSTANT, untouched], "a word of 21 bits"
-    assert ask(f"s {in_bytes([1, *of(0xFFFFF, 20), 0])} 20") == [OK, 0xFFFFF], "all ones can be a position"
-    assert ask(f"s {in_bytes([1, *of(0, 20), 0])} 20") == [OK, 0]
+    assert ask(f"s {in_bytes([0, *bits_of(0x12345, 20), 0])} 20") == [LINE_LOW, untouched], "the pause was too short"
+    assert ask(f"s {in_bytes([1, *bits_of(0x12345, 20), 1])} 20") == [CONSTANT, untouched], "a word of 21 bits"
+    assert ask(f"s {in_bytes([1, *bits_of(0xFFFFF, 20), 0])} 20") == [OK, 0xFFFFF], "all ones can be a position"
+    assert ask(f"s {in_bytes([1, *bits_of(0, 20), 0])} 20") == [OK, 0]
     assert ask("s 800000 23") == [LENGTH, untouched]
     assert ask("s 800000 22") == [OK, 0]
     assert ask("s FFFFFFFFFFFFFFFFFFFFFFFF 65") == ask("s - 1") == ask("s 80 4294967295") == [LENGTH, untouched]

@@ -72,7 +72,7 @@ class ExpectedReports:
     def mask(self, reports: Iterable[Report], layout: str) -> int:
         return sum(self._bits[layout][report.field, report.meaning] for report in reports)
 
-    def of(self, variant: Variant, placed: PlacedLayout, number: int) -> tuple[int | None, int]:
+    def verdict_and_mask(self, variant: Variant, placed: PlacedLayout, number: int) -> tuple[int | None, int]:
         """Return the verdict, if there is one, and the mask of the reports."""
         reference = findings(self.device, variant, codec.decode(self.device, placed, number))
         verdict = VERDICTS.index(reference.verdict) if reference.verdict is not None else None
@@ -80,7 +80,7 @@ class ExpectedReports:
 
     def row(self, variant: Variant, placed: PlacedLayout, number: int) -> str:
         """Return the expected answer of the harness."""
-        verdict, reports = self.of(variant, placed, number)
+        verdict, reports = self.verdict_and_mask(variant, placed, number)
         mask = f"{reports:X}" if self.has_reports(placed.name) else "-"
         return f"0 {'-' if verdict is None else verdict} {mask}"
 

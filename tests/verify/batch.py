@@ -68,7 +68,7 @@ class Codec:
         return struct.calcsize(f"<{self.format}")
 
     @property
-    def sent(self) -> int:
+    def encoded_bytes(self) -> int:
         """Bytes of an encoded word or frame in an answer."""
         return 8 if not self.view.plan.in_bytes else self.view.plan.length
 
@@ -78,7 +78,7 @@ class Codec:
 
         It has the result, members, result of encoding them again, word or frame, verdict, reports.
         """
-        return f"<B{self.format}B{self.sent}sBQ"
+        return f"<B{self.format}B{self.encoded_bytes}sBQ"
 
 
 class Batch:
@@ -166,7 +166,7 @@ class Batch:
             "puts": puts,
             "gets": gets,
             "size": str(at),
-            "sent": str(codec.sent),
+            "sent": str(codec.encoded_bytes),
             "decode": answers(view) + ("word_of(from), &out" if bits else "&from[1], from[0], &out"),
             "answers": answers(view),
             "verdict": f"{view.reports.verdict}(variant, &out)" if view.reports and view.reports.verdict else "255U",
@@ -179,7 +179,7 @@ class Batch:
 
 
 def _row(codec: Codec) -> str:
-    sizes = f"{struct.calcsize(codec.answer)}U, {codec.size}U, {1 + codec.sent}U"
+    sizes = f"{struct.calcsize(codec.answer)}U, {codec.size}U, {1 + codec.encoded_bytes}U"
     return f"    {{ decode_{codec.name}, encode_{codec.name}, {sizes} }}"
 
 

@@ -73,7 +73,7 @@ def run_tests(folder: Path, tests: Sequence[str], gcc: str, clang: str, root: Pa
     return done.returncode, done.stdout[-3000:]
 
 
-def measured(folders: Iterable[Path], headers: Iterable[Path], llvm_profdata: str, llvm_cov: str) -> Coverage:
+def read_coverage(folders: Iterable[Path], headers: Iterable[Path], llvm_profdata: str, llvm_cov: str) -> Coverage:
     """Return the counts of the programs listed in ``folders`` for these headers."""
     wanted = {_digest(path): path.name for path in headers}
     coverage = Coverage()

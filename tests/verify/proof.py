@@ -60,7 +60,7 @@ class Header:
     options: tuple[str, ...] = ()
 
     @classmethod
-    def read(cls, *texts: str) -> Header:
+    def parse(cls, *texts: str) -> Header:
         text = re.sub(r"/\*.*?\*/", "", "\n".join(texts), flags=re.DOTALL)
         macros = dict.fromkeys(re.findall(r"^#ifdef (\w+)$", text, re.MULTILINE))
         options = tuple(macro for macro in macros if macro != "__cplusplus")
@@ -125,7 +125,7 @@ class Variants:
     alternatives: tuple[Alternative, ...] = ()
 
     @classmethod
-    def of(cls, device: Device, interface: str, used: Iterable[str]) -> Variants:
+    def of_interface(cls, device: Device, interface: str, used: Iterable[str]) -> Variants:
         """Return those of all order codes of an interface, or of all interfaces if it is empty.
 
         ``used`` names parameters. Those from which they follow are added.

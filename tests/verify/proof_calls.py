@@ -200,7 +200,7 @@ class CallProof:
     def variants(self) -> Variants | None:
         if self.device is None:
             return None
-        return Variants.of(self.device, "", [parameter.name for parameter in self.device.set_parameters])
+        return Variants.of_interface(self.device, "", [parameter.name for parameter in self.device.set_parameters])
 
     @cached_property
     def harness(self) -> str:

@@ -53,7 +53,7 @@ def _harness(codec: Codec) -> str:
     text = f"{included(codec.device)}{PRELUDE}"
     text += f"typedef unsigned __CPROVER_bitvector[{max(codec.layout.widest, 64) + 8}] number;\n"
     text += codec.variants.declare(codec.prefix, codec.header) + reference(codec)
-    text += _codec(codec) + _length(codec) + "".join(_setters(codec)) + _expected(codec) + _tells(codec)
+    text += _codec(codec) + _length(codec) + "".join(_setters(codec)) + _expected_claims(codec) + _report_claims(codec)
     calls = ["decode_members", "encode_members", *(["length"] if not codec.by_word else []), *_set_names(codec)]
     calls += ["expected"] if _has_expected(codec) else []
     calls += ["tells"] if any(report_functions(codec)) else []
@@ -277,7 +277,7 @@ def _has_expected(codec: Codec) -> bool:
     return f"{codec.name}_is_expected" in codec.header.functions
 
 
-def _expected(codec: Codec) -> str:
+def _expected_claims(codec: Codec) -> str:
     if not _has_expected(codec):
         return ""
     conditions: list[str] = []
@@ -295,7 +295,7 @@ def _expected(codec: Codec) -> str:
     return _function("expected", codec.header.anything(codec.type, "in"), _claim(test, "reads as the manual states"))
 
 
-def _tells(codec: Codec) -> str:
+def _report_claims(codec: Codec) -> str:
     """Return claims about the verdict and the mask of reports of any frame. ``unused`` has no other bit."""
     unused_bits = sum(((1 << field.widest) - 1) << place for field, place in codec.layout.unused)
     assume = [f"__CPROVER_assume((in.unused & ~{unused_bits:#x}ULL) == 0);"] if codec.layout.unused else []

@@ -45,7 +45,7 @@ int main(void)
             continue;
         }}
         count.{whole.name} = ({whole.type})number;
-        if (decoded != 0 || chosen != 0 || !({_same("out", compared)}) || !({_same("set", compared)})) return 2;
+        if (decoded != 0 || chosen != 0 || !({_equal("out", compared)}) || !({_equal("set", compared)})) return 2;
         if (({codec.name}_encode(&variant, &count, again, sizeof again) != 0) || !({right_bytes})) return 3;
         {odometer}
     }}
@@ -72,5 +72,5 @@ def _odometer(runs: Mapping[str, Digits]) -> str:
     return statements
 
 
-def _same(struct: str, names: Iterable[str]) -> str:
+def _equal(struct: str, names: Iterable[str]) -> str:
     return " && ".join(f"{struct}.{name} == count.{name}" for name in names)

@@ -82,7 +82,7 @@ class Codec:
             *equals,
         ]
         used = dict.fromkeys(name for expression in expressions for name in expression.parameters)
-        return Variants.of(
+        return Variants.of_interface(
             self.device, self.interface, [*used, *([self.layout.gray_when] if self.layout.gray_when else [])]
         ).fixed(self.fixed_values)
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from coverage import Coverage, measured, run_tests
+from coverage import Coverage, read_coverage, run_tests
 from tools import tool
 from tree import generated_tree
 
@@ -105,7 +105,7 @@ def coverage(headers: dict[str, Path], tmp_path_factory: pytest.TempPathFactory)
             lambda name: run_tests(folder / name, [*TESTS[name], "-k", "not no_warning"], gcc, clang, ROOT), TESTS
         ):
             assert status == 0, output
-    return measured([folder / name for name in TESTS], headers.values(), tool("llvm-profdata"), tool("llvm-cov"))
+    return read_coverage([folder / name for name in TESTS], headers.values(), tool("llvm-profdata"), tool("llvm-cov"))
 
 
 def test_every_line_and_branch_is_reached(coverage: Coverage, headers: dict[str, Path]) -> None:

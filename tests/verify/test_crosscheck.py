@@ -148,7 +148,7 @@ class Peer:
         try:
             again = value.encode()
         except self.error as reason:
-            return self.errors[type(reason)], bytes(codec.sent)
+            return self.errors[type(reason)], bytes(codec.encoded_bytes)
         return 0, again.to_bytes(8, "big") if not codec.view.plan.in_bytes else again
 
 

@@ -264,7 +264,7 @@ def run(firmware: Path, line: Path) -> str:
     return done.stdout
 
 
-def recording(recorded: list[int], bits: int, limit: int) -> Callable[[float], float]:
+def recorded_positions(recorded: list[int], bits: int, limit: int) -> Callable[[float], float]:
     """Return this many positions without a pattern, each recorded as it is sent. Then the shaft is at rest."""
 
     def position(_: float) -> float:
@@ -280,7 +280,7 @@ def test_an_rs_485_program_reads_positions_and_resets_errors(tmp_path: Path) -> 
     """5,000 positions in a row, after a first reply that lacks its beginning. Then the ten requests of a reset."""
     firmware = program(tmp_path, "amm5_rs485.c", RS485_PORT, RS485_MAIN)
     recorded: list[int] = []
-    encoder = VirtualEncoder("AMM5A23/65KJP1", recording(recorded, 23, 100_000))
+    encoder = VirtualEncoder("AMM5A23/65KJP1", recorded_positions(recorded, 23, 100_000))
     encoder.set_flag("ps_error")
     with on_socket(tmp_path, encoder, FirstReplyCut(encoder)) as line:
         out = run(firmware, line)
@@ -300,7 +300,7 @@ def test_a_biss_program_reads_frames_and_sets_a_preset(tmp_path: Path) -> None:
     firmware = program(tmp_path, "amm5_biss.c", BISS_PORT, BISS_MAIN)
     recorded: list[int] = []
     registers = {"serial_number": bytes.fromhex("0AE869EE")}
-    encoder = VirtualEncoder("AMM5A21/65KSC1", recording(recorded, 37, 1000), registers=registers)
+    encoder = VirtualEncoder("AMM5A21/65KSC1", recorded_positions(recorded, 37, 1000), registers=registers)
     line = Waiting(encoder)
     encoder.clock = lambda: line.now
     with on_socket(tmp_path, encoder, line) as path:

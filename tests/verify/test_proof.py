@@ -53,12 +53,12 @@ def checker() -> Checker:
 
 def header_of(device: Device, include: Path) -> Header:
     headers = [include / header for header in DeviceView(device).headers]
-    return Header.read(*(path.read_text(encoding="utf-8") for path in (*runtime(include), *headers)))
+    return Header.parse(*(path.read_text(encoding="utf-8") for path in (*runtime(include), *headers)))
 
 
 def all_shared(include: Path) -> Header:
     """Return the declarations of the runtime headers that the families include."""
-    return Header.read(*(path.read_text(encoding="utf-8") for path in runtime(include)))
+    return Header.parse(*(path.read_text(encoding="utf-8") for path in runtime(include)))
 
 
 def runtime(include: Path) -> list[Path]:
@@ -169,7 +169,7 @@ def stems() -> list[str]:
 def test_other_functions_keep_what_the_headers_promise(stem: str, include: Path, prove: Prove) -> None:
     device = device_of(stem)
     path = header_named(stem, include)
-    tested_header = Header.read(path.read_text(encoding="utf-8"))
+    tested_header = Header.parse(path.read_text(encoding="utf-8"))
     header = header_of(device, include) if device is not None else all_shared(include)
     proved = {f"cw_{name}" for name in FUNCTIONS if stem == "bits"}
     if device is not None:

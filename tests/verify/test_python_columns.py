@@ -117,7 +117,7 @@ def answer_of(codec: Codec) -> numpy.dtype[Any]:
     for member in codec.members:
         kind = f"S{member.characters}" if member.characters else kinds[member_format(member)]
         members.append((member.name, kind))
-    again = [("again", "u1"), ("sent", "u1", (codec.sent,)), ("verdict ", "u1"), ("reports ", "<u8")]
+    again = [("again", "u1"), ("sent", "u1", (codec.encoded_bytes,)), ("verdict ", "u1"), ("reports ", "<u8")]
     return numpy.dtype([("fault ", "u1"), *members, *again])
 
 

@@ -87,7 +87,7 @@ def test_what_is_planted_is_found(claim: str, sound: str, instead: str, include:
 BUFFERS, WATCHED = 10_000_000, 500_000
 
 
-def compared(include: Path, folder: Path, options: Sequence[str], buffers: int) -> tuple[int, int]:
+def count_differences(include: Path, folder: Path, options: Sequence[str], buffers: int) -> tuple[int, int]:
     """Return the number of buffers with a frame, and of those whose result differs from bitwise reception."""
     text = HARNESS.with_name("receive_random.c").read_text(encoding="ascii")
     program = compile_c([*GCC, *options, f"-I{HARNESS.parent}"], text, folder, include)
@@ -111,7 +111,7 @@ LOADS = ("-D__ARM_FEATURE_UNALIGNED", "-D__ARM_FEATURE_CLZ")
     ],
 )
 def test_the_same_as_bit_by_bit(options: Sequence[str], buffers: int, include: Path, tmp_path: Path) -> None:
-    frames, differing = compared(include, tmp_path, options, buffers)
+    frames, differing = count_differences(include, tmp_path, options, buffers)
     assert differing == 0
     assert frames > buffers // 10
 
@@ -131,7 +131,7 @@ def test_the_same_as_bit_by_bit(options: Sequence[str], buffers: int, include: P
 def test_a_difference_would_be_seen(sound: str, instead: str, include: Path, tmp_path: Path) -> None:
     broken = planted(include, header_with(sound), sound, instead, tmp_path)
     try:
-        assert compared(broken, tmp_path, ["-O2"], 10_000)[1] > 0
+        assert count_differences(broken, tmp_path, ["-O2"], 10_000)[1] > 0
     except subprocess.CalledProcessError as ended:  # With one bit too many, it writes beyond the array.
         assert ended.returncode == -signal.SIGSEGV
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import pytest
 from biss_driver import Master, MasterEnd, SlaveEnd, SlaveInC, accesses, built
-from biss_models import crc_4, number, of
+from biss_models import bits_of, crc_4, number
 from c_harness import GCC, MadeOnce, compile_c, devices_of, write
 from tree import number_from_environment
 from verilog import FAULTS, RECEIVE, Bench, RtlMaster, RtlSlave, verilated
@@ -61,19 +61,19 @@ def cut_short(value: int) -> set[int]:
 
     They contain the sent part of the byte and its CRC, perhaps without the bit of the lost frame, and then zeros.
     """
-    word = [*of(value, 8), *crc_4(of(value, 8))]
+    word = [*bits_of(value, 8), *crc_4(bits_of(value, 8))]
     heads = [word[:end] for end in range(12)]
     heads += [head[:lost] + head[lost + 1 :] for head in heads for lost in range(len(head))]
     return {number([*head, *[0] * 8][:8]) for head in heads}
 
 
-def disturbed(line: MasterEnd, slave: SlaveEnd, bench: Bench, kind: str, places: range, writes: bool) -> str:
+def disturbed_access(line: MasterEnd, slave: SlaveEnd, bench: Bench, kind: str, places: range, writes: bool) -> str:
     """Make an access with an error somewhere between its first zero and its last bit.
 
     All values that are read are right, only written values are stored, an incomplete access is reported, and the next
     one succeeds.
     """
-    contents = bytes(map(slave.held, places))
+    contents = bytes(map(slave.stored_value, places))
     data = bytes(bench.chance.randrange(256) for _ in places)
     bench.plant(kind, bench.chance.randint(1, 36 + 14 * len(places)))
     bench.fetch = bench.store = (LIMIT + 10, LIMIT + 50) if kind == "busy" else (0, 0)
@@ -92,7 +92,7 @@ def disturbed(line: MasterEnd, slave: SlaveEnd, bench: Bench, kind: str, places:
         assert outcome != "DONE" or kind == "cds"
         assert line.write(places[0], data, 2000) == "DONE"
         stored_data = read_back(line, places)
-    assert stored_data == bytes(map(slave.held, places)) == (data if writes else contents)
+    assert stored_data == bytes(map(slave.stored_value, places)) == (data if writes else contents)
     for address, value in slave.stored:
         assert writes
         intended = data[address - places[0]]
@@ -108,7 +108,7 @@ def disturbed_accesses(
     for index in range(count):
         kind, address = faults[index % len(faults)], bench.chance.randrange(0x10, 0x5F)
         places = range(address, address + (1 if address == 0x3F else bench.chance.choice((1, 1, 2))))
-        ends[kind][disturbed(line, slave, bench, kind, places, bench.chance.random() < 0.5)] += 1
+        ends[kind][disturbed_access(line, slave, bench, kind, places, bench.chance.random() < 0.5)] += 1
     return ends
 
 

@@ -184,7 +184,7 @@ def search(site: Path, browser: Browser, query: str) -> None:
     browser.wait()
 
 
-def answered(site: Path, browser: Browser, query: str, rows: list[str], height: int) -> Seen | str:
+def find_answer(site: Path, browser: Browser, query: str, rows: list[str], height: int) -> Seen | str:
     """Search, click on the first hit, and return where the answer is, or the row that is not in sight."""
     search(site, browser, query)
     hit = browser.run(f'{_FIRST}?.getAttribute("href") ?? ""')
@@ -217,7 +217,7 @@ def test_a_label_and_a_word_lead_to_the_answer(
         assert answers.keys() == QUERIES.keys()
         for task, rows in answers.items():
             query = f"{code} {QUERIES[task]}"
-            answer = answered(site, browser, query, rows, height)
+            answer = find_answer(site, browser, query, rows, height)
             if isinstance(answer, str):
                 failures.append(f"{query}: {answer}")
                 continue

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from batch import ENCODE, Batch, Codec
-from c_harness import FAMILIES, INTERFACES, Run, as_one, source
+from c_harness import FAMILIES, INTERFACES, Run, combined_run, source
 from codewheel.model import Device, PlacedLayout, Variant, number_from_bytes
 from codewheel.reference import codec as model
 from codewheel.targets.c.device import views_of
@@ -52,7 +52,7 @@ def programs_on(machine: Machine, device: Device, folder: Path, include: Path) -
     for view in views_of(device):
         program = machine.compile_main(source(view), folder, include, view.stem)
         programs[view.context.interface.name] = program.by_line()
-    return as_one(device, programs)
+    return combined_run(device, programs)
 
 
 @pytest.fixture(scope="module")
@@ -164,7 +164,7 @@ def expected_findings(
     if codec.view.reports is None:
         return 255, 0
     number = wire if isinstance(wire, int) else number_from_bytes(codec.layout, wire)
-    verdict, reports = expected_reports.of(variant, placed, number)
+    verdict, reports = expected_reports.verdict_and_mask(variant, placed, number)
     return 255 if verdict is None else verdict, reports
 
 

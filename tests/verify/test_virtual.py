@@ -44,8 +44,8 @@ def layouts_of_encoders() -> Iterator[tuple[str, str, str]]:
 def test_no_fault_makes_a_position_wrong(generated_python: Package, library: Library, fault: str) -> None:
     """Half of the requests without retries and many faults, half with retries and few."""
     codes = codes_with(library.devices, "rs485")
-    outcomes, injected = shorter.counted(generated_python[1], codes, fault, 0.2, REQUESTS // 2, 0)
-    more, injected_too = shorter.counted(generated_python[1], codes, fault, 0.02, REQUESTS // 2, 3)
+    outcomes, injected = shorter.count_outcomes(generated_python[1], codes, fault, 0.2, REQUESTS // 2, 0)
+    more, injected_too = shorter.count_outcomes(generated_python[1], codes, fault, 0.02, REQUESTS // 2, 3)
     assert outcomes["wrong"] == more["wrong"] == 0
     assert sum(outcomes.values()) + sum(more.values()) == REQUESTS
     assert set(outcomes) - {"right", "wrong"} <= set(shorter.ERRORS[fault])
@@ -75,7 +75,7 @@ def test_the_package_decodes_what_a_virtual_encoder_sends(
         answers = {alternative.name: chance.choice(alternative.answers).name for alternative in device.alternatives}
         virtual = VirtualEncoder(code, choose=answers)
         layout = next(layout for layout in virtual.layouts("encoder") if layout.name == name)
-        columns, frames = _sent(virtual, layout, count, chance)
+        columns, frames = _random_frames(virtual, layout, count, chance)
         rows: Any = frames
         if layout.in_bytes:
             rows = numpy.frombuffer(b"".join(frames), dtype=numpy.uint8).reshape(count, -1)
@@ -96,7 +96,7 @@ def _class_name(name: str) -> str:
     return "".join(part.title() for part in name.split("_"))
 
 
-def _sent(
+def _random_frames(
     virtual: VirtualEncoder, layout: Layout, count: int, chance: random.Random
 ) -> tuple[dict[str, list[int | bool]], list[Any]]:
     """Return the values that were sent, by column, and the frames."""

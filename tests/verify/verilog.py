@@ -119,7 +119,7 @@ class RtlSlave:
         for address in range(128):
             bench.write(address, bench.chance.randrange(256))
 
-    def held(self, address: int) -> int:
+    def stored_value(self, address: int) -> int:
         return int(self.bench.read(address))
 
     def run(self) -> Bits:

@@ -28,7 +28,7 @@ REPLIES = 40
 PAUSES_MS = (1, 50)
 
 
-def made(code: str, *faults: str, **more: Any) -> VirtualEncoder:
+def new_encoder(code: str, *faults: str, **more: Any) -> VirtualEncoder:
     return VirtualEncoder(code, faults=faults, specs=[EXAMPLES] if code == "AS5047P" else [], **more)
 
 
@@ -46,7 +46,7 @@ def test_a_fault_that_the_interface_cannot_have_is_refused(interface: str, fault
     name = {"biss": "BiSS", "ssi": "SSI", "spi": "SPI"}[interface]
     message = f"{name} cannot have the fault '{fault}'; it can have: lost, short, "
     with pytest.raises(ValueError, match=f"^{message}"):
-        made(CODES[interface], f"{fault}{rate}")
+        new_encoder(CODES[interface], f"{fault}{rate}")
     with pytest.raises(ValueError, match=f"^{message}"):
         Faults(interface, [f"{fault}{rate}"])
 
@@ -105,8 +105,8 @@ class Pair:
     def __init__(self, code: str, answers: dict[str, str], fault: str) -> None:
         self.now = 100.0
         specs = [ROOT / "specs", EXAMPLES]
-        new_encoder = partial(VirtualEncoder, code, self.position, choose=answers, clock=lambda: self.now, specs=specs)
-        self.encoders = [new_encoder(faults=()), new_encoder(faults=(fault,))]
+        encoder_with = partial(VirtualEncoder, code, self.position, choose=answers, clock=lambda: self.now, specs=specs)
+        self.encoders = [encoder_with(faults=()), encoder_with(faults=(fault,))]
         self.counts, self.lowest = self.encoders[0].counts, self.encoders[0].lowest
         # Neither all bits 0 nor all 1, which a line at one level would not change.
         self.places = random.Random(code).sample(range(1, self.counts - 1), REPLIES)
@@ -146,7 +146,7 @@ def spi_words(encoder: VirtualEncoder) -> Callable[[], Any]:
     return lambda: line.exchange(word, bits)
 
 
-def levels(encoder: VirtualEncoder) -> Callable[[], Any]:
+def line_levels(encoder: VirtualEncoder) -> Callable[[], Any]:
     """Return a function that clocks out all bits, and returns the levels of the data line."""
     line: ByLevels = BissLine(encoder) if encoder.variant.interface == "biss" else SsiLine(encoder)
     clocks = 8 + encoder.place(encoder.layouts("encoder")[0]).bits
@@ -158,7 +158,7 @@ def levels(encoder: VirtualEncoder) -> Callable[[], Any]:
     return clocked
 
 
-BITS = {"ssi": (words, levels), "biss": (cycles, levels), "spi": (spi_words,)}
+BITS = {"ssi": (words, line_levels), "biss": (cycles, line_levels), "spi": (spi_words,)}
 
 
 @pytest.mark.slow
@@ -204,7 +204,7 @@ def encoded(encoder: VirtualEncoder, layout: Layout, values: dict[str, int | str
     return number_to_bytes(layout, codec.encode(encoder.device, placed, values), placed.bits)
 
 
-def timed(request: bytes) -> Callable[[VirtualEncoder], Callable[[], Any]]:
+def timed_reply(request: bytes) -> Callable[[VirtualEncoder], Callable[[], Any]]:
     """Return the bytes that come at once, and the time and the bytes of those that come later."""
 
     def reply(encoder: VirtualEncoder) -> Callable[[], Any]:
@@ -229,7 +229,7 @@ def test_each_fault_changes_every_reply(fault: str) -> None:
         assert listed, code
         for request in listed:
             pair = Pair(code, answers, fault)
-            for intact, faulty in pair.replies(timed(request), 50):
+            for intact, faulty in pair.replies(timed_reply(request), 50):
                 assert intact[0]
                 assert intact != faulty, (code, request.hex(" "), pair.turn)
                 tried += 1

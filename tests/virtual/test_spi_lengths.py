@@ -23,7 +23,7 @@ TABLE = bytes.fromhex("00 97 B9 2E E5 72 5C CB 5D CA E4 73 B8 2F 01 96")
 POSITION = 0x1234
 
 
-def sent(data: bytes) -> bytes:
+def with_crc(data: bytes) -> bytes:
     """The bytes with the CRC that moteus computes."""
     crc = 0
     for byte in data:
@@ -33,7 +33,7 @@ def sent(data: bytes) -> bytes:
 
 
 #: Position in the upper 14 bits, and error and warning inactive, as in the drivers. The counter comes first.
-WORDS = {"Orbis-14": sent(bytes.fromhex("48 D3")), "Orbis-14M": sent(bytes.fromhex("00 00 48 D3"))}
+WORDS = {"Orbis-14": with_crc(bytes.fromhex("48 D3")), "Orbis-14M": with_crc(bytes.fromhex("00 00 48 D3"))}
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +63,7 @@ def test_an_encoder_sends_words_of_its_length(code: str, package: Any) -> None:
 
 
 def test_the_counter_of_a_longer_word_is_decoded(package: Any) -> None:
-    word = int.from_bytes(sent(bytes.fromhex("12 34 48 D3")), "big")
+    word = int.from_bytes(with_crc(bytes.fromhex("12 34 48 D3")), "big")
     frame = package.lookup("Orbis-14M").decode(word)
     assert (frame.multiturn, frame.usable_position) == (0x1234, POSITION)
     with pytest.raises(package.LengthError):
