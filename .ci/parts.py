@@ -116,8 +116,8 @@ def parts() -> list[str]:
     """List the parts of ``make verify``. Each commit starts with another one, so that none is always the last."""
     files = Path("tests/verify").glob("test_*.py")
     names = sorted({re.sub("python_.*", "python", path.stem.removeprefix("test_")) for path in files})
-    done = subprocess.run(["git", "rev-list", "--count", "HEAD"], capture_output=True, text=True)
-    first = int(done.stdout or 0) % len(names)
+    completed = subprocess.run(["git", "rev-list", "--count", "HEAD"], capture_output=True, text=True)
+    first = int(completed.stdout or 0) % len(names)
     return [f"make verify-{name}" for name in names[first:] + names[:first]]
 
 

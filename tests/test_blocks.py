@@ -212,11 +212,11 @@ def test_its_commands_run(block: Block, tmp_path: Path, generated_python: tuple[
         command = line.removeprefix("$ ").partition(" #")[0].partition(" | ")[0].strip()
         words = shlex.split(command.replace(".venv/bin/codewheel", "codewheel"))
         module = ["-m", words[0].replace("-", "_"), *words[1:]]
-        done = subprocess.run(
+        completed = subprocess.run(
             [sys.executable, *module], capture_output=True, text=True, check=False, cwd=tmp_path, env=environment
         )
-        assert done.returncode == 0, (line, done.stdout[-300:], done.stderr)
-        assert done.stdout or done.stderr or (tmp_path / words[-1]).exists(), line
+        assert completed.returncode == 0, (line, completed.stdout[-300:], completed.stderr)
+        assert completed.stdout or completed.stderr or (tmp_path / words[-1]).exists(), line
         if words[:2] == ["codewheel", "new"]:
             _versioned(tmp_path)
 

@@ -45,9 +45,9 @@ def parts(folder: Path, make: str, *arguments: str, commits: int = 0, **environm
     variables = {**os.environ, "PATH": f"{folder / 'bin'}:{os.environ['PATH']}", "ORDER": str(folder / "order")}
     variables |= environment
     command = [sys.executable, str(CI / "parts.py"), *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=folder, env=variables, check=False)
-    assert not done.stderr
-    return done.returncode, done.stdout
+    completed = subprocess.run(command, capture_output=True, text=True, cwd=folder, env=variables, check=False)
+    assert not completed.stderr
+    return completed.returncode, completed.stdout
 
 
 def test_every_part_is_made(tmp_path: Path) -> None:
@@ -196,10 +196,10 @@ def prepared(folder: Path, apt: str) -> tuple[int, str]:
     for name in TOOLS:
         (folder / "bin" / name).symlink_to(shutil.which(name) or "")
     command = ["sh", ".ci/run", "--more"]
-    done = subprocess.run(
+    completed = subprocess.run(
         command, capture_output=True, text=True, cwd=folder, env={"PATH": str(folder / "bin")}, check=False
     )
-    return done.returncode, done.stdout + done.stderr
+    return completed.returncode, completed.stdout + completed.stderr
 
 
 def test_packages_that_cannot_be_installed_are_passed_on(tmp_path: Path) -> None:

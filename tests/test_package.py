@@ -17,7 +17,7 @@ ROOT = Path(__file__).parents[1]
 
 
 def run(*command: str | Path, cwd: Path, **environment: str) -> str:
-    done = subprocess.run(
+    completed = subprocess.run(
         [str(word) for word in command],
         cwd=cwd,
         capture_output=True,
@@ -26,8 +26,8 @@ def run(*command: str | Path, cwd: Path, **environment: str) -> str:
         env={**os.environ, **environment},
         timeout=300,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
+    assert completed.returncode == 0, completed.stdout + completed.stderr
+    return completed.stdout
 
 
 @pytest.fixture(scope="session")
@@ -94,14 +94,14 @@ def test_the_installed_tool_works_in_an_empty_folder(wheel: Path, tmp_path: Path
 
 @pytest.mark.slow
 def test_generated_is_what_the_specs_yield() -> None:
-    done = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "-m", "codewheel", "generate", "--check"],
         cwd=ROOT,
         capture_output=True,
         text=True,
         check=False,
     )
-    assert done.returncode == 0, done.stdout + done.stderr + "\nrun: make generate"
+    assert completed.returncode == 0, completed.stdout + completed.stderr + "\nrun: make generate"
 
 
 @pytest.mark.slow

@@ -54,8 +54,8 @@ def test_its_c_compiles(tmp_path: Path) -> None:
         cwd=tmp_path,
         check=True,
     )
-    done = subprocess.run([tmp_path / "front"], capture_output=True, text=True, check=True)
-    assert done.stdout == "1000003\n"
+    completed = subprocess.run([tmp_path / "front"], capture_output=True, text=True, check=True)
+    assert completed.stdout == "1000003\n"
 
 
 def _commands() -> list[str]:

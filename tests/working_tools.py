@@ -161,12 +161,12 @@ def _draws(path: str, folder: Path) -> str:
     ]
     command = [path, *options, "--dump-dom", (folder / "trial.html").as_uri()]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=120)
+        completed = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=120)
     except (OSError, subprocess.TimeoutExpired):
         return "chromium does not start"
-    if done.returncode or "<title>" not in done.stdout:
+    if completed.returncode or "<title>" not in completed.stdout:
         return "chromium does not start"
-    return "" if "<title>drawn</title>" in done.stdout else "chromium has no fonts"
+    return "" if "<title>drawn</title>" in completed.stdout else "chromium has no fonts"
 
 
 def _runs_scripts(path: str, folder: Path) -> str:
@@ -201,11 +201,11 @@ _TRIALS: dict[str, Callable[[str, Path], str]] = {
 def _error(failed: str, command: Sequence[str], is_failure: Callable[[int], bool] = bool) -> str:
     """Return the words with the first error of a command, or an empty string if it succeeds."""
     try:
-        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=120)
+        completed = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=120)
     except (OSError, subprocess.TimeoutExpired) as error:
         return f"{failed} ({type(error).__name__})"
-    if not is_failure(done.returncode):
+    if not is_failure(completed.returncode):
         return ""
-    lines = [line.strip() for line in (done.stderr + done.stdout).splitlines() if line.strip()]
+    lines = [line.strip() for line in (completed.stderr + completed.stdout).splitlines() if line.strip()]
     first = next((line for line in lines if "error" in line.lower()), lines[0] if lines else "no message")
     return f"{failed} ({first[:200]})"

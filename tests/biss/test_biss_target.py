@@ -246,8 +246,8 @@ def test_each_order_code_has_a_file_with_its_length(files: dict[str, str], libra
     # There are two files for each of the twelve order codes of ASC85, because its manual leaves the zero bit open.
     # The iC-MU has none, because its spec has no device ID.
     main_devices = [device for device in library.devices if device.manufacturer.main]
-    listed = [variant for device in main_devices for variant in device.variants if variant.interface == "biss"]
-    assert len(roots) == len(listed) + sum(variant.code.startswith("ASC85") for variant in listed) == 50
+    biss_variants = [variant for device in main_devices for variant in device.variants if variant.interface == "biss"]
+    assert len(roots) == len(biss_variants) + sum(variant.code.startswith("ASC85") for variant in biss_variants) == 50
     for name, root in roots.items():
         assert len(root.findall(".//Length")) == 1, name
         assert [crc_poly.text for crc_poly in root.iter("CrcPoly")] == ["0x43"], name

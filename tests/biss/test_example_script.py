@@ -217,7 +217,7 @@ def test_the_line_in_its_docstring_runs(monkeypatch: pytest.MonkeyPatch) -> None
         r"decode_from_xml\.py (.*)", ast.get_docstring(ast.parse(SCRIPT.read_text(encoding="utf-8"))) or ""
     )
     assert command_line is not None
-    done = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, str(SCRIPT), *command_line[1].split()], capture_output=True, text=True, check=True
     )
-    assert "singleturn 1000003" in done.stdout
+    assert "singleturn 1000003" in completed.stdout

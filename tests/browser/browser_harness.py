@@ -117,8 +117,8 @@ def cases(device: Device) -> Iterator[list[Case]]:
     layouts = [(interface.name, layout, None) for interface, layout in device.layouts()]
     layouts += [(register.interface, register.layout, register) for register in device.registers]
     for interface, layout, register in layouts:
-        listed = (*device.variants, *run_time_variants(device))
-        of_interface = [variant for variant in listed if variant.interface == interface]
+        variants_and_states = (*device.variants, *run_time_variants(device))
+        of_interface = [variant for variant in variants_and_states if variant.interface == interface]
         variants = {tuple(sorted(variant.parameters.items())): variant for variant in of_interface}
         yield [Case(device, variant, layout.place(variant.parameters), register) for variant in variants.values()]
 
@@ -133,10 +133,10 @@ def disturbed_numbers(case: Case, count: int, random_: random.Random) -> Iterato
 
 def frames_with_checksums(case: Case, count: int, random_: random.Random) -> dict[str, Any]:
     """Return this many frames, each with a CRC-32 of the reference's result."""
-    wanted = [*disturbed_numbers(case, count, random_)]
-    results = (case.result_text(case.decoded(*frame)) for frame in wanted)
+    frames = [*disturbed_numbers(case, count, random_)]
+    results = (case.result_text(case.decoded(*frame)) for frame in frames)
     expected = [f"{zlib.crc32(text.encode()):08x}" for text in results]
-    return {**case.data, "frames": [case.text(*frame) for frame in wanted], "expected": expected}
+    return {**case.data, "frames": [case.text(*frame) for frame in frames], "expected": expected}
 
 
 def program(name: str) -> str:
@@ -189,9 +189,11 @@ class Asker:
         return html.unescape(answer_element[1])
 
     def _output(self, command: list[str], timeout: int) -> str:
-        done = subprocess.run(command, cwd=self._folder, capture_output=True, text=True, timeout=timeout, check=False)
-        assert done.returncode == 0, done.stderr[-2000:]
-        return done.stdout
+        completed = subprocess.run(
+            command, cwd=self._folder, capture_output=True, text=True, timeout=timeout, check=False
+        )
+        assert completed.returncode == 0, completed.stderr[-2000:]
+        return completed.stdout
 
 
 def browser(program: str, folder: Path) -> list[str]:

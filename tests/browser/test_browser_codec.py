@@ -146,12 +146,12 @@ def test_in_a_browser(ask: Ask, library: Library, vectors: list[dict[str, Any]])
     """Return frames, the examples of the manuals and public vectors for one start of the script."""
     devices = (*library.devices, *library_of("specs/bits22").devices)
     runner = ask(Library(devices), "chromium")
-    wanted = [*examples(devices), *published(vectors)]
-    items = [*frames(library, FRAMES), *(question for question, _ in wanted)]
+    questions = [*examples(devices), *published(vectors)]
+    items = [*frames(library, FRAMES), *(question for question, _ in questions)]
     answers = runner("answered", items)
-    split = len(items) - len(wanted)
+    split = len(items) - len(questions)
     assert [difference for answer in answers[:split] for difference in answer] == []
-    for (question, expected), answer in zip(wanted, answers[split:], strict=True):
+    for (question, expected), answer in zip(questions, answers[split:], strict=True):
         check_answer(question, expected, answer)
 
 
@@ -209,9 +209,9 @@ def test_examples_and_vectors_are_many(library: Library, vectors: list[dict[str,
 
 def test_examples_and_vectors_in_node(ask: Ask, library: Library, vectors: list[dict[str, Any]]) -> None:
     devices = (*library.devices, *library_of("specs/bits22").devices)
-    wanted = [*examples(devices), *published(vectors)]
-    answers = ask(Library(devices), "node")("values", [question for question, _ in wanted])
-    for (question, expected), answer in zip(wanted, answers, strict=True):
+    questions = [*examples(devices), *published(vectors)]
+    answers = ask(Library(devices), "node")("values", [question for question, _ in questions])
+    for (question, expected), answer in zip(questions, answers, strict=True):
         check_answer(question, expected, answer)
 
 
@@ -306,11 +306,11 @@ def test_registers_are_made_of_values(name: str, ask: Ask, node: Asker, library:
     random_ = random.Random("registers")
     every_case = [case for device in tested_library.devices for cases_ in cases(device) for case in cases_]
     writable = [case for case in every_case if case.register is not None and not case.register.meanings]
-    wanted = [(case, [*rows(case, random_)]) for case in writable]
-    items = [{**case.data, "rows": [*map(_row_in_json, register_rows)]} for case, register_rows in wanted]
+    rows_by_case = [(case, [*rows(case, random_)]) for case in writable]
+    items = [{**case.data, "rows": [*map(_row_in_json, register_rows)]} for case, register_rows in rows_by_case]
     answers = (ask(tested_library, "node") if name else node)("encoded", items)
     kinds = set()
-    for (case, register_rows), answer_texts in zip(wanted, answers, strict=True):
+    for (case, register_rows), answer_texts in zip(rows_by_case, answers, strict=True):
         expected = [answer(case, row) for row in register_rows]
         rows_with_texts = zip(register_rows, answer_texts, expected, strict=False)
         assert answer_texts == expected, (case.placed.name, *rows_with_texts)

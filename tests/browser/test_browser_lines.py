@@ -171,5 +171,5 @@ def test_a_negative_position_has_an_angle_of_its_revolution(position: int, expec
     frame_result = f'{{ verdict: "usable", at: {{}}, fields: [{{ name: "position", value: {position}n }}] }}'
     call = f'measured({frame_result}, {{ of: "position", counts_per_turn: 8192n, turns: 4096n }})'
     script = f"const ONE = 1n, value = (item) => item;\n{function}\nconsole.log({call});"
-    done = subprocess.run([node, "-e", script], capture_output=True, text=True, check=True)
-    assert done.stdout == f"position: {expected_text}\n"
+    completed = subprocess.run([node, "-e", script], capture_output=True, text=True, check=True)
+    assert completed.stdout == f"position: {expected_text}\n"

@@ -103,9 +103,9 @@ addEventListener("DOMContentLoaded", () => {{
 }});</script>"""
     (folder / "run.html").write_text(page, encoding="utf-8")
     command = [*browser(chromium, folder), "--dump-dom", (folder / "run.html").as_uri()]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=200, check=False)
-    answer_element = re.search(r"<pre>(.*)</pre>", done.stdout, re.DOTALL)
-    assert answer_element is not None, (done.stdout[-1000:], done.stderr[-1000:])
+    completed = subprocess.run(command, capture_output=True, text=True, timeout=200, check=False)
+    answer_element = re.search(r"<pre>(.*)</pre>", completed.stdout, re.DOTALL)
+    assert answer_element is not None, (completed.stdout[-1000:], completed.stderr[-1000:])
     result = json.loads(html.unescape(answer_element[1]))
     assert result["errors"] == []
     return result["answer"]

@@ -130,8 +130,10 @@ def compile_c(
     text, program = folder / f"{stem}.c", folder / stem
     text.write_text(code, encoding="utf-8")
     options = ["-o", str(program)] if link else ["-c", "-o", f"{program}.o"]
-    done = subprocess.run([*command, *WARNINGS, f"-I{include}", str(text), *options], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[:4000]
+    completed = subprocess.run(
+        [*command, *WARNINGS, f"-I{include}", str(text), *options], capture_output=True, text=True
+    )
+    assert completed.returncode == 0, completed.stderr[:4000]
     return program
 
 
@@ -175,9 +177,9 @@ def combined_run(device: Device, programs: Mapping[str, Run]) -> Run:
 def runner(program: Path) -> Run:
     def run(lines: Iterable[str]) -> list[str]:
         text = "".join(f"{line}\n" for line in lines)
-        done = subprocess.run([str(program)], input=text, capture_output=True, text=True, timeout=120)
-        assert done.returncode == 0, done.stderr
-        return done.stdout.splitlines()
+        completed = subprocess.run([str(program)], input=text, capture_output=True, text=True, timeout=120)
+        assert completed.returncode == 0, completed.stderr
+        return completed.stdout.splitlines()
 
     return run
 
@@ -194,16 +196,16 @@ def codecs(view: DeviceView) -> list[StructCodec]:
 
 
 def members(codec: StructCodec) -> list[Member]:
-    listed = []
+    struct_members = []
     for field in (part.field for part in codec.plan.parts):
         if isinstance(field.kind, Text):
-            listed.append(Member("char", c_name(field.name), field.widest // 8))
+            struct_members.append(Member("char", c_name(field.name), field.widest // 8))
             continue
-        listed.append(Member(codec.struct.type_of(field), c_name(field.name), 0))
-        listed += [Member(unsigned((run.modulus - 1).bit_length()), c_name(run.name), 0) for run in field.runs]
-    listed += [Member(unsigned(whole.widest), c_name(whole.join.name), 0) for whole in codec.plan.wholes]
-    listed += [Member(codec.struct.unused.type, "unused", 0)] if codec.struct.unused else []
-    return listed or [Member("uint8_t", "no_data", 0)]
+        struct_members.append(Member(codec.struct.type_of(field), c_name(field.name), 0))
+        struct_members += [Member(unsigned((run.modulus - 1).bit_length()), c_name(run.name), 0) for run in field.runs]
+    struct_members += [Member(unsigned(whole.widest), c_name(whole.join.name), 0) for whole in codec.plan.wholes]
+    struct_members += [Member(codec.struct.unused.type, "unused", 0)] if codec.struct.unused else []
+    return struct_members or [Member("uint8_t", "no_data", 0)]
 
 
 def answers(codec: StructCodec) -> str:

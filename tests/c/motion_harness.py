@@ -98,12 +98,12 @@ def compile_motion(include: Path, folder: Path) -> None:
     text.write_text(source(FUNCTIONS | DIVIDING), encoding="utf-8")
     command = ["gcc", "-std=c99", "-O1", "-shared", "-fPIC", "-fsanitize=undefined", "-fno-sanitize-recover=all"]
     require(command)
-    done = subprocess.run(
+    completed = subprocess.run(
         [*command, *WARNINGS, f"-I{include}", str(text), "-o", str(folder / "motion.so")],
         capture_output=True,
         text=True,
     )
-    assert done.returncode == 0, done.stderr[:4000]
+    assert completed.returncode == 0, completed.stderr[:4000]
 
 
 def motion_of(folder: Path) -> ctypes.CDLL:

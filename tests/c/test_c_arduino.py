@@ -74,8 +74,8 @@ def compiled(command: list[str], sketch: Path, library: Path, *more: str) -> Non
     source = sketch.with_suffix(".cpp")
     source.write_text('#include "Arduino.h"\n' + sketch.read_text(encoding="ascii"), encoding="ascii")
     options = ["-Wall", "-Wextra", "-Werror", f"-I{library / 'src'}", f"-I{library.parent}"]
-    done = subprocess.run([*command, *options, str(source), *more], capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stderr
+    completed = subprocess.run([*command, *options, str(source), *more], capture_output=True, text=True, timeout=120)
+    assert completed.returncode == 0, completed.stderr
 
 
 @pytest.mark.parametrize("family", FAMILIES)

@@ -61,10 +61,10 @@ def functions_for_nobody(devices: tuple[Device, ...], files: Mapping[str, str]) 
             short = short.removeprefix(f"{family}_{stem.split('_')[0]}_")
             device = families[family]
             named = {part.name for part in (*device.procedures, *device.parameters)}
-            wanted = FAMILY.fullmatch(short) or short in named
+            expected = FAMILY.fullmatch(short) or short in named
         else:
-            wanted = any(short.endswith(ending) for ending in SHARED[header].split())
-        without_caller += [] if wanted else [name]
+            expected = any(short.endswith(ending) for ending in SHARED[header].split())
+        without_caller += [] if expected else [name]
     return without_caller
 
 

@@ -285,9 +285,9 @@ def test_text_of_a_spec_stays_text(
     assert HOSTILE in {source.section for register in hostile.registers for source in register.layout.source}
     folder = write(tmp_path, (hostile,))
     assert code_without_spaces(text_of(name, folder)) == code_without_spaces(text_of(name, include))
-    every = "".join(f'#include "{FAMILIES[name]}/{path.name}"\n' for path in headers_of(name, folder))
+    includes = "".join(f'#include "{FAMILIES[name]}/{path.name}"\n' for path in headers_of(name, folder))
     for standard in ("-std=c99", "-std=c17"):
-        compile_c(["gcc", standard, "-trigraphs"], f"{every}int main(void) {{ return 0; }}\n", tmp_path, folder)
+        compile_c(["gcc", standard, "-trigraphs"], f"{includes}int main(void) {{ return 0; }}\n", tmp_path, folder)
 
 
 @pytest.mark.parametrize(
@@ -491,12 +491,12 @@ int main(void)
 @pytest.mark.slow
 def test_labels_of_edition_1_1_are_found(include: Path, tmp_path: Path) -> None:
     """AM36 manual, edition 1.1 p.21: AMx36xx/4096SCx-...; SMA21 cover: SMA21 -BGx-..., with a blank."""
-    wanted = {
+    expected = {
         "AM3616/4096SC1": "AM3616/4096-I7", "amc3619/4096-SC-x": "AMC3619/4096-I7", "AM3616/4096BG2": "AM3616/4096-BG",
         "AM3616/4096SCX": "-", "AM3616/4096I7": "-",
     }  # fmt: skip
     calls = ""
-    for label in wanted:
+    for label in expected:
         calls += f'    code = lika_am36_biss_find_order_code("{label}", &unlisted);\n'
         calls += f'    other = lika_am36_ssi_find_order_code("{label}", &unlisted);\n'
         calls += '    puts(code != NULL ? code->text : other != NULL ? other->text : "-");\n'
@@ -517,7 +517,7 @@ int main(void)
 """
     program = compile_c(["gcc", "-std=c99", "-fsanitize=undefined", "-fno-sanitize-recover"], code, tmp_path, include)
     printed = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout.split()
-    assert printed == [*wanted.values(), "SMA21-BG1-0050"]
+    assert printed == [*expected.values(), "SMA21-BG1-0050"]
 
 
 @pytest.mark.slow

@@ -176,8 +176,8 @@ def program(request: pytest.FixtureRequest, include: Path, tmp_path_factory: pyt
 
 
 def answers(program: Path, lines: list[str]) -> list[list[int]]:
-    done = subprocess.run([str(program)], input="\n".join(lines), capture_output=True, text=True, check=True)
-    return [[*map(int, line.split())] for line in done.stdout.splitlines()]
+    completed = subprocess.run([str(program)], input="\n".join(lines), capture_output=True, text=True, check=True)
+    return [[*map(int, line.split())] for line in completed.stdout.splitlines()]
 
 
 def _expected_verdict(values: Mapping[str, int]) -> int:

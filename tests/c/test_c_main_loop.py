@@ -150,9 +150,9 @@ def loop(made_once: MadeOnce) -> Path:
 
 def printed_lines(loop: Path, lost_of: int, presets: int, cut_us: int = 0, for_us: int = 0) -> list[str]:
     command = [str(loop), *map(str, (lost_of, presets, cut_us, for_us))]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stderr
-    return done.stdout.splitlines()
+    completed = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert completed.returncode == 0, completed.stderr
+    return completed.stdout.splitlines()
 
 
 def test_a_preset_of_the_manual(loop: Path) -> None:

@@ -71,12 +71,12 @@ def compiled(
     require(command.split())
     source = tmp_path / "program.c"
     source.write_text(PROGRAM.replace("@statement@", statement).replace("@type@", kind), encoding="utf-8")
-    done = subprocess.run(
+    completed = subprocess.run(
         [*command.split(), f"-I{include}", "-c", str(source), "-o", str(tmp_path / "program.o")],
         capture_output=True,
         text=True,
     )
-    return done.returncode, done.stderr
+    return completed.returncode, completed.stderr
 
 
 @pytest.mark.parametrize("command", COMPILERS)

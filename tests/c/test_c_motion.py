@@ -275,8 +275,8 @@ def test_zeros_at_the_start_are_not_believed(motion: ctypes.CDLL) -> None:
     [(0, 5, 0), (1, 1, 1_000_000), (-1, 3, -333_333), (FAST, 1_000_000, FAST), (-7, 0, 0), (1 << 43, 1, 10**6 << 43)],
 )
 def test_a_speed_by_hand(counts: int, elapsed: int, speed: int, motion: ctypes.CDLL) -> None:
-    wanted = speed if abs(speed) < 1 << 63 else speed - (1 << 64)
-    assert motion.counts_per_second(counts, elapsed) == motion.counts_per_second_divided(counts, elapsed) == wanted
+    expected = speed if abs(speed) < 1 << 63 else speed - (1 << 64)
+    assert motion.counts_per_second(counts, elapsed) == motion.counts_per_second_divided(counts, elapsed) == expected
 
 
 def test_speeds(motion: ctypes.CDLL) -> None:
@@ -284,9 +284,9 @@ def test_speeds(motion: ctypes.CDLL) -> None:
     for _ in range(5_000):
         counts = random_.randint(-(1 << random_.randrange(43)), 1 << random_.randrange(43))
         elapsed = random_.randint(1, (1 << random_.randint(1, 32)) - 1)
-        wanted = abs(counts) * 1_000_000 // elapsed * (1 if counts >= 0 else -1)
-        assert motion.counts_per_second(counts, elapsed) == wanted
-        assert motion.counts_per_second_divided(counts, elapsed) == wanted
+        expected = abs(counts) * 1_000_000 // elapsed * (1 if counts >= 0 else -1)
+        assert motion.counts_per_second(counts, elapsed) == expected
+        assert motion.counts_per_second_divided(counts, elapsed) == expected
 
 
 def test_the_speed_of_an_axis(motion: ctypes.CDLL) -> None:
@@ -352,8 +352,8 @@ def test_the_field_of_a_motor(steps: int, motion: ctypes.CDLL) -> None:
     for _ in range(1_000):
         position, offset = random_.randrange(steps), random_.getrandbits(32)
         angle = motion.angle_electrical(motion.angle(position, steps), 7, offset)
-        wanted = Fraction(7 * position, steps) - Fraction(offset, 1 << 32)
-        difference = (wanted - Fraction(angle, 1 << 32)) % 1
+        expected = Fraction(7 * position, steps) - Fraction(offset, 1 << 32)
+        difference = (expected - Fraction(angle, 1 << 32)) % 1
         assert difference < Fraction(7, 1 << 32)
 
 

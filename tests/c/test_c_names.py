@@ -84,11 +84,11 @@ def test_two_families_whose_names_meet(tmp_path: Path, capsys: pytest.CaptureFix
     rows = (tmp_path / "a_biss.yaml").read_text().splitlines()
     line = next(number for number, row in enumerate(rows, 1) if "- name: c" in row)
     for ending in ("", "_bits", "_crc", "_decode", "_encode"):
-        wanted = (
+        expected = (
             f"a_biss.yaml:{line}:9: c-name: its C name test_a_biss_biss_c{ending} "
             "is also that of the family 'a'; rename one of the two"
         )
-        assert any(row.endswith(wanted) for row in problems), problems
+        assert any(row.endswith(expected) for row in problems), problems
 
 
 # -- reserved words
@@ -96,8 +96,8 @@ def test_two_families_whose_names_meet(tmp_path: Path, capsys: pytest.CaptureFix
 
 def macros(command: list[str], code: str) -> set[str]:
     """Return the macros without arguments that are defined after this text."""
-    done = subprocess.run([*command, "-dM", "-E", "-"], input=code, capture_output=True, text=True)
-    return set(re.findall(r"^#define (\w+) ", done.stdout, re.MULTILINE))
+    completed = subprocess.run([*command, "-dM", "-E", "-"], input=code, capture_output=True, text=True)
+    return set(re.findall(r"^#define (\w+) ", completed.stdout, re.MULTILINE))
 
 
 #: All headers of C but stdatomic.h, whose functions are macros without arguments in clang.
@@ -291,8 +291,8 @@ def test_no_name_of_a_spec_is_one_that_c_or_a_header_has(include: Path, tmp_path
     words = _words_of_c(include)
     # The first word is also the field that distinguishes frames. The second round uses the other words for registers,
     # parameters and procedures.
-    every = [sorted(group, key=lambda word: word not in ("frame", "bytes", "int")) for group in groups(words, 40)]
-    for index, group in enumerate([*every, *([*group[20:], *group[:20]] for group in every)]):
+    word_groups = [sorted(group, key=lambda word: word not in ("frame", "bytes", "int")) for group in groups(words, 40)]
+    for index, group in enumerate([*word_groups, *([*group[20:], *group[:20]] for group in word_groups)]):
         folder = tmp_path / str(index)
         folder.mkdir()
         shutil.copy(ROOT / "tests" / "specs" / "manufacturer.yaml", folder)
@@ -300,8 +300,8 @@ def test_no_name_of_a_spec_is_one_that_c_or_a_header_has(include: Path, tmp_path
         devices, report = load_library([folder / "hostile.yaml"])
         assert [problem.format() for problem in report.problems] == []
         headers = write(folder, devices)
-        every = [header for view in views_of(devices[0]) for header in view.headers]
-        (folder / "unit.c").write_text(use_everything(every, headers))
+        names = [header for view in views_of(devices[0]) for header in view.headers]
+        (folder / "unit.c").write_text(use_everything(names, headers))
         for command in (["gcc", "-std=gnu2x"], ["g++", "-x", "c++", "-std=gnu++2b"]):
             strict = ["-Wall", "-Wextra", "-Wshadow", "-Werror", "-fsyntax-only"]
             arguments = [*command, *strict, f"-I{headers}", str(folder / "unit.c")]

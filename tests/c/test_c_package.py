@@ -95,8 +95,8 @@ def compile_and_run(root: Path, name: str) -> tuple[int, str]:
         [*command, str(root / "examples" / f"{name}.c"), "-o", str(program)], capture_output=True, text=True
     )
     assert compilation.returncode == 0, compilation.stderr[:3000]
-    done = subprocess.run([str(program)], capture_output=True, text=True, timeout=60)
-    return done.returncode, done.stdout + done.stderr
+    completed = subprocess.run([str(program)], capture_output=True, text=True, timeout=60)
+    return completed.returncode, completed.stdout + completed.stderr
 
 
 @pytest.fixture(scope="module")

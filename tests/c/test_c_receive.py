@@ -567,8 +567,8 @@ def test_lengths_are_constants(
     language = "c++" if compiler == "g++" else "c"
     object_file = str(tmp_path / "made.o")
     command = [compiler, f"-std={standard}", "-x", language, *WARNINGS, f"-I{include}", "-c", "-o", object_file, "-"]
-    done = subprocess.run(command, input="\n".join(lines) + "\n", capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[:3000]
+    completed = subprocess.run(command, input="\n".join(lines) + "\n", capture_output=True, text=True)
+    assert completed.returncode == 0, completed.stderr[:3000]
     mistaken = "\n".join(lines).replace("_BITS == ", "_BITS == 1U + ") + "\n"
     assert subprocess.run(command, input=mistaken, capture_output=True, text=True).returncode != 0
 

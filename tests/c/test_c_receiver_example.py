@@ -198,9 +198,9 @@ def rows() -> list[tuple[str, int, bool, bytes]]:
 
 
 def printed_lines(program: Path, rows: Sequence[tuple[str, int, bool, bytes]]) -> list[str]:
-    done = subprocess.run([str(program)], input=b"".join(row[3] for row in rows), capture_output=True, timeout=300)
-    assert done.returncode == 0, done.stderr
-    return done.stdout.decode().splitlines()
+    completed = subprocess.run([str(program)], input=b"".join(row[3] for row in rows), capture_output=True, timeout=300)
+    assert completed.returncode == 0, completed.stderr
+    return completed.stdout.decode().splitlines()
 
 
 @pytest.fixture(scope="module")

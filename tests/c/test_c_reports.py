@@ -95,7 +95,7 @@ def test_verdict_and_reports_are_those_of_the_reference(machine: tuple[Device, R
                 pairs.append((line, expected_reports.row(variant, placed, number)))
     check(run, pairs)
     verdicts = {answer.split()[1] for _, answer in pairs}
-    wanted = {
+    expected = {
         "am36": "0 1",
         "amm5": "0 1 2 3 -",
         "asc85": "0 1 2 3",
@@ -103,7 +103,7 @@ def test_verdict_and_reports_are_those_of_the_reference(machine: tuple[Device, R
         "sma21": "0 2 3",
         "words": "0 3 -",
     }
-    assert verdicts >= set(wanted.get(device.name, "").split()), verdicts
+    assert verdicts >= set(expected.get(device.name, "").split()), verdicts
 
 
 def test_every_report_is_made_and_has_its_text(machine: tuple[Device, Run]) -> None:

@@ -89,8 +89,8 @@ def printed_requests(package: Path, program: str) -> list[str]:
     source, include = package / "c" / "examples" / f"{program}.c", package / "c" / "include"
     command = ["gcc", "-std=c99", *WARNINGS, "-Werror", f"-I{include}", str(source), "-o", str(executable)]
     subprocess.run(command, check=True)
-    done = subprocess.run([executable], check=True, capture_output=True, text=True)
-    return [line.removeprefix("send ") for line in done.stdout.splitlines() if line.startswith("send ")]
+    completed = subprocess.run([executable], check=True, capture_output=True, text=True)
+    return [line.removeprefix("send ") for line in completed.stdout.splitlines() if line.startswith("send ")]
 
 
 @pytest.mark.parametrize("name", REQUESTS)
@@ -128,5 +128,5 @@ def test_a_reply_with_another_address_is_refused(packages: Path, tmp_path: Path)
     subprocess.run(
         ["gcc", "-std=c99", f"-I{include}", str(tmp_path / "program.c"), "-o", str(tmp_path / "made")], check=True
     )
-    done = subprocess.run([tmp_path / "made"], capture_output=True, text=True)
-    assert (done.returncode, done.stdout.splitlines()[1:]) == (1, ["error 4"])
+    completed = subprocess.run([tmp_path / "made"], capture_output=True, text=True)
+    assert (completed.returncode, completed.stdout.splitlines()[1:]) == (1, ["error 4"])

@@ -25,8 +25,8 @@ def compiled(include: Path, folder: Path, *options: str) -> ctypes.CDLL:
     library = folder / f"selftest{len(options)}.so"
     tests = sorted(str(path) for path in (include.parent / "selftest").glob("*.c"))
     command = ["gcc", "-std=c99", "-O1", "-shared", "-fPIC", *WARNINGS, f"-I{include}", *options, *tests]
-    done = subprocess.run([*command, "-o", str(library)], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[:4000]
+    completed = subprocess.run([*command, "-o", str(library)], capture_output=True, text=True)
+    assert completed.returncode == 0, completed.stderr[:4000]
     return ctypes.CDLL(str(library))
 
 

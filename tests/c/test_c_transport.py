@@ -441,9 +441,11 @@ def case_name(case: Case) -> str:
 
 
 def test_every_procedure_is_here(every_device: Mapping[str, Device]) -> None:
-    listed = sorted((case.family, case.procedure) for case in CASES)
-    assert listed == sorted((name, procedure.name) for name in FAMILIES for procedure in every_device[name].procedures)
-    assert len(listed) == 33
+    tested_procedures = sorted((case.family, case.procedure) for case in CASES)
+    assert tested_procedures == sorted(
+        (name, procedure.name) for name in FAMILIES for procedure in every_device[name].procedures
+    )
+    assert len(tested_procedures) == 33
 
 
 @pytest.mark.parametrize("case", CASES, ids=case_name)
@@ -464,8 +466,8 @@ def test_every_access_that_fails_is_told(case: Case, tested_machines: Callable[[
         encoder.fail_at, encoder.error = index, -1000 - index
         answer = machine.run(case.procedure, case.code, case.arguments, encoder)
         closing, left_open = case.closing(index)
-        done = [access for access, _ in case.lines[: index + 1]]
-        assert answer.record == [*done, *closing], "after a failure nothing is done but closing"
+        accesses = [access for access, _ in case.lines[: index + 1]]
+        assert answer.record == [*accesses, *closing], "after a failure nothing is done but closing"
         assert (answer.result, answer.failure, answer.data) == (TRANSPORT, (*failure, -1000 - index), b"")
         assert answer.left_open == left_open
 

@@ -29,12 +29,12 @@ def test_one_master_and_one_comparison_of_verdicts(command: list[str], tmp_path:
     include = write(tmp_path, (*devices_of(), *devices_of(ROOT / "docs" / "example")))
     program = tmp_path / "two_encoders"
     require([*command, *SANITIZED])
-    done = subprocess.run(
+    completed = subprocess.run(
         [*command, *WARNINGS, *SANITIZED, f"-I{include}", str(PROGRAM), "-o", str(program)],
         capture_output=True,
         text=True,
     )
-    assert done.returncode == 0, done.stderr[:3000]
+    assert completed.returncode == 0, completed.stderr[:3000]
     assert subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout == PRINTED
 
 

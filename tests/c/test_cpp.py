@@ -117,12 +117,12 @@ def program(c_devices: tuple[Device, ...]) -> str:
 def compiled(command: str, text: str, include: Path, tmp_path: Path) -> tuple[int, str]:
     require(command.split())
     (tmp_path / "unit.cpp").write_text(text, encoding="ascii")
-    done = subprocess.run(
+    completed = subprocess.run(
         [*command.split(), *WARNINGS.split(), f"-I{include}", "-fsyntax-only", str(tmp_path / "unit.cpp")],
         capture_output=True,
         text=True,
     )
-    return done.returncode, done.stderr
+    return completed.returncode, completed.stderr
 
 
 @pytest.mark.parametrize("command", COMPILERS)

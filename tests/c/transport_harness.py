@@ -221,8 +221,10 @@ def compile_machine(device: Device, folder: Path, stepped: bool = False) -> None
     for view in views_of(device):
         text, library = folder / f"{view.stem}.c", folder / f"{view.stem}.so"
         text.write_text((_LOOP if stepped else "") + source(view), encoding="utf-8")
-        done = subprocess.run([*command, f"-I{include}", str(text), "-o", str(library)], capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr[:4000]
+        completed = subprocess.run(
+            [*command, f"-I{include}", str(text), "-o", str(library)], capture_output=True, text=True
+        )
+        assert completed.returncode == 0, completed.stderr[:4000]
 
 
 def machine_of(device: Device, folder: Path, stepped: bool) -> Machine:

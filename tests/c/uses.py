@@ -138,8 +138,8 @@ def use_everything(headers: Sequence[str], include: Path) -> str:
 
     It uses everything that they and the included headers of the runtime declare.
     """
-    every = dict.fromkeys(path for header in headers for path in included(header, include))
-    declarations = declared((include / header).read_text(encoding="ascii") for header in every)
+    paths = dict.fromkeys(path for header in headers for path in included(header, include))
+    declarations = declared((include / header).read_text(encoding="ascii") for header in paths)
     lines = [f'#include "{header}"' for header in headers]
     for kind, name, parameters in declarations.functions:
         arguments = "" if parameters == "void" else ", ".join(re.findall(r"(\w+)(?:\[\d*\])?(?:,|$)", parameters))
@@ -158,7 +158,7 @@ def use_everything(headers: Sequence[str], include: Path) -> str:
         # Two functions use it, because MISRA 8.9 requires an object that only one function uses to be defined in it.
         for function in (name, f"{name}_again"):
             lines += _function(f"const {kind} *", function, "void", f"return &{name};")
-    if "codewheel/bits.h" in every:
+    if "codewheel/bits.h" in paths:
         lines += _function("int", "CW_CONST", "void", "CW_CONST int value = 1;", "return value;")
     for name in declarations.enumerators:
         lines += _function("int", name, "void", f"return {name} != 0;")

@@ -64,8 +64,8 @@ def rust_tool(name: str) -> str:
 
 def compiled(*command: str | Path) -> None:
     """Compile with any version. Further warnings of a newer one are not errors here, see tests/verify/test_rust.py."""
-    done = subprocess.run([rust_tool("rustc"), *command], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr[:4000]
+    completed = subprocess.run([rust_tool("rustc"), *command], capture_output=True, text=True, check=False)
+    assert completed.returncode == 0, completed.stderr[:4000]
 
 
 def write(devices: tuple[Device, ...], folder: Path, edition: str = "2021") -> Path:
@@ -111,9 +111,11 @@ class Program:
     def run(self, lines: Iterable[str]) -> list[str]:
         """Return the answer to each line."""
         text = "".join(f"{line}\n" for line in lines)
-        done = subprocess.run([self._program], input=text, capture_output=True, text=True, timeout=900, check=False)
-        assert done.returncode == 0, done.stderr[:2000]
-        return done.stdout.splitlines()
+        completed = subprocess.run(
+            [self._program], input=text, capture_output=True, text=True, timeout=900, check=False
+        )
+        assert completed.returncode == 0, completed.stderr[:2000]
+        return completed.stdout.splitlines()
 
     def _source(self) -> str:
         device, family = self.device, self.family

@@ -80,8 +80,8 @@ def test_what_the_manual_leaves_open_is_asked_for(program: Program) -> None:
             number = next(numbers(case, 1, random.Random("asked")))
             row, _ = case.encoding(number, "", 0)
             answers = program.run([f"d {index} {case.wire(number)}", f"e {index} {row}", case.set, f"e {index} {row}"])
-            wanted = f"undecided {struct.codec.alternatives[0].name}"
-            assert answers[:2] == [wanted, wanted]
+            expected = f"undecided {struct.codec.alternatives[0].name}"
+            assert answers[:2] == [expected, expected]
             assert answers[3] == case.wire(number).removeprefix("x")
             undecided_frames += 1
     assert undecided_frames or not program.device.alternatives

@@ -81,8 +81,8 @@ def test_the_readme(codewheel: Run, tmp_path: Path) -> None:
     (tmp_path / "main.rs").write_text(example[1], encoding="utf-8")
     library = f"lika_encoders={tmp_path / 'liblika_encoders.rlib'}"
     compiled("--edition", "2021", "--extern", library, "-o", tmp_path / "main", tmp_path / "main.rs")
-    done = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True)
-    assert done.stdout == example[2]
+    completed = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True)
+    assert completed.stdout == example[2]
 
 
 # -- problems

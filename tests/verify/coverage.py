@@ -69,13 +69,13 @@ def run_tests(folder: Path, tests: Sequence[str], gcc: str, clang: str, root: Pa
     }
     environment.pop("LLVM_PROFILE_FILE", None)
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", f"--basetemp={folder / 'tests'}", *tests]
-    done = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True)
-    return done.returncode, done.stdout[-3000:]
+    completed = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True)
+    return completed.returncode, completed.stdout[-3000:]
 
 
 def read_coverage(folders: Iterable[Path], headers: Iterable[Path], llvm_profdata: str, llvm_cov: str) -> Coverage:
     """Return the counts of the programs listed in ``folders`` for these headers."""
-    wanted = {_digest(path): path.name for path in headers}
+    expected = {_digest(path): path.name for path in headers}
     coverage = Coverage()
     listed = "\n".join((folder / "programs").read_text(encoding="utf-8") for folder in folders)
     for program in dict.fromkeys(listed.split("\n")):
@@ -85,13 +85,13 @@ def read_coverage(folders: Iterable[Path], headers: Iterable[Path], llvm_profdat
         if raw:
             profile = f"{program}.profdata"
             subprocess.run([llvm_profdata, "merge", "-o", profile, *raw], check=True, capture_output=True)
-            done = subprocess.run(
+            completed = subprocess.run(
                 [llvm_cov, "export", "-format=text", f"-instr-profile={profile}", program],
                 check=True,
                 capture_output=True,
                 text=True,
             )
-            _add(coverage, json.loads(done.stdout)["data"][0]["functions"], wanted, {})
+            _add(coverage, json.loads(completed.stdout)["data"][0]["functions"], expected, {})
     return coverage
 
 

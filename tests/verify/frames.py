@@ -21,8 +21,8 @@ POOL = 256
 
 def variants(device: Device, codec: Codec) -> list[Variant]:
     """Yield the order codes that differ, and some states of the registers at run time."""
-    listed = (*device.variants, *run_time_variants(device))
-    of_interface = [variant for variant in listed if variant.interface == codec.interface]
+    variants_and_states = (*device.variants, *run_time_variants(device))
+    of_interface = [variant for variant in variants_and_states if variant.interface == codec.interface]
     return list({tuple(sorted(variant.parameters.items())): variant for variant in of_interface}.values())
 
 

@@ -132,8 +132,8 @@ class Variants:
         """
         definitions = _definitions(device)
         names = _with_needed(used, definitions)
-        listed = [variant for variant in device.variants if variant.interface == interface or not interface]
-        variants: Sequence[Variant] = listed or device.variants
+        of_interface = [variant for variant in device.variants if variant.interface == interface or not interface]
+        variants: Sequence[Variant] = of_interface or device.variants
         at_run_time = {parameter.name: parameter for parameter in device.run_time_parameters}
         deciding = [question for question in device.alternatives if not set(names).isdisjoint(question.answers[0].sets)]
         undecided = tuple(question for question in deciding if not question.default)
@@ -308,22 +308,24 @@ class Checker:
         command += ["--stop-on-fail", "--slice-formula", "--external-sat-solver", self.solver, *proof.options]
         with tempfile.TemporaryDirectory(dir=folder) as work_folder:
             Path(work_folder, "harness.c").write_text(proof.harness, encoding="utf-8")
-            done = subprocess.run(
+            completed = subprocess.run(
                 limited(command),
                 capture_output=True,
                 text=True,
                 cwd=work_folder,
                 env={**os.environ, "TMPDIR": work_folder},
             )
-        holds = done.returncode == 0 and "VERIFICATION SUCCESSFUL" in done.stdout
+        holds = completed.returncode == 0 and "VERIFICATION SUCCESSFUL" in completed.stdout
         refuted = (
-            done.returncode == 10 and "VERIFICATION FAILED" in done.stdout and "unwinding assertion" not in done.stdout
+            completed.returncode == 10
+            and "VERIFICATION FAILED" in completed.stdout
+            and "unwinding assertion" not in completed.stdout
         )
         proved = refuted if proof.reached else holds
-        silent = f"no result, ended with {done.returncode}; the limit is {LIMIT_S} s of processor time"
+        silent = f"no result, ended with {completed.returncode}; the limit is {LIMIT_S} s of processor time"
         unproved = "never reached" if holds else silent
         why = "REFUTED" if refuted else unproved
-        log_lines = (done.stdout + done.stderr).splitlines()
+        log_lines = (completed.stdout + completed.stderr).splitlines()
         log_lines = log_lines[next((at for at, line in enumerate(log_lines) if line.startswith("Violated")), 0) :]
         return Result(proof, proved, proof.name if proved else f"{proof.name}: {why}\n" + "\n".join(log_lines[-12:]))
 

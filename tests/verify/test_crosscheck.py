@@ -167,15 +167,15 @@ def compare(family: str, name: str, program: Path, package: Path) -> tuple[int, 
     peer = Peer(batch, codec, module)
     kinds: Counter[int] = Counter()
     differences: list[object] = []
-    done = 0
+    compared = 0
     pieces: list[tuple[Variant, bytes]] = []
     for variant, records in chunks(batch, codec, FRAMES, "cross-check"):
         pieces.append((variant, records))
         if sum(len(piece_records) for _, piece_records in pieces) >= PIECE * batch.record:
-            done += compare_piece(batch, codec, peer, pieces, program, kinds, differences)
+            compared += compare_piece(batch, codec, peer, pieces, program, kinds, differences)
             pieces = []
-    done += compare_piece(batch, codec, peer, pieces, program, kinds, differences)
-    return done, kinds, differences[:5]
+    compared += compare_piece(batch, codec, peer, pieces, program, kinds, differences)
+    return compared, kinds, differences[:5]
 
 
 def compare_piece(

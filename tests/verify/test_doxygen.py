@@ -35,10 +35,10 @@ def warnings(include: Path, folder: Path) -> list[str]:
     program = tool("doxygen")
     folder.mkdir()
     (folder / "Doxyfile").write_text(SETTINGS.format(include=include, output=folder / "out"), encoding="utf-8")
-    done = subprocess.run([program, "Doxyfile"], cwd=folder, capture_output=True, text=True, timeout=500)
-    assert done.returncode == 0, done.stderr
+    completed = subprocess.run([program, "Doxyfile"], cwd=folder, capture_output=True, text=True, timeout=500)
+    assert completed.returncode == 0, completed.stderr
     assert (folder / "out" / "html" / "receive_8h.html").is_file()
-    return done.stderr.splitlines()
+    return completed.stderr.splitlines()
 
 
 def test_doxygen_has_no_warning(tmp_path: Path) -> None:

@@ -257,11 +257,11 @@ def program(folder: Path, example: str, port: str, main: str) -> Path:
 def run(firmware: Path, line: Path) -> str:
     command = [tool("qemu-system-arm"), "-M", "mps2-an386", "-nographic", "-monitor", "none"]
     command += ["-semihosting-config", "enable=on,target=native", "-chardev", f"socket,id=line,path={line}"]
-    done = subprocess.run(
+    completed = subprocess.run(
         [*command, "-serial", "chardev:line", "-kernel", str(firmware)], capture_output=True, text=True, timeout=300
     )
-    assert done.returncode == 0, (done.returncode, done.stdout[-2000:], done.stderr[-2000:])
-    return done.stdout
+    assert completed.returncode == 0, (completed.returncode, completed.stdout[-2000:], completed.stderr[-2000:])
+    return completed.stdout
 
 
 def recorded_positions(recorded: list[int], bits: int, limit: int) -> Callable[[float], float]:

@@ -53,8 +53,10 @@ def fuzzed(compiler: list[str], text: str, inputs: Iterable[bytes], folder: Path
         (corpus / f"{index:04}").write_bytes(data)
     program = folder / "target"
     (folder / "target.c").write_text(text, encoding="utf-8")
-    done = subprocess.run([*compiler, str(folder / "target.c"), "-o", str(program)], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[:4000]
+    completed = subprocess.run(
+        [*compiler, str(folder / "target.c"), "-o", str(program)], capture_output=True, text=True
+    )
+    assert completed.returncode == 0, completed.stderr[:4000]
     options = [
         f"-max_total_time={seconds(folder.name)}",
         "-max_len=1200" if folder.name == "biss" else "-max_len=96",
@@ -63,14 +65,14 @@ def fuzzed(compiler: list[str], text: str, inputs: Iterable[bytes], folder: Path
         "-print_final_stats=1",
         "-verbosity=1",
     ]
-    done = subprocess.run(
+    completed = subprocess.run(
         [str(program), *options, f"-artifact_prefix={folder}/", str(corpus)],
         capture_output=True,
         text=True,
         errors="replace",
         timeout=SECONDS + 120,
     )
-    return done.returncode, done.stderr
+    return completed.returncode, completed.stderr
 
 
 @pytest.mark.parametrize("target", TARGETS)

@@ -68,7 +68,7 @@ def user(folder: Path) -> Path:
 
 
 def run(*command: str | Path, cwd: Path, **environment: str) -> str:
-    done = subprocess.run(
+    completed = subprocess.run(
         [str(part) for part in command],
         cwd=cwd,
         capture_output=True,
@@ -76,8 +76,8 @@ def run(*command: str | Path, cwd: Path, **environment: str) -> str:
         timeout=300,
         env={"PATH": os.environ["PATH"], **environment},
     )
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
-    return done.stdout
+    assert completed.returncode == 0, completed.stdout[-2000:] + completed.stderr[-2000:]
+    return completed.stdout
 
 
 def prints(program: Path) -> None:
@@ -124,14 +124,14 @@ def test_cmake_with_the_folder_as_it_is(folder: Path, user: Path) -> None:
 def test_cmake_refuses_a_version_to_come(folder: Path, user: Path) -> None:
     cmake = tool("cmake")
     (user / "CMakeLists.txt").write_text(CMAKE.format(lines="find_package(lika-encoders 9.0 REQUIRED)", maker="lika"))
-    done = subprocess.run(
+    completed = subprocess.run(
         [cmake, "-S", str(user), "-B", str(user / "build"), f"-DCMAKE_PREFIX_PATH={folder}"],
         capture_output=True,
         text=True,
         timeout=300,
     )
-    assert done.returncode != 0
-    assert "version: 0.1.0" in done.stderr
+    assert completed.returncode != 0
+    assert "version: 0.1.0" in completed.stderr
 
 
 def test_the_examples_of_the_folder(folder: Path, tmp_path: Path) -> None:

@@ -52,11 +52,11 @@ def findings(code: str, include: Path, folder: Path, platform: str) -> set[tuple
         "--template={file}:{line}: [{id}] {message}",
         str(unit),
     ]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "Bailing out" not in done.stderr, done.stdout + done.stderr
-    rows = re.findall(r"^(.+?):(\d+): \[(?:misra-c2012-)?(.+?)\]", done.stderr, re.MULTILINE)
-    assert len(rows) == len(done.stderr.splitlines()), done.stderr[:2000]
+    completed = subprocess.run(command, capture_output=True, text=True)
+    assert completed.returncode == 0, completed.stdout + completed.stderr
+    assert "Bailing out" not in completed.stderr, completed.stdout + completed.stderr
+    rows = re.findall(r"^(.+?):(\d+): \[(?:misra-c2012-)?(.+?)\]", completed.stderr, re.MULTILINE)
+    assert len(rows) == len(completed.stderr.splitlines()), completed.stderr[:2000]
     return {(rule, f"{Path(path).relative_to(include)}:{line}") for path, line, rule in rows if Path(path) != unit}
 
 
@@ -77,9 +77,9 @@ def by_interface(headers: list[str]) -> list[list[str]]:
 def test_headers_that_are_included_have_no_finding_without_a_reason(
     headers: tuple[Path, list[str]], tmp_path: Path
 ) -> None:
-    include, every = headers
+    include, names = headers
     reported = set[tuple[str, str]]()
-    for group in by_interface(every):
+    for group in by_interface(names):
         reported |= findings("".join(f'#include "{header}"\n' for header in group), include, tmp_path, SMALL)
     allowed = deviations()
     assert [finding for finding in sorted(reported) if finding[0] not in allowed] == []
@@ -89,8 +89,8 @@ def test_headers_that_are_included_have_no_finding_without_a_reason(
 def test_headers_of_which_all_is_used_have_no_finding_without_a_reason(
     headers: tuple[Path, list[str]], tmp_path: Path
 ) -> None:
-    include, every = headers
-    for group in by_interface(every):
+    include, names = headers
+    for group in by_interface(names):
         reported = findings(use_everything(group, include), include, tmp_path, USUAL)
         assert [finding for finding in sorted(reported) if finding[0] not in deviations() - UNUSED] == []
 
@@ -131,6 +131,6 @@ def test_what_is_planted_is_found(
 
 
 def test_nothing_is_switched_off(headers: tuple[Path, list[str]]) -> None:
-    include, every = headers
+    include, names = headers
     suppression = re.compile(r"cppcheck-suppress|NOLINT|lint ?[-!]e")
-    assert not [header for header in every if suppression.search((include / header).read_text())]
+    assert not [header for header in names if suppression.search((include / header).read_text())]

@@ -151,10 +151,10 @@ def symbols(core: str, include: Path, folder: Path, *options: str) -> Mapping[st
     (folder / "motion.c").write_text(source(), encoding="utf-8")
     command = [compiler, f"-mcpu={core}", "-mthumb", "-std=c99", "-Os", "-ffunction-sections", f"-I{include}", *options]
     subprocess.run([*command, "-c", str(folder / "motion.c"), "-o", str(folder / "motion.o")], check=True)
-    listed = subprocess.run(
+    symbol_list = subprocess.run(
         [tool("arm-none-eabi-nm"), "-S", str(folder / "motion.o")], capture_output=True, text=True, check=True
     ).stdout
-    rows = re.findall(r"^(?:\w+ (\w+))? +(\w) (\S+)$", listed, re.MULTILINE)
+    rows = re.findall(r"^(?:\w+ (\w+))? +(\w) (\S+)$", symbol_list, re.MULTILINE)
     return {name: (letter, int(size or "0", 16)) for size, letter, name in rows}
 
 

@@ -29,9 +29,9 @@ def _runs(python: str) -> bool:
 
 
 def run(*command: str | Path) -> str:
-    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, cwd=ROOT)
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-4000:]
-    return done.stdout
+    completed = subprocess.run([str(word) for word in command], capture_output=True, text=True, cwd=ROOT)
+    assert completed.returncode == 0, completed.stdout[-2000:] + completed.stderr[-4000:]
+    return completed.stdout
 
 
 @pytest.mark.parametrize("version", PYTHONS)

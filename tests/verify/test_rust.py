@@ -70,5 +70,5 @@ def clippy(main: Path, folder: Path) -> None:
 
 
 def _output_of(*command: str) -> tuple[str, str]:
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    return done.stdout, done.stderr
+    completed = subprocess.run(command, capture_output=True, text=True, check=False)
+    return completed.stdout, completed.stderr

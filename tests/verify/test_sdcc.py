@@ -71,8 +71,8 @@ def include(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def compiled(processor: str, text: str, include: Path, tmp_path: Path, *more: str) -> None:
     (tmp_path / "unit.c").write_text(text, encoding="ascii")
     command = [tool("sdcc"), "--std-c99", *PROCESSORS[processor], f"-I{include}", "unit.c", *more]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stderr[-3000:]
+    completed = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert completed.returncode == 0, completed.stderr[-3000:]
 
 
 @pytest.mark.parametrize(

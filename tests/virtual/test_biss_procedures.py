@@ -75,7 +75,7 @@ def _has_preset(device: Device) -> bool:
 def test_presets_of_every_order_code(generated_python: Package, library: Library) -> None:
     """The position is always the old one or the preset, and in the end the preset."""
     lika: Any = generated_python[1]
-    done = Counter[str]()
+    presets_by_module = Counter[str]()
     with_preset = [device for device in library.devices if _has_preset(device)]
     for at, code in enumerate(codes_with(with_preset, "biss")):
         encoder = lika.lookup(code)
@@ -83,22 +83,22 @@ def test_presets_of_every_order_code(generated_python: Package, library: Library
         wire = Wire(lika, code, seed=at)
         before = 1000
         for _ in range(5):
-            wanted = wire.chance.randrange(wire.encoder.counts)
-            steps = module.set_preset(encoder, wanted)
+            expected = wire.chance.randrange(wire.encoder.counts)
+            steps = module.set_preset(encoder, expected)
             while True:
                 try:
                     lika.run(steps, wire, wait=wire.wait)
                     break
                 except lika.StepError as error:
                     assert isinstance(error.__cause__, lika.VerifyError)
-                    assert wire.encoder.position_now() in (before, wanted), code
-            assert wire.encoder.position_now() == wanted, code
-            assert encoder.decode(wire.line.frame()).usable_position in (None, wanted)
-            before = wanted
-        done[module.__name__] += 1
+                    assert wire.encoder.position_now() in (before, expected), code
+            assert wire.encoder.position_now() == expected, code
+            assert encoder.decode(wire.line.frame()).usable_position in (None, expected)
+            before = expected
+        presets_by_module[module.__name__] += 1
         assert wire.encoder.memory.too_early == 0
         assert 2 * wire.disturbed > wire.accesses // 5
-    assert len(done) == 3
+    assert len(presets_by_module) == 3
 
 
 def test_identities_and_serial_numbers(packages: Mapping[str, ModuleType], library: Library) -> None:

@@ -264,8 +264,8 @@ def test_a_program_in_c(outputs: Path, tmp_path: Path) -> None:
     flags = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", f"-I{outputs / 'c' / 'include'}"]
     subprocess.run(["gcc", *flags, str(source), "-o", str(program)], check=True)
     replies = [f"A 2 {AMT21.hex(' ')}", "A 2 AA 61", "A 1 AB", f"S 7 {SKM36.hex(' ')}", f"S 8 FF {SKM36.hex(' ')}"]
-    done = subprocess.run([program], input="\n".join(replies), capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines() == [
+    completed = subprocess.run([program], input="\n".join(replies), capture_output=True, text=True, check=True)
+    assert completed.stdout.splitlines() == [
         "54 1 0 8619",
         "54 1 3 0",
         "54 0 1 0",

@@ -225,9 +225,9 @@ def timed_reply(request: bytes) -> Callable[[VirtualEncoder], Callable[[], Any]]
 def test_each_fault_changes_every_reply(fault: str) -> None:
     tried = 0
     for code, answers in encoders("rs485"):
-        listed = list(requests(VirtualEncoder(code, choose=answers, specs=[ROOT / "specs", EXAMPLES])))
-        assert listed, code
-        for request in listed:
+        data_requests = list(requests(VirtualEncoder(code, choose=answers, specs=[ROOT / "specs", EXAMPLES])))
+        assert data_requests, code
+        for request in data_requests:
             pair = Pair(code, answers, fault)
             for intact, faulty in pair.replies(timed_reply(request), 50):
                 assert intact[0]

@@ -78,7 +78,7 @@ def test_retries_make_up_for_a_fault(generated_python: Package, library: Library
 def test_resets_of_ten_requests(generated_python: Package, library: Library, fault: str) -> None:
     """A reset that succeeds was carried out, however often it had to start again."""
     lika = generated_python[1]
-    done = 0
+    succeeded = 0
     for at, code in enumerate(codes_with(library.devices, "rs485")):
         bench = Bench(lika, code, f"{fault}:0.05", seed=at, retries=20)
         bench.virtual.position = 1234 + at
@@ -89,10 +89,10 @@ def test_resets_of_ten_requests(generated_python: Package, library: Library, fau
             bench.do(bench.session.run(getattr(module, procedure.name)()))
         except lika.StepError:
             continue
-        done += 1
+        succeeded += 1
         bench.now += 1
         assert bench.virtual.position_now() == 0
-    assert done > 5
+    assert succeeded > 5
 
 
 def test_memory_that_is_busy(generated_python: Package) -> None:

@@ -268,8 +268,8 @@ def test_c_accepts_exactly_the_valid_words(outputs: Path, tmp_path: Path) -> Non
     require(["gcc"])
     subprocess.run(["gcc", "-std=c99", "-O1", "-I", include, str(source), "-o", str(tmp_path / "words")], check=True)
     printed = subprocess.run([tmp_path / "words"], capture_output=True, text=True, check=True).stdout.splitlines()
-    wanted = [f"{name} {word} {word & 0x3FFF}" for name in FRAMES for word in valid(name)]
-    assert sorted(printed) == sorted(wanted)
+    expected = [f"{name} {word} {word & 0x3FFF}" for name in FRAMES for word in valid(name)]
+    assert sorted(printed) == sorted(expected)
 
 
 def test_python_accepts_exactly_the_valid_words(package: Any) -> None:

@@ -74,8 +74,8 @@ def program(outputs: Path) -> Path:
 @pytest.mark.parametrize("runner", [[], ["runner"]], ids=["run", "runner"])
 @pytest.mark.parametrize("name", CALLS)
 def test_each_list_makes_these_calls(name: str, runner: list[str], program: Path) -> None:
-    done = subprocess.run([program, name, *runner], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines() == CALLS[name]
+    completed = subprocess.run([program, name, *runner], capture_output=True, text=True, check=True)
+    assert completed.stdout.splitlines() == CALLS[name]
 
 
 def test_the_steps_of_a_spec_read_neighbours_on_their_own(outputs: Path, tmp_path: Path) -> None:
@@ -94,8 +94,8 @@ def test_the_steps_of_a_spec_read_neighbours_on_their_own(outputs: Path, tmp_pat
     include = str(outputs / "mps" / "c" / "include")
     require(["gcc", *CHECKS])
     subprocess.run(["gcc", *CHECKS, "-I", include, str(source), "-o", str(program)], check=True)
-    done = subprocess.run([program], capture_output=True, text=True, check=True)
-    assert done.stdout == "2 1\n3 1\n"
+    completed = subprocess.run([program], capture_output=True, text=True, check=True)
+    assert completed.stdout == "2 1\n3 1\n"
 
 
 @pytest.fixture(scope="module")

@@ -162,8 +162,8 @@ def test_c_refuses_another_length(outputs: Path, tmp_path: Path) -> None:
     include = str(outputs / "c" / "include")
     require(["gcc", *strict])
     subprocess.run(["gcc", *strict, "-I", include, str(source), "-o", str(program)], check=True)
-    done = subprocess.run([program], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines() == ["1 1", "1", "21AB 0", "21AB"]
+    completed = subprocess.run([program], capture_output=True, text=True, check=True)
+    assert completed.stdout.splitlines() == ["1 1", "1", "21AB 0", "21AB"]
 
 
 @pytest.mark.parametrize(
