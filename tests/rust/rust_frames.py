@@ -130,10 +130,8 @@ def cases(program: Program, index: int) -> list[Case]:
     device, struct = program.device, program.structs[index]
     names = [interface.name for interface, frame in program.family.frames if frame is struct]
     name = struct.register.interface if struct.register is not None else names[0]
-    answered_variants = _with_each_answer(device, (*device.variants, *run_time_variants(device)))
-    variants = {
-        tuple(variant.parameters.items()): variant for variant in answered_variants if variant.interface == name
-    }
+    answered = _with_each_answer(device, (*device.variants, *run_time_variants(device)))
+    variants = {tuple(variant.parameters.items()): variant for variant in answered if variant.interface == name}
     return [Case(device, struct, variant, struct.layout.place(variant.parameters)) for variant in variants.values()]
 
 
