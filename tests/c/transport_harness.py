@@ -198,7 +198,13 @@ class Machine:
         result = self._function(name)(ctypes.byref(transport), *arguments, data, ctypes.byref(failure))
         # The first byte is the number of bytes that were filled.
         filled = bytes(data[1 : 1 + data[0]]) if data[0] != 0xAA else b""
-        return Answer(result, filled, failure.as_tuple(), encoder.record, failure.left_open)
+        return Answer(
+            result=result,
+            data=filled,
+            failure=failure.as_tuple(),
+            record=encoder.record,
+            left_open=failure.left_open,
+        )
 
 
 def compile_machine(device: Device, folder: Path, stepped: bool = False) -> None:

@@ -94,13 +94,13 @@ def declared(texts: Iterable[str]) -> Declared:
     assert len(enums) == len(re.findall(r"\benum\b", code)), "an enumeration that is no type"
     enumerators = tuple(enumerator.split("=")[0].strip() for body, _ in enums for enumerator in body.split(","))
     return Declared(
-        functions,
-        macros,
-        enumerators,
-        constants,
-        tables,
-        (*(name for _, name in enums), *_STRUCT.findall(code)),
-        dict(_conditions(code)),
+        functions=functions,
+        macros=macros,
+        enumerators=enumerators,
+        constants=constants,
+        tables=tables,
+        types=(*(name for _, name in enums), *_STRUCT.findall(code)),
+        conditions=dict(_conditions(code)),
     )
 
 

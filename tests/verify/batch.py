@@ -93,7 +93,15 @@ class Batch:
         for number, plain_codec in enumerate(codecs(self.view)):
             name = short(self.view, plain_codec)
             interface, layout = layouts[name]
-            self.codecs.append(Codec(number, name, interface, layout, plain_codec, tuple(members(plain_codec))))
+            codec = Codec(
+                number=number,
+                name=name,
+                interface=interface,
+                layout=layout,
+                view=plain_codec,
+                members=tuple(members(plain_codec)),
+            )
+            self.codecs.append(codec)
         fields = [field for codec in self.codecs for field in codec.layout.fields]
         choices = [field for field in fields if isinstance(field.kind, Choice)]
         assert all(value.value < 256 for field in choices for value in field.values)

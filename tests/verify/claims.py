@@ -27,7 +27,8 @@ def verdict(
     """
     text = harness.read_text(encoding="utf-8")
     checker = Checker(tool("cbmc", (OURS,)), tool("cryptominisat5"))
-    result = checker.prove(Proof(claim, text, claim, rounds, (*UNDEFINED, *more)), include, folder)
+    proof = Proof(claim, harness=text, function=claim, unwind=rounds, options=(*UNDEFINED, *more))
+    result = checker.prove(proof, include, folder)
     return result.proved, result.words
 
 

@@ -151,7 +151,7 @@ class Variants:
                 parameter = at_run_time[name]
                 ranges[name] = (parameter.min or 0, parameter.largest if parameter.max is None else parameter.max)
         combinations = tuple(dict(zip(fixed, values, strict=True)) for values in sorted(fixed_values))
-        return cls(device, tuple(names), combinations, ranges, undecided)
+        return cls(device=device, names=tuple(names), combinations=combinations, ranges=ranges, alternatives=undecided)
 
     def fixed(self, values: Mapping[str, int]) -> Variants:
         """Return the same with these fixed values of the registers at run time."""

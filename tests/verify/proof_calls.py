@@ -264,7 +264,8 @@ class CallProof:
             more = f" and {len(group) - 1} more" if len(group) > 1 else ""
             options = (*UNDEFINED, *([PARTLY] if rounds == ANY_ROUNDS else []))
             whole = f"{text}void everything(void)\n{{\n{body}}}\n"
-            yield Proof(f"{group[0].name}{more}, called", whole, "everything", rounds, options)
+            name = f"{group[0].name}{more}, called"
+            yield Proof(name, harness=whole, function="everything", unwind=rounds, options=options)
 
 
 def _any_steps(function: Function) -> bool:

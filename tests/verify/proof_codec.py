@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
 from typing import NamedTuple
 
 from c_harness import included
@@ -313,34 +314,21 @@ def functions(codec: Codec) -> Iterator[str]:
 
 
 def proofs(codec: Codec) -> Iterable[Proof]:
-    text, covers = _harness(codec), codec.variants.count
     state = "".join(f", {name} {value}" for name, value in codec.fixed_values.items())
-    subject = codec.name + state
-    unwind = max(66, codec.layout.widest + 2)
-    yield Proof(f"{codec.name} everything{state}", text, "everything", unwind, tuple(UNDEFINED), covers, subject)
-    yield Proof(
-        f"{codec.name} reached{state}",
-        text,
-        "reached",
-        unwind,
-        ("--no-standard-checks",),
-        covers,
-        subject,
-        reached=True,
+    new_proof = partial(
+        Proof,
+        harness=_harness(codec),
+        unwind=max(66, codec.layout.widest + 2),
+        covers=codec.variants.count,
+        subject=codec.name + state,
     )
+    without_checks = ("--no-standard-checks",)
+    yield new_proof(f"{codec.name} everything{state}", function="everything", options=tuple(UNDEFINED))
+    yield new_proof(f"{codec.name} reached{state}", function="reached", options=without_checks, reached=True)
     if codec.crc is not None:
         for function in _WITH_CRC:
-            yield Proof(
-                f"{codec.name} {function}{state}", text, function, unwind, ("--no-standard-checks",), covers, subject
-            )
+            yield new_proof(f"{codec.name} {function}{state}", function=function, options=without_checks)
         for option in codec.header.options:
             for function in ("decode_result", "encode_crc"):
-                yield Proof(
-                    f"{codec.name} {function} with {option}{state}",
-                    text,
-                    function,
-                    unwind,
-                    (f"-D{option}", *UNDEFINED),
-                    covers,
-                    subject,
-                )
+                name = f"{codec.name} {function} with {option}{state}"
+                yield new_proof(name, function=function, options=(f"-D{option}", *UNDEFINED))

@@ -106,9 +106,10 @@ def shared_proofs() -> Iterable[Proof]:
         "difference_of_bytes",
         "difference_of_anything",
     ):
-        yield Proof(f"cw {function}", text, function, 66, tuple(UNDEFINED))
+        yield Proof(f"cw {function}", harness=text, function=function, options=tuple(UNDEFINED))
     for power in range(0, 64, POWERS):
-        yield Proof(f"cw difference by 2^{power} and on", text, "difference", 66, (f"-DPOWER={power}", *UNDEFINED))
+        options = (f"-DPOWER={power}", *UNDEFINED)
+        yield Proof(f"cw difference by 2^{power} and on", harness=text, function="difference", options=options)
 
 
 def crc_proofs(device: Device, header: Header) -> Iterable[Proof]:
@@ -120,7 +121,8 @@ def crc_proofs(device: Device, header: Header) -> Iterable[Proof]:
                 continue
             kinds = [kind for kind, _ in function.arguments]
             text = f"{included(device)}{PRELUDE}" + _crc(crc, function.name, kinds)
-            yield Proof(f"{function.name} of every input", text, "crc", 8 * BYTES + 2, tuple(UNDEFINED))
+            name, rounds = f"{function.name} of every input", 8 * BYTES + 2
+            yield Proof(name, harness=text, function="crc", unwind=rounds, options=tuple(UNDEFINED))
 
 
 def _crc(crc: Crc, name: str, kinds: list[str]) -> str:

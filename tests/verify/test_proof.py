@@ -19,6 +19,7 @@ import shutil
 import subprocess
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
@@ -80,15 +81,14 @@ def device_of(stem: str) -> Device | None:
 def codecs(device: Device, header: Header) -> Iterator[Codec]:
     """Return every frame, and every register that is more than one number in one byte."""
     view = DeviceView(device)
-    prefix = view.prefix
+    new_codec = partial(Codec, device, header=header, prefix=view.prefix)
     for codec in view.interface.codecs:
-        yield Codec(device, view.context.interface.name, codec.struct.layout, header, prefix, codec.name)
+        yield new_codec(view.context.interface.name, layout=codec.struct.layout, name=codec.name)
     for register in device.registers:
         plain = register.length == 1 and [field.width.render() for field in register.layout.fields] == ["8"]
         if not plain:
-            yield Codec(
-                device, register.interface, register.layout, header, prefix, f"{prefix}_reg_{register.name}", register
-            )
+            name = f"{view.prefix}_reg_{register.name}"
+            yield new_codec(register.interface, layout=register.layout, name=name, register=register)
 
 
 def states(codec: Codec) -> Iterator[Mapping[str, int]]:
