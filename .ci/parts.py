@@ -61,7 +61,9 @@ class Log:
             if lines:
                 print(f"\n{title}: {len(lines)}", *lines, sep="\n  ")
         print(f"\n{self.counts['passed']} passed, {self.counts['failed']} failed, {self.counts['skipped']} skipped")
-        return 1 if self.failed else 2 if self.not_run and not allow_missing else 0
+        if self.failed:
+            return 1
+        return 2 if self.not_run and not allow_missing else 0
 
 
 def readme_commands() -> list[str]:
@@ -88,7 +90,7 @@ def run(command: str, seconds: float, lines: list[str], folder: str = ".") -> in
     variables = dict(os.environ)
     if folder != ".":
         variables.pop("CODEWHEEL_LOCKED", None)
-    made = subprocess.Popen(
+    process = subprocess.Popen(
         ["sh", "-c", command],
         cwd=folder,
         env=variables,
@@ -98,13 +100,13 @@ def run(command: str, seconds: float, lines: list[str], folder: str = ".") -> in
         errors="replace",
         start_new_session=True,
     )
-    reader = threading.Thread(target=lines.extend, args=(made.stdout,), daemon=True)
+    reader = threading.Thread(target=lines.extend, args=(process.stdout,), daemon=True)
     reader.start()
     try:
-        return made.wait(seconds)
+        return process.wait(seconds)
     except subprocess.TimeoutExpired:
-        os.killpg(made.pid, signal.SIGKILL)
-        made.wait()
+        os.killpg(process.pid, signal.SIGKILL)
+        process.wait()
         return None
     finally:
         reader.join(10)  # A program that left the group may keep the pipe open.
@@ -113,10 +115,10 @@ def run(command: str, seconds: float, lines: list[str], folder: str = ".") -> in
 def parts() -> list[str]:
     """List the parts of ``make verify``. Each commit starts with another one, so that none is always the last."""
     files = Path("tests/verify").glob("test_*.py")
-    found = sorted({re.sub("python_.*", "python", path.stem.removeprefix("test_")) for path in files})
-    done = subprocess.run(["git", "rev-list", "--count", "HEAD"], capture_output=True, text=True)
-    first = int(done.stdout or 0) % len(found)
-    return [f"make verify-{name}" for name in found[first:] + found[:first]]
+    names = sorted({re.sub("python_.*", "python", path.stem.removeprefix("test_")) for path in files})
+    completed = subprocess.run(["git", "rev-list", "--count", "HEAD"], capture_output=True, text=True)
+    first = int(completed.stdout or 0) % len(names)
+    return [f"make verify-{name}" for name in names[first:] + names[:first]]
 
 
 def take(command: str, deadline: float, log: Log, folder: str = ".") -> None:
@@ -154,16 +156,16 @@ def main() -> int:
     parser.add_argument("--allow-missing", action="store_true", help="accept what did not run")
     parser.add_argument("--started", type=float, default=time.time(), help=argparse.SUPPRESS)
     parser.add_argument("--missing", default="", help=argparse.SUPPRESS)
-    given = parser.parse_args()
+    options = parser.parse_args()
     os.environ.update(SIZES | os.environ)
-    log = Log([name for name in given.missing.split(",") if name])
-    deadline = given.started + DEADLINE
+    log = Log([name for name in options.missing.split(",") if name])
+    deadline = options.started + DEADLINE
     take("make lint", deadline, log)
     take_readme(deadline, log)
     os.environ["PYTEST_XDIST_AUTO_NUM_WORKERS"] = str(max(1, (os.cpu_count() or 1) // LANES))
     with ThreadPoolExecutor(LANES) as lanes:
         list(lanes.map(lambda command: take(command, deadline, log), parts()))
-    return log.close(given.allow_missing or bool(os.environ.get("CODEWHEEL_ALLOW_MISSING")))
+    return log.close(options.allow_missing or bool(os.environ.get("CODEWHEEL_ALLOW_MISSING")))
 
 
 if __name__ == "__main__":

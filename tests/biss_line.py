@@ -93,10 +93,10 @@ class Line:
     def frame(self) -> None:
         """One BiSS frame: CDS first, from the far end of the chain to the master, then CDM."""
         number = len(self.cdm)
-        seen = self.disturb_cdm(number - 1, self.cdm[-1]) if self.cdm else 0
+        cdm_bit = self.disturb_cdm(number - 1, self.cdm[-1]) if self.cdm else 0
         bit = 0
         for slave, memory in reversed(list(zip(self.slaves, self.memories, strict=True))):
-            bit = slave.next(seen, bit)
+            bit = slave.next(cdm_bit, bit)
             memory.serve(slave)
         self.cds.append(self.disturb_cds(number, bit))
         self.cdm.append(self.master.next(self.cds[-1]))
@@ -159,5 +159,5 @@ def ssi_only(folder: Path) -> Device:
     shutil.copy(SPECS / "manufacturer.yaml", folder)
     (device,), report = load_library([folder / "bits22.yaml"])
     assert not report
-    assert {item.name for item in device.interfaces} == {"ssi"}
+    assert {interface.name for interface in device.interfaces} == {"ssi"}
     return device

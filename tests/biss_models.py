@@ -17,14 +17,14 @@ Part = Generator[int, int, int]
 
 def crc_4(bits: Iterable[int]) -> list[int]:
     """Return the CRC x^4 + x + 1 with start value 0, inverted, highest bit first."""
-    rest = [0, 0, 0, 0]
+    remainder = [0, 0, 0, 0]
     for bit in bits:
-        out = rest[0] ^ bit
-        rest = [rest[1], rest[2], rest[3] ^ out, out]
-    return [1 - bit for bit in rest]
+        out = remainder[0] ^ bit
+        remainder = [remainder[1], remainder[2], remainder[3] ^ out, out]
+    return [1 - bit for bit in remainder]
 
 
-def of(number: int, width: int) -> list[int]:
+def bits_of(number: int, width: int) -> list[int]:
     return [number >> place & 1 for place in range(width - 1, -1, -1)]
 
 
@@ -50,13 +50,13 @@ class ModelSlave:
     store: tuple[int, int] = (0, 0)
     chance: random.Random = field(default_factory=lambda: random.Random(0))
     #: Names of received bits that the protocol description does not have.
-    wrong: list[str] = field(default_factory=list)
+    violations: list[str] = field(default_factory=list)
     stored: list[tuple[int, int]] = field(default_factory=list)
     _zeros: int = 0
     _now: int = 0
     _ready: int = 0
 
-    def held(self, address: int) -> int:
+    def stored_value(self, address: int) -> int:
         return self.registers[address]
 
     def run(self) -> Bits:
@@ -99,7 +99,7 @@ class ModelSlave:
         read = yield from self._exchange(0)
         write = yield from self._exchange(read)
         if read == write:
-            self.wrong.append("R W")
+            self.violations.append("R W")
             return
         allowed = self.writable if write else self.readable
         refused = address not in allowed
@@ -124,12 +124,12 @@ class ModelSlave:
         self._ready = max(self._ready, self._now + self.chance.randint(*bounds))
 
     def _read(self, address: int, waited: bool) -> Generator[int, int, None]:
-        data = of(self.registers[address], 8)
+        data = bits_of(self.registers[address], 8)
         heard = yield from self._exchanges([1, *data, *crc_4(data)])
         if any(heard[1:]):
-            self.wrong.append("a read that sends more than zeros")
+            self.violations.append("a read that sends more than zeros")
         elif heard[0] and not waited:
-            self.wrong.append("S in place of DATA7 of a read")
+            self.violations.append("S in place of DATA7 of a read")
 
     def _write(self, address: int) -> Generator[int, int, None]:
         heard = [(yield from self._exchange(1))]
@@ -140,7 +140,7 @@ class ModelSlave:
             self.stored.append((address, self.registers[address]))
             self._busy(self.store)
         else:
-            self.wrong.append("a byte whose CRC does not fit")
+            self.violations.append("a byte whose CRC does not fit")
 
 
 @dataclass
@@ -172,13 +172,13 @@ class ModelMaster:
         self.outcome = "done"
 
     def _one(self, address: int, value: int | None) -> Generator[int, int, bool]:
-        header = [1, 0, 0, 0, *of(address, 7)]
-        data = of(value, 8) if value is not None else []
+        header = [1, 0, 0, 0, *bits_of(address, 7)]
+        data = bits_of(value, 8) if value is not None else []
         tail = [*data, *crc_4(data)] if value is not None else [0] * 12
         access = [0, 1] if value is not None else [1, 0]
-        sent = [*[0] * 14, 1, *header, *crc_4(header), *access, 1, *tail, 0]
+        request_bits = [*[0] * 14, 1, *header, *crc_4(header), *access, 1, *tail, 0]
         heard: list[int] = []
-        for bit in [*sent, *[0] * self.latency]:
+        for bit in [*request_bits, *[0] * self.latency]:
             heard += [(yield bit)]
         answers = heard[14 + self.latency :]
         locked, echo, start, byte = answers[:16], answers[16:18], answers[18], answers[19:31]

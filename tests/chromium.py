@@ -112,22 +112,22 @@ class Browser:
             assert piece, "the browser has gone"
             self._buffer += piece
         message, _, self._buffer = self._buffer.partition(b"\0")
-        found: Mapping[str, Any] = json.loads(message)
-        return found
+        decoded: Mapping[str, Any] = json.loads(message)
+        return decoded
 
     def _hear(self, event: Mapping[str, Any]) -> None:
-        told = event.get("params", {})
+        parameters = event.get("params", {})
         match event.get("method"):
             case "Page.loadEventFired":
                 self._loaded = True
-            case "Network.requestWillBeSent" if not told["request"]["url"].startswith(_OWN):
-                self.complaints.append(f"asks for {told['request']['url']}")
+            case "Network.requestWillBeSent" if not parameters["request"]["url"].startswith(_OWN):
+                self.complaints.append(f"asks for {parameters['request']['url']}")
             case "Network.loadingFailed":
-                self.complaints.append(f"a request failed: {told['errorText']}")
+                self.complaints.append(f"a request failed: {parameters['errorText']}")
             case "Runtime.exceptionThrown":
-                details = told["exceptionDetails"]
+                details = parameters["exceptionDetails"]
                 self.complaints.append(details.get("exception", {}).get("description", details["text"]))
-            case "Runtime.consoleAPICalled" if told["type"] in ("error", "warning"):
-                self.complaints.append(f"console: {told['args']}")
-            case "Log.entryAdded" if told["entry"]["level"] in ("error", "warning"):
-                self.complaints.append(f"log: {told['entry']['text']}")
+            case "Runtime.consoleAPICalled" if parameters["type"] in ("error", "warning"):
+                self.complaints.append(f"console: {parameters['args']}")
+            case "Log.entryAdded" if parameters["entry"]["level"] in ("error", "warning"):
+                self.complaints.append(f"log: {parameters['entry']['text']}")

@@ -46,9 +46,9 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
 
 def pytest_collection_modifyitems(items: Sequence[pytest.Item]) -> None:
     """A test that needs a shared artefact is slow, because one of them must build it. So is the longer evidence."""
-    for item in items:
-        if "made_once" in getattr(item, "fixturenames", ()) or ROOT / "tests" / "verify" in item.path.parents:
-            item.add_marker(pytest.mark.slow)
+    for test in items:
+        if "made_once" in getattr(test, "fixturenames", ()) or ROOT / "tests" / "verify" in test.path.parents:
+            test.add_marker(pytest.mark.slow)
 
 
 def pytest_configure() -> None:
@@ -71,11 +71,11 @@ def pytest_sessionfinish() -> None:
 def _quick_tests_are_quick(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     """Only tests that are marked as slow may start processes."""
 
-    def started(self: Any, command: Any, *more: Any, **named: Any) -> None:
+    def refuse_to_start(self: Any, command: Any, *more: Any, **named: Any) -> None:
         raise AssertionError(f"this test runs {command}: mark it with pytest.mark.slow")
 
     if request.node.get_closest_marker("slow") is None:
-        monkeypatch.setattr(subprocess.Popen, "__init__", started)
+        monkeypatch.setattr(subprocess.Popen, "__init__", refuse_to_start)
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -106,23 +106,23 @@ def _own_cache(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
 @pytest.fixture(scope="session", autouse=True)
 def _tools_are_tried_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory) -> None:
     """The processes of a run share the results."""
-    own = tmp_path_factory.getbasetemp()
-    working_tools.results = (own.parent if hasattr(pytestconfig, "workerinput") else own) / "tools"
+    base_folder = tmp_path_factory.getbasetemp()
+    working_tools.results = (base_folder.parent if hasattr(pytestconfig, "workerinput") else base_folder) / "tools"
 
 
 def _once(read: Callable[..., Any]) -> Callable[..., Any]:
-    known: dict[Any, Any] = {}
+    results: dict[Any, Any] = {}
 
     def once(*arguments: Any, **options: Any) -> Any:
-        given = arguments[0] if arguments else None
-        paths: Sequence[Path] = given or ()
-        key = (given is None, tuple(paths), None if all(path.is_absolute() for path in paths) else Path.cwd())
+        first = arguments[0] if arguments else None
+        paths: Sequence[Path] = first or ()
+        key = (first is None, tuple(paths), None if all(path.is_absolute() for path in paths) else Path.cwd())
         if not all(_OURS & {*path.resolve().parents, path.resolve()} for path in paths):
             return read(*arguments, **options)
-        if key not in known:
-            known[key] = read(*arguments[:1])
-        found, report = known[key]
-        return found, deepcopy(report)
+        if key not in results:
+            results[key] = read(*arguments[:1])
+        families, report = results[key]
+        return families, deepcopy(report)
 
     return once
 
@@ -161,10 +161,10 @@ def hostile(library: Library) -> Library:
 @pytest.fixture(scope="session")
 def made_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory) -> MadeOnce:
     """Fill a folder once for all workers of a run. The first one does the work, and the others wait for it."""
-    own = tmp_path_factory.getbasetemp()
-    shared = own.parent if hasattr(pytestconfig, "workerinput") else own
+    base_folder = tmp_path_factory.getbasetemp()
+    shared = base_folder.parent if hasattr(pytestconfig, "workerinput") else base_folder
 
-    def made(name: str, fill: Callable[[Path], object]) -> Path:
+    def filled_folder(name: str, fill: Callable[[Path], object]) -> Path:
         folder = shared / "once" / name
         folder.mkdir(parents=True, exist_ok=True)
         with (folder / ".lock").open("w") as lock:
@@ -174,7 +174,7 @@ def made_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFact
                 (folder / ".done").touch()
         return folder
 
-    return made
+    return filled_folder
 
 
 @pytest.fixture(scope="session")
@@ -191,7 +191,7 @@ def import_generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Libr
 
     folders: dict[str, list[Path]] = {}
 
-    def made(library: Library, package: str) -> tuple[Path, ModuleType]:
+    def import_package(library: Library, package: str) -> tuple[Path, ModuleType]:
         folder = tmp_path_factory.mktemp("generated")
         for path, text in generate(library).items():
             target = folder / path
@@ -214,7 +214,7 @@ def import_generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Libr
         folders[package].insert(0, folder / "python" / package)
         return folder / "python", imported
 
-    return made
+    return import_package
 
 
 @pytest.fixture(scope="session")
@@ -229,11 +229,11 @@ def generated_python(
 def packages(generated_python: tuple[Path, ModuleType], library: Library) -> Mapping[str, ModuleType]:
     """The generated package of each family."""
     folder, main = generated_python
-    found = {}
+    packages = {}
     with pytest.MonkeyPatch.context() as patch:
         for device in library.devices:
             maker = device.manufacturer
             if not maker.main:
                 patch.syspath_prepend(folder / maker.python_package)
-            found[device.name] = main if maker.main else importlib.import_module(maker.python_package)
-    return found
+            packages[device.name] = main if maker.main else importlib.import_module(maker.python_package)
+    return packages

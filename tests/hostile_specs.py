@@ -19,8 +19,8 @@ BISS_CLOCK: Item = {"min_hz": 80000, "max_hz": 10000000, "source": "1"}
 
 
 def crc(name: str, width: int, poly: int, xorout: int) -> Item:
-    one = {"name": name, "width": width, "poly": poly, "init": 0, "refin": False, "refout": False, "xorout": xorout}
-    return {**one, "note": "Some frames of a test end in it.", "source": "1"}
+    crc = {"name": name, "width": width, "poly": poly, "init": 0, "refin": False, "refout": False, "xorout": xorout}
+    return {**crc, "note": "Some frames of a test end in it.", "source": "1"}
 
 
 def layout_of(name: str, *fields: Item, **more: Any) -> Item:

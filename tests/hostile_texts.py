@@ -18,26 +18,30 @@ TEXTS = frozenset(
 )
 
 
-def spoilt(item: Any, text: str, names: frozenset[str] = TEXTS) -> Any:
+def spoilt(part: Any, text: str, names: frozenset[str] = TEXTS) -> Any:
     """Return the same value, with ``text`` in place of all texts of these members."""
-    if dataclasses.is_dataclass(item) and not isinstance(item, type):
+    if dataclasses.is_dataclass(part) and not isinstance(part, type):
         changes = {}
-        for member in dataclasses.fields(item):
-            value = getattr(item, member.name)
-            is_text = member.name in names or (member.name == "value" and type(item).__name__ == "Characteristic")
-            changes[member.name] = _spoilt_text(value, text, names) if is_text else spoilt(value, text, names)
-        return dataclasses.replace(item, **changes)
-    if isinstance(item, tuple):
-        return tuple(spoilt(entry, text, names) for entry in item)
-    if isinstance(item, Mapping):
-        return {key: spoilt(entry, text, names) for key, entry in item.items()}
-    return item
+        for member in dataclasses.fields(part):
+            member_value = getattr(part, member.name)
+            is_text = member.name in names or (member.name == "value" and type(part).__name__ == "Characteristic")
+            changes[member.name] = (
+                _spoilt_text(member_value, text, names) if is_text else spoilt(member_value, text, names)
+            )
+        return dataclasses.replace(part, **changes)
+    if isinstance(part, tuple):
+        return tuple(spoilt(member, text, names) for member in part)
+    if isinstance(part, Mapping):
+        return {key: spoilt(member, text, names) for key, member in part.items()}
+    return part
 
 
 def _spoilt_text(value: Any, text: str, names: frozenset[str]) -> Any:
     if isinstance(value, str):
         # Numbers of steps stay, because links refer to them.
-        return f"1. {text} 2. {text} 3. {text}" if has_steps(value) else text if value else value
-    if isinstance(value, tuple) and all(isinstance(entry, str) for entry in value):
+        if has_steps(value):
+            return f"1. {text} 2. {text} 3. {text}"
+        return text if value else value
+    if isinstance(value, tuple) and all(isinstance(part, str) for part in value):
         return tuple(text for _ in value)
     return spoilt(value, text, names)

@@ -45,17 +45,21 @@ def parts(folder: Path, make: str, *arguments: str, commits: int = 0, **environm
     variables = {**os.environ, "PATH": f"{folder / 'bin'}:{os.environ['PATH']}", "ORDER": str(folder / "order")}
     variables |= environment
     command = [sys.executable, str(CI / "parts.py"), *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, cwd=folder, env=variables, check=False)
-    assert not done.stderr
-    return done.returncode, done.stdout
+    completed = subprocess.run(command, capture_output=True, text=True, cwd=folder, env=variables, check=False)
+    assert not completed.stderr
+    return completed.returncode, completed.stdout
 
 
 def test_every_part_is_made(tmp_path: Path) -> None:
     code, out = parts(tmp_path, PASSES)
-    made = (tmp_path / "order").read_text(encoding="utf-8").splitlines()
+    started_parts = (tmp_path / "order").read_text(encoding="utf-8").splitlines()
     verify = ["here verify-a", "here verify-python", "here verify-z"]
-    assert (code, made[:3], sorted(made[3:])) == (0, ["here lint", "clone first", "clone second"], verify)
-    assert [f"== make {part.split()[1]}" in out.splitlines() for part in made] == [True] * 6
+    assert (code, started_parts[:3], sorted(started_parts[3:])) == (
+        0,
+        ["here lint", "clone first", "clone second"],
+        verify,
+    )
+    assert [f"== make {part.split()[1]}" in out.splitlines() for part in started_parts] == [True] * 6
     assert out.endswith("\n18 passed, 0 failed, 6 skipped\n")
 
 
@@ -74,9 +78,9 @@ def test_the_clone_is_a_real_one(module: ModuleType, tmp_path: Path, monkeypatch
 
 def test_only_the_clone_has_packages_that_are_not_locked(tmp_path: Path) -> None:
     parts(tmp_path, PASSES, CODEWHEEL_LOCKED="1")
-    made = (tmp_path / "order").read_text(encoding="utf-8").splitlines()
-    assert made[:3] == ["here1 lint", "clone first", "clone second"]
-    assert all(part.startswith("here1 ") for part in made[3:])
+    started_parts = (tmp_path / "order").read_text(encoding="utf-8").splitlines()
+    assert started_parts[:3] == ["here1 lint", "clone first", "clone second"]
+    assert all(part.startswith("here1 ") for part in started_parts[3:])
 
 
 @pytest.mark.parametrize("is_still_skipped", [False, True])
@@ -86,12 +90,12 @@ def test_files_that_the_clone_skips_run_here(is_still_skipped: bool, tmp_path: P
 """
     again = 'case "$*" in test*) echo "SKIPPED [1] tests/test_a.py:1: no polars" ;; esac\n' if is_still_skipped else ""
     code, out = parts(tmp_path, skips + again + PASSES)
-    made = (tmp_path / "order").read_text(encoding="utf-8").splitlines()
-    assert made[3] == "here test TESTS=tests/python/test_b.py tests/test_a.py"
+    started_parts = (tmp_path / "order").read_text(encoding="utf-8").splitlines()
+    assert started_parts[3] == "here test TESTS=tests/python/test_b.py tests/test_a.py"
     assert code == (2 if is_still_skipped else 0)
     command = "make test TESTS='tests/python/test_b.py tests/test_a.py'"
-    message = f"DID NOT RUN: 1\n  1 skipped in {command}: tests/test_a.py:1: no polars\n"
-    assert (message in out) == is_still_skipped
+    skipped_line = f"DID NOT RUN: 1\n  1 skipped in {command}: tests/test_a.py:1: no polars\n"
+    assert (skipped_line in out) == is_still_skipped
 
 
 def test_a_test_that_a_helper_skips_in_the_clone_did_not_run(tmp_path: Path) -> None:
@@ -113,7 +117,7 @@ SKIPS = 'echo "SKIPPED [2] tests/verify/test_a.py:9: {}"\n' + PASSES
 
 
 @pytest.mark.parametrize(
-    ("make", "arguments", "said"),
+    ("make", "arguments", "message"),
     [
         (f'[ "$1" != verify-z ] || exit 7\n{PASSES}', [], "FAILED: 1\n  make verify-z\n"),
         (PASSES, ["--missing", ",clang,node"], "DID NOT RUN: 2\n  not installed: clang\n  not installed: node\n"),
@@ -130,14 +134,15 @@ SKIPS = 'echo "SKIPPED [2] tests/verify/test_a.py:9: {}"\n' + PASSES
     ],
 )
 def test_what_did_not_run_is_an_error_unless_allowed(
-    make: str, arguments: list[str], said: str, tmp_path: Path
+    make: str, arguments: list[str], message: str, tmp_path: Path
 ) -> None:
     code, out = parts(tmp_path, make, *arguments)
-    failed = said.startswith("FAILED")
-    assert (code, said in out) == (1 if failed else 2 if said else 0, True), out
-    assert ("DID NOT RUN" in out) == (bool(said) and not failed)
+    failed = message.startswith("FAILED")
+    incomplete = 2 if message else 0
+    assert (code, message in out) == (1 if failed else incomplete, True), out
+    assert ("DID NOT RUN" in out) == (bool(message) and not failed)
     allowed, again = parts(tmp_path, make, *arguments, "--allow-missing")
-    assert (allowed, said in again) == (1 if failed else 0, True)
+    assert (allowed, message in again) == (1 if failed else 0, True)
     assert parts(tmp_path, make, *arguments, CODEWHEEL_ALLOW_MISSING="1")[0] == allowed
 
 
@@ -146,9 +151,9 @@ def module() -> ModuleType:
     spec = importlib.util.spec_from_file_location("parts", CI / "parts.py")
     assert spec is not None
     assert spec.loader is not None
-    made = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(made)
-    return made
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
 
 
 @pytest.mark.parametrize(
@@ -191,10 +196,10 @@ def prepared(folder: Path, apt: str) -> tuple[int, str]:
     for name in TOOLS:
         (folder / "bin" / name).symlink_to(shutil.which(name) or "")
     command = ["sh", ".ci/run", "--more"]
-    done = subprocess.run(
+    completed = subprocess.run(
         command, capture_output=True, text=True, cwd=folder, env={"PATH": str(folder / "bin")}, check=False
     )
-    return done.returncode, done.stdout + done.stderr
+    return completed.returncode, completed.stdout + completed.stderr
 
 
 def test_packages_that_cannot_be_installed_are_passed_on(tmp_path: Path) -> None:

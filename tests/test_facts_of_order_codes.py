@@ -80,16 +80,16 @@ READERS = {
 
 def readers() -> dict[str, set[str]]:
     """Return the restricted members that each module reads."""
-    found: dict[str, set[str]] = {}
+    readers_by_module: dict[str, set[str]] = {}
     for path in sorted(GENERATOR.rglob("*.py")):
         tree = ast.parse(path.read_text(encoding="utf-8"))
         names = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)} & RESTRICTED
         if names:
-            found[str(path.relative_to(GENERATOR))] = names
-    return found
+            readers_by_module[str(path.relative_to(GENERATOR))] = names
+    return readers_by_module
 
 
 def test_every_reader_is_known() -> None:
-    known = {module for modules in READERS.values() for module in modules}
-    assert {module: names for module, names in readers().items() if module not in known} == {}
-    assert known <= readers().keys()
+    listed = {module for modules in READERS.values() for module in modules}
+    assert {module: names for module, names in readers().items() if module not in listed} == {}
+    assert listed <= readers().keys()

@@ -18,9 +18,9 @@ def commands(*targets: str) -> str:
     if shutil.which("make") is None:
         pytest.skip("make is not installed")
     command = ["make", "--dry-run", "--assume-old=.venv/.installed", "--assume-old=.venv/.tested", *targets]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+    completed = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, check=False)
+    assert completed.returncode == 0, completed.stderr
+    return completed.stdout
 
 
 @pytest.mark.slow
@@ -52,9 +52,9 @@ def dry_run_in_a_clone(target: str) -> str:
     command = ["make", "--dry-run", "--file", str(ROOT / "Makefile"), target]
     with tempfile.TemporaryDirectory() as folder:
         (Path(folder) / "pyproject.toml").touch()
-        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr
-    return done.stdout
+        completed = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert completed.returncode == 0, completed.stderr
+    return completed.stdout
 
 
 def test_the_tests_install_what_they_build_with() -> None:
@@ -62,7 +62,7 @@ def test_the_tests_install_what_they_build_with() -> None:
     listed = re.findall(r"^test = \[(.*)\]$", (ROOT / "pyproject.toml").read_text(encoding="utf-8"), re.MULTILINE)
     required = set[str]()
     for path in (ROOT / "pyproject.toml", *(ROOT / "generated" / "python").rglob("pyproject.toml")):
-        (found,) = re.findall(r"^requires = \[(.*)\]$", path.read_text(encoding="utf-8"), re.MULTILINE)
-        required.update(re.findall(r'"([^"]+)"', found))
+        (requirements,) = re.findall(r"^requires = \[(.*)\]$", path.read_text(encoding="utf-8"), re.MULTILINE)
+        required.update(re.findall(r'"([^"]+)"', requirements))
     assert required
     assert required <= set(re.findall(r'"([^"]+)"', listed[0]))

@@ -17,8 +17,8 @@ ROOT = Path(__file__).parents[1]
 
 
 def run(*command: str | Path, cwd: Path, **environment: str) -> str:
-    done = subprocess.run(
-        [str(item) for item in command],
+    completed = subprocess.run(
+        [str(word) for word in command],
         cwd=cwd,
         capture_output=True,
         text=True,
@@ -26,8 +26,8 @@ def run(*command: str | Path, cwd: Path, **environment: str) -> str:
         env={**os.environ, **environment},
         timeout=300,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
+    assert completed.returncode == 0, completed.stdout + completed.stderr
+    return completed.stdout
 
 
 @pytest.fixture(scope="session")
@@ -55,7 +55,7 @@ def test_the_wheel_has_metadata(wheel: Path) -> None:
     classifiers = metadata.get_all("Classifier", [])
     assert "Typing :: Typed" in classifiers
     # A licence classifier beside the expression is refused by the index, and there is no address to give yet.
-    assert not [item for item in classifiers if item.startswith("License")]
+    assert not [classifier for classifier in classifiers if classifier.startswith("License")]
     assert not [key for key in ("Author-email", "Home-page", "Project-URL") if metadata[key]]
 
 
@@ -85,37 +85,33 @@ def test_the_installed_tool_works_in_an_empty_folder(wheel: Path, tmp_path: Path
     assert "written    generated/biss/idbiss4C69.xml" in out
     out = run(tool, "list", cwd=place)
     assert "amm5" in out
-    made = {path.relative_to(place) for path in (place / "generated").rglob("*") if path.is_file()}
-    for path in made:
+    paths = {path.relative_to(place) for path in (place / "generated").rglob("*") if path.is_file()}
+    for path in paths:
         assert (place / path).read_bytes() == (ROOT / path).read_bytes(), path
     tracked = run("git", "ls-files", "--cached", "--others", "--exclude-standard", "generated", cwd=ROOT)
-    assert {Path(name) for name in tracked.splitlines()} == made, "what is no output lies in generated/"
+    assert {Path(name) for name in tracked.splitlines()} == paths, "what is no output lies in generated/"
 
 
 @pytest.mark.slow
 def test_generated_is_what_the_specs_yield() -> None:
-    done = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "-m", "codewheel", "generate", "--check"],
         cwd=ROOT,
         capture_output=True,
         text=True,
         check=False,
     )
-    assert done.returncode == 0, done.stdout + done.stderr + "\nrun: make generate"
+    assert completed.returncode == 0, completed.stdout + completed.stderr + "\nrun: make generate"
 
 
 @pytest.mark.slow
 def test_a_clone_that_converts_line_ends_leaves_them(tmp_path: Path) -> None:
     """As git for Windows does by default. generate --check compares bytes."""
     run("git", "clone", "--quiet", "--shared", "--config", "core.autocrlf=true", ROOT, tmp_path / "clone", cwd=tmp_path)
-    kept = [
-        path
-        for folder in ("generated", "runtime", "specs", "templates")
-        for path in (tmp_path / "clone" / folder).rglob("*")
-        if path.is_file()
-    ]
-    assert len(kept) > 100
-    assert [path for path in kept if b"\r\n" in path.read_bytes()] == []
+    folders = [tmp_path / "clone" / name for name in ("generated", "runtime", "specs", "templates")]
+    paths = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
+    assert len(paths) > 100
+    assert [path for path in paths if b"\r\n" in path.read_bytes()] == []
 
 
 @pytest.mark.slow

@@ -21,9 +21,9 @@ README = (ROOT / "README.md").read_text(encoding="utf-8")
 
 
 def _block(language: str) -> str:
-    found = re.search(rf"```{language}\n(.*?)```", README, re.DOTALL)
-    assert found is not None
-    return found[1]
+    block = re.search(rf"```{language}\n(.*?)```", README, re.DOTALL)
+    assert block is not None
+    return block[1]
 
 
 def _examples_pass(text: str, package: ModuleType) -> bool:
@@ -54,8 +54,8 @@ def test_its_c_compiles(tmp_path: Path) -> None:
         cwd=tmp_path,
         check=True,
     )
-    done = subprocess.run([tmp_path / "front"], capture_output=True, text=True, check=True)
-    assert done.stdout == "1000003\n"
+    completed = subprocess.run([tmp_path / "front"], capture_output=True, text=True, check=True)
+    assert completed.stdout == "1000003\n"
 
 
 def _commands() -> list[str]:
@@ -156,11 +156,11 @@ def test_its_table_matches_the_specs(devices: Mapping[str, Device]) -> None:
         README,
         re.MULTILINE,
     )
-    told = {name: (set(interfaces.split(", ")), int(codes), grade) for interfaces, codes, name, grade in rows}
-    assert told == {
-        name: ({item.title for item in device.interfaces}, len(device.variants), device.evidence.grade)
-        for name, device in devices.items()
-    }
+    printed = {name: (set(interfaces.split(", ")), int(codes), grade) for interfaces, codes, name, grade in rows}
+    for name, device in devices.items():
+        interfaces = {interface.title for interface in device.interfaces}
+        assert printed[name] == (interfaces, len(device.variants), device.evidence.grade), name
+    assert printed.keys() == devices.keys()
 
 
 def test_its_links() -> None:

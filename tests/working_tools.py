@@ -85,14 +85,14 @@ def require(command: Sequence[str], folders: Sequence[str] = ()) -> str:
     """
     __tracebackhide__ = True  # pytest reports the place of the test.
     name, *options = command
-    found = shutil.which(name, path=os.pathsep.join([*folders, os.environ.get("PATH", "")]))
+    path = shutil.which(name, path=os.pathsep.join([*folders, os.environ.get("PATH", "")]))
     words = f"no {name} here"
-    if found:
+    if path:
         sanitizers = tuple(option for option in options if option.startswith("-fsanitize="))
         is_cxx = name.endswith("++") or "c++" in options
-        words = problem(found, Path(name).name, sanitizers, is_cxx)
+        words = problem(path, Path(name).name, sanitizers, is_cxx)
         if not words:
-            return found
+            return path
     message = f"{words}, so this is not shown; {PACKAGES.get(Path(name).name, 'install it')}"
     if os.environ.get("CODEWHEEL_REQUIRE_TOOLS"):
         pytest.fail(message)
@@ -105,13 +105,13 @@ def problem(path: str, name: str, sanitizers: tuple[str, ...] = (), is_cxx: bool
     if results is None:
         return _tried(path, name, sanitizers, is_cxx)
     key = hashlib.sha256(repr((path, name, sanitizers, is_cxx)).encode()).hexdigest()[:32]
-    known = results / key
-    if not known.exists():
+    result_file = results / key
+    if not result_file.exists():
         results.mkdir(parents=True, exist_ok=True)
-        own = results / f"{key}-{os.getpid()}"
-        own.write_text(_tried(path, name, sanitizers, is_cxx), encoding="utf-8")
-        own.replace(known)
-    return known.read_text(encoding="utf-8")
+        partial_file = results / f"{key}-{os.getpid()}"
+        partial_file.write_text(_tried(path, name, sanitizers, is_cxx), encoding="utf-8")
+        partial_file.replace(result_file)
+    return result_file.read_text(encoding="utf-8")
 
 
 def _tried(path: str, name: str, sanitizers: tuple[str, ...], is_cxx: bool) -> str:
@@ -129,7 +129,8 @@ def _compiles(path: str, name: str, folder: Path, sanitizers: tuple[str, ...], i
     """Compile, link and run a program with these sanitizers."""
     is_fuzzer = any("fuzzer" in option for option in sanitizers)
     source, program = folder / ("trial.cpp" if is_cxx else "trial.c"), folder / "trial"
-    source.write_text(_FUZZER if is_fuzzer else _CXX if is_cxx else _C, encoding="utf-8")
+    program_text = _CXX if is_cxx else _C
+    source.write_text(_FUZZER if is_fuzzer else program_text, encoding="utf-8")
     language = ["-x", "c++"] if is_cxx else []
     with_options = f" with {' '.join(sanitizers)}" if sanitizers else ""
     failed = f"{name} cannot compile and link a program{with_options}"
@@ -160,12 +161,12 @@ def _draws(path: str, folder: Path) -> str:
     ]
     command = [path, *options, "--dump-dom", (folder / "trial.html").as_uri()]
     try:
-        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=120)
+        completed = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=120)
     except (OSError, subprocess.TimeoutExpired):
         return "chromium does not start"
-    if done.returncode or "<title>" not in done.stdout:
+    if completed.returncode or "<title>" not in completed.stdout:
         return "chromium does not start"
-    return "" if "<title>drawn</title>" in done.stdout else "chromium has no fonts"
+    return "" if "<title>drawn</title>" in completed.stdout else "chromium has no fonts"
 
 
 def _runs_scripts(path: str, folder: Path) -> str:
@@ -200,11 +201,11 @@ _TRIALS: dict[str, Callable[[str, Path], str]] = {
 def _error(failed: str, command: Sequence[str], is_failure: Callable[[int], bool] = bool) -> str:
     """Return the words with the first error of a command, or an empty string if it succeeds."""
     try:
-        done = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=120)
+        completed = subprocess.run(command, capture_output=True, text=True, errors="replace", timeout=120)
     except (OSError, subprocess.TimeoutExpired) as error:
         return f"{failed} ({type(error).__name__})"
-    if not is_failure(done.returncode):
+    if not is_failure(completed.returncode):
         return ""
-    lines = [line.strip() for line in (done.stderr + done.stdout).splitlines() if line.strip()]
+    lines = [line.strip() for line in (completed.stderr + completed.stdout).splitlines() if line.strip()]
     first = next((line for line in lines if "error" in line.lower()), lines[0] if lines else "no message")
     return f"{failed} ({first[:200]})"

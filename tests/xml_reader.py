@@ -30,54 +30,58 @@ def from_xml(data: bytes) -> dict[str, Any]:
     return _read(read_xml(data), show_schema(), [])
 
 
-def _read(element: Any, shape: Shape, inherited: list[dict[str, Any]]) -> dict[str, Any]:
-    own = [_read_source(item) for item in element.findall(tag("source"))] or inherited
-    made = {member.name: _read_member(element, member, own) for member in members(shape)}
+def _read(node: Any, shape: Shape, inherited: list[dict[str, Any]]) -> dict[str, Any]:
+    sources = [_read_source(source) for source in node.findall(tag("source"))] or inherited
+    values = {member.name: _read_member(node, member, sources) for member in members(shape)}
     if "source" in shape["properties"]:
-        made["source"] = own[0] if own else None
-        if len(own) > 1:
-            made["sources"] = own
-    return made
+        values["source"] = sources[0] if sources else None
+        if len(sources) > 1:
+            values["sources"] = sources
+    return values
 
 
-def _read_source(element: Any) -> dict[str, Any]:
-    page = element.get("page")
+def _read_source(node: Any) -> dict[str, Any]:
+    page = node.get("page")
     return {
-        "document": element.get("document", ""),
-        "section": element.get("section", ""),
+        "document": node.get("document", ""),
+        "section": node.get("section", ""),
         "page": None if page is None else int(page),
     }
 
 
-def _read_member(element: Any, member: Member, own: list[dict[str, Any]]) -> Any:
+def _read_member(node: Any, member: Member, sources: list[dict[str, Any]]) -> Any:
     if member.kind in (Kind.ATTRIBUTE, Kind.LIST):
-        text = element.get(member.name)
+        text = node.get(member.name)
         if text is None:
             return member.empty
         if member.kind is Kind.LIST:
             return [_value(word, member.types) for word in text.split()]
         return _value(text, member.types)
-    inner = element.find(tag(member.name))
+    inner = node.find(tag(member.name))
     if inner is None:
         return member.empty
     if member.kind is Kind.OBJECT:
-        return _read(inner, member.shape, own)
+        return _read(inner, member.shape, sources)
     if member.kind is Kind.TEXT:
         return inner.text or ""
     if member.kind is Kind.TEXTS:
-        return [item.text or "" for item in inner]
+        return [child.text or "" for child in inner]
     if member.kind is Kind.MAP:
-        return {item.get("name"): _read_entry(item, member) for item in inner}
-    read = [_read(item, member.shape, own) for item in inner]
-    return {item[member.shape["x-key"]]: item for item in read} if member.kind is Kind.KEYED else read
+        return {child.get("name"): _read_entry(child, member) for child in inner}
+    read = [_read(child, member.shape, sources) for child in inner]
+    return (
+        {member_value[member.shape["x-key"]]: member_value for member_value in read}
+        if member.kind is Kind.KEYED
+        else read
+    )
 
 
-def _read_entry(element: Any, member: Member) -> Any:
+def _read_entry(node: Any, member: Member) -> Any:
     shape = resolved(member.shape)[0]
     if shape.get("type") == "array":
-        return (element.text or "").split()
-    stated = element.get("type")
-    return _value(element.text or "", (stated,) if stated else types_of(resolved(member.shape)[0]))
+        return (node.text or "").split()
+    stated = node.get("type")
+    return _value(node.text or "", (stated,) if stated else types_of(resolved(member.shape)[0]))
 
 
 def _value(text: str, types: tuple[str, ...]) -> Any:

@@ -38,18 +38,18 @@ def test_our_own_document_type_is_content(document: str, ours: bytes) -> None:
 
 def test_faults_come_with_file_and_line(document: str, ours: bytes) -> None:
     assert b"Label Pos CDATA #REQUIRED" in ours
-    found = check(
+    problems = check(
         document, ours.replace(b"Label Pos CDATA #REQUIRED", b"Label Pos CDATA #REQUIRED Language CDATA #REQUIRED")
     )
     lines = [number for number, line in enumerate(document.splitlines(), 1) if "<Label" in line]
-    assert [item.partition(": ")[0] for item in found] == [f"out/idbiss.xml:{line}" for line in lines]
-    assert all("Language" in item for item in found)
+    assert [problem.partition(": ")[0] for problem in problems] == [f"out/idbiss.xml:{line}" for line in lines]
+    assert all("Language" in problem for problem in problems)
 
 
 def test_another_wrapper_is_seen(document: str, ours: bytes) -> None:
-    (found,) = check(document, ours.replace(b"<!ELEMENT Profile (Device+)>", b"<!ELEMENT Profile (Manufacturer+)>"))
-    assert "Profile" in found
-    assert "Manufacturer" in found
+    (problem,) = check(document, ours.replace(b"<!ELEMENT Profile (Device+)>", b"<!ELEMENT Profile (Manufacturer+)>"))
+    assert "Profile" in problem
+    assert "Manufacturer" in problem
 
 
 @pytest.mark.parametrize("target", ["file:///etc/passwd", "http://127.0.0.1:9/x.dtd", "other.dtd"])
@@ -82,23 +82,20 @@ def test_what_is_no_document_type(document: str, text: bytes) -> None:
 
 
 def test_the_command(tmp_path: Path, ours: bytes, capsys: pytest.CaptureFixture[str]) -> None:
-    good, strict = tmp_path / "good.dtd", tmp_path / "strict.dtd"
-    good.write_bytes(ours)
+    valid_dtd, strict = tmp_path / "good.dtd", tmp_path / "strict.dtd"
+    valid_dtd.write_bytes(ours)
     strict.write_bytes(ours.replace(b'Version CDATA #FIXED "1.0"', b'Version CDATA #FIXED "2.0"'))
     out = ["generate", "-o", str(tmp_path / "out"), "--target", "biss", "--biss-dtd"]
-    assert main([*out, str(good)]) == 0
-    assert f"valid against {good}: {tmp_path / 'out' / NAME}" in capsys.readouterr().out
+    assert main([*out, str(valid_dtd)]) == 0
+    assert f"valid against {valid_dtd}: {tmp_path / 'out' / NAME}" in capsys.readouterr().out
     assert main([*out, str(strict)]) == 1
     error = capsys.readouterr().err
-    line = next(
-        number
-        for number, text in enumerate((tmp_path / "out" / NAME).read_text(encoding="ascii").splitlines(), 1)
-        if "<BiSS-Identifier" in text
-    )
+    written = (tmp_path / "out" / NAME).read_text(encoding="ascii").splitlines()
+    line = next(number for number, text in enumerate(written, 1) if "<BiSS-Identifier" in text)
     assert f"{tmp_path / 'out' / NAME}:{line}: " in error
     assert "Traceback" not in error
     assert main([*out, str(tmp_path / "none.dtd")]) == 2
-    assert main(["generate", "-o", str(tmp_path / "out"), "--target", "docs", "--biss-dtd", str(good)]) == 2
+    assert main(["generate", "-o", str(tmp_path / "out"), "--target", "docs", "--biss-dtd", str(valid_dtd)]) == 2
     (tmp_path / "large.dtd").write_bytes(b" " * 1_000_001)
     assert main([*out, str(tmp_path / "large.dtd")]) == 2
     assert "Is this the right file" in capsys.readouterr().err

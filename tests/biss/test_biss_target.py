@@ -48,11 +48,11 @@ def check_format(text: str) -> Any:
     root = read_xml(text.encode("ascii"))
     checker = dtd()
     assert checker.validate(root), checker.error_log
-    for element in root.iter(etree.Element):
-        assert set(element.attrib) <= PROVEN[str(element.tag)]
-        if element.tag == "Id":
-            high, low = map(int, element.get("Range", "").split(":"))
-            assert re.fullmatch(f"0b[01]{{{high - low + 1}}}", element.text or "")
+    for node in root.iter(etree.Element):
+        assert set(node.attrib) <= PROVEN[str(node.tag)]
+        if node.tag == "Id":
+            high, low = map(int, node.get("Range", "").split(":"))
+            assert re.fullmatch(f"0b[01]{{{high - low + 1}}}", node.text or "")
     return root
 
 
@@ -73,9 +73,11 @@ def test_amm5_is_known_by_its_ids(files: dict[str, str]) -> None:
     root = check_format(files[NAME])
     maker = root.find("Profile/Device")
     assert maker is not None
-    assert [(item.get("Range"), int(item.text or "", 2)) for item in maker.findall("Id")] == [("15:0", 0x4C69)]
-    amm5 = next(item for item in maker.findall("Device") if "AMM5" in (item.findtext("Label") or ""))
-    assert [(item.get("Range"), int(item.text or "", 2)) for item in amm5.findall("Id")] == [("63:32", 0x414D4D35)]
+    assert [(id_node.get("Range"), int(id_node.text or "", 2)) for id_node in maker.findall("Id")] == [("15:0", 0x4C69)]
+    amm5 = next(device for device in maker.findall("Device") if "AMM5" in (device.findtext("Label") or ""))
+    assert [(id_node.get("Range"), int(id_node.text or "", 2)) for id_node in amm5.findall("Id")] == [
+        ("63:32", 0x414D4D35)
+    ]
     assert amm5.findtext("SCDS/CrcPoly") == "0x43"
     assert amm5.find(".//Length") is None
     label = amm5.find("Label")
@@ -90,13 +92,13 @@ def test_each_id_names_the_identity_that_it_counts(files: dict[str, str]) -> Non
     That is 64 bits of device and manufacturer ID, or 16 bits of profile ID.
     """
     root = check_format(files[NAME])
-    for item in root.iter("Id"):
-        high, _ = map(int, item.get("Range", "").split(":"))
-        behind = item.getnext()
+    for id_node in root.iter("Id"):
+        high, _ = map(int, id_node.get("Range", "").split(":"))
+        behind = id_node.getnext()
         assert behind is not None
         assert behind.tag is etree.Comment
-        value = f"{int(item.text or '', 2):X}h"
-        of_profile = item.getparent().find("Label") is None
+        value = f"{int(id_node.text or '', 2):X}h"
+        of_profile = id_node.getparent().find("Label") is None
         start = "64-bit identity: manufacturer ID" if high == 15 else "64-bit identity: device ID, register"
         if of_profile:
             start = "16-bit profile ID, registers 42h and 43h"
@@ -113,8 +115,8 @@ def test_each_inferred_place_says_so(files: dict[str, str], amm5: Device) -> Non
     maker = root.find("Profile/Device")
     assert maker is not None
 
-    def comments(element: Any) -> str:
-        return " ".join(" ".join(str(item.text).split()) for item in element if item.tag is etree.Comment)
+    def comments(parent: Any) -> str:
+        return " ".join(" ".join(str(child.text).split()) for child in parent if child.tag is etree.Comment)
 
     assert "Inferred: Profile is the only publicly known parent of Device" in comments(root)
     for words in (
@@ -123,7 +125,7 @@ def test_each_inferred_place_says_so(files: dict[str, str], amm5: Device) -> Non
         "Inferred: Label of a Device names the manufacturer",
     ):
         assert words in comments(maker)
-    one_length = tuple(item for item in amm5.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
+    one_length = tuple(variant for variant in amm5.variants if variant.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
     first = (
         next(check_format(generate(Library((dataclasses.replace(amm5, variants=one_length),)))[NAME]).iter("Length"))
         .getparent()
@@ -133,43 +135,46 @@ def test_each_inferred_place_says_so(files: dict[str, str], amm5: Device) -> Non
     assert "Inferred: the Label next to it" in comments(first)
 
 
-def known(root: Any, name: str) -> Any:
+def device_named(root: Any, name: str) -> Any:
     """Return the Device element whose label contains ``name``."""
-    return next(item for item in root.iter("Device") if name in (item.findtext("Label") or ""))
+    return next(device_node for device_node in root.iter("Device") if name in (device_node.findtext("Label") or ""))
 
 
 def test_a_length_for_each_profile_id_stands_in_the_comment(files: dict[str, str]) -> None:
     """SMA21, 6.4 p.28: 2814h, 2816h, 2817h and 2818h have 24 bits of position and zeros above it, 2819h has 25."""
     text = files[NAME]
-    sma21 = known(check_format(text), "SMA21")
-    assert [(item.get("Range"), int(item.text or "", 2)) for item in sma21.findall("Id")] == [("63:32", 0x534D3231)]
+    sma21 = device_named(check_format(text), "SMA21")
+    assert [(id_node.get("Range"), int(id_node.text or "", 2)) for id_node in sma21.findall("Id")] == [
+        ("63:32", 0x534D3231)
+    ]
     assert sma21.findall("Device") == []
     assert list(sma21.iter("Length")) == []
-    found = re.findall(
+    stated_lengths = re.findall(
         r"profile ID ([0-9A-F]{4})h, registers 42h and 43h \(SMA21[^)]*\): ([0-9]+) bits", " ".join(text.split())
     )
-    assert found == [("2814", "24"), ("2816", "24"), ("2817", "24"), ("2818", "24"), ("2819", "25")]
+    assert stated_lengths == [("2814", "24"), ("2816", "24"), ("2817", "24"), ("2818", "24"), ("2819", "25")]
 
 
 @pytest.mark.slow
 def test_no_two_ids_on_the_way_down_contradict_each_other(files: dict[str, str], amm5: Device) -> None:
     """The Ids from the outermost Device to an inner one can all match one encoder: they agree on common bits."""
-    only = tuple(item for item in amm5.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
-    for made in (files, generate(Library((dataclasses.replace(amm5, variants=only),)))):
-        for inner in check_format(made[NAME]).iter("Device"):
-            held: dict[int, str] = {}
-            for item in [found for part in (inner, *inner.iterancestors("Device")) for found in part.findall("Id")]:
-                high = int(item.get("Range", "").partition(":")[0])
-                for place, bit in enumerate((item.text or "").removeprefix("0b")):
-                    assert held.setdefault(high - place, bit) == bit, (item.get("Range"), item.text)
+    two_codes = tuple(variant for variant in amm5.variants if variant.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
+    for outputs in (files, generate(Library((dataclasses.replace(amm5, variants=two_codes),)))):
+        for inner in check_format(outputs[NAME]).iter("Device"):
+            bits_by_place: dict[int, str] = {}
+            parts = (inner, *inner.iterancestors("Device"))
+            for id_node in [id_node for part in parts for id_node in part.findall("Id")]:
+                high = int(id_node.get("Range", "").partition(":")[0])
+                for place, bit in enumerate((id_node.text or "").removeprefix("0b")):
+                    assert bits_by_place.setdefault(high - place, bit) == bit, (id_node.get("Range"), id_node.text)
 
 
 def test_the_label_of_data_has_no_comma(amm5: Device) -> None:
     """In profilebiss.xml, the label of an inner Device begins with a comma (", Sensor"), unlike an SCDS ("Data")."""
-    only = tuple(item for item in amm5.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
-    root = check_format(generate(Library((dataclasses.replace(amm5, variants=only),)))[NAME])
-    assert [(item.get("Pos"), item.text) for item in root.iterfind(".//SCDS/Label")] == [("1", "position")]
-    assert [(item.text or "")[:2] for item in root.iterfind("Profile/Device/Device/Label")] == [", "]
+    two_codes = tuple(variant for variant in amm5.variants if variant.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
+    root = check_format(generate(Library((dataclasses.replace(amm5, variants=two_codes),)))[NAME])
+    assert [(label.get("Pos"), label.text) for label in root.iterfind(".//SCDS/Label")] == [("1", "position")]
+    assert [(label.text or "")[:2] for label in root.iterfind("Profile/Device/Device/Label")] == [", "]
 
 
 def test_no_length_where_the_identity_does_not_tell_it(files: dict[str, str]) -> None:
@@ -177,8 +182,8 @@ def test_no_length_where_the_identity_does_not_tell_it(files: dict[str, str]) ->
     text = files[NAME]
     root = check_format(text)
     for name in ("AM36", "ASC85", "AMM5A"):
-        assert known(root, name).findtext("SCDS/CrcPoly") == "0x43"
-        assert list(known(root, name).iter("Length")) == []
+        assert device_named(root, name).findtext("SCDS/CrcPoly") == "0x43"
+        assert list(device_named(root, name).iter("Length")) == []
     plain = " ".join(text.split())
     assert (
         "it depends on the current content of register 56h (singleturn_bits_used.bits) and register 57h "
@@ -218,9 +223,9 @@ def test_each_file_begins_with_what_must_not_be_done(files: dict[str, str]) -> N
 
 @pytest.mark.slow
 def test_one_length_is_stated_below_the_identity(amm5: Device) -> None:
-    only = tuple(item for item in amm5.variants if item.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
-    root = check_format(generate(Library((dataclasses.replace(amm5, variants=only),)))[NAME])
-    assert [item.text for item in root.iter("Length")] == ["23"]
+    two_codes = tuple(variant for variant in amm5.variants if variant.code in ("AMM5A23/1SC1", "AMM5B23/1SC1"))
+    root = check_format(generate(Library((dataclasses.replace(amm5, variants=two_codes),)))[NAME])
+    assert [length.text for length in root.iter("Length")] == ["23"]
 
 
 #: Data bits as the manuals print them: AMM5 6.1 has 16 bits of multiturn for 65K, SMA21 6.4 p.28 the profile IDs, AM36
@@ -240,12 +245,12 @@ def test_each_order_code_has_a_file_with_its_length(files: dict[str, str], libra
     roots = {name: check_format(text) for name, text in files.items() if "/idbiss-" in name}
     # There are two files for each of the twelve order codes of ASC85, because its manual leaves the zero bit open.
     # The iC-MU has none, because its spec has no device ID.
-    known = [device for device in library.devices if device.manufacturer.main]
-    listed = [item for device in known for item in device.variants if item.interface == "biss"]
-    assert len(roots) == len(listed) + sum(item.code.startswith("ASC85") for item in listed) == 50
+    main_devices = [device for device in library.devices if device.manufacturer.main]
+    biss_variants = [variant for device in main_devices for variant in device.variants if variant.interface == "biss"]
+    assert len(roots) == len(biss_variants) + sum(variant.code.startswith("ASC85") for variant in biss_variants) == 50
     for name, root in roots.items():
         assert len(root.findall(".//Length")) == 1, name
-        assert [item.text for item in root.iter("CrcPoly")] == ["0x43"], name
+        assert [crc_poly.text for crc_poly in root.iter("CrcPoly")] == ["0x43"], name
         assert "Inferred: Length counts all data bits" in files[name]
         assert "A master cannot distinguish them" in " ".join(files[name].split())
     for name, length in LENGTHS.items():
@@ -266,7 +271,9 @@ def test_a_file_for_one_encoder_says_what_can_change_its_length(files: dict[str,
 
 @pytest.mark.slow
 def test_a_device_without_a_device_id_is_named_as_left_out(amm5: Device, devices: Mapping[str, Device]) -> None:
-    bare = dataclasses.replace(amm5, registers=tuple(item for item in amm5.registers if item.name != "device_id"))
+    bare = dataclasses.replace(
+        amm5, registers=tuple(register for register in amm5.registers if register.name != "device_id")
+    )
     text = generate(Library((bare, devices["am36"])))[NAME]
     check_format(text)
     assert device_bits(bare) == ()
@@ -275,8 +282,8 @@ def test_a_device_without_a_device_id_is_named_as_left_out(amm5: Device, devices
 
 def test_a_manufacturer_without_an_id_has_no_file(amm5: Device) -> None:
     nameless = dataclasses.replace(amm5, manufacturer=dataclasses.replace(amm5.manufacturer, biss_id=None))
-    made = {"LICENSE", "README.md", "lika-amm5.xml", "device-description.xsd"}
-    assert set(generate(Library((nameless,)))) == {f"biss/{name}" for name in made}
+    expected_names = {"LICENSE", "README.md", "lika-amm5.xml", "device-description.xsd"}
+    assert set(generate(Library((nameless,)))) == {f"biss/{name}" for name in expected_names}
 
 
 @pytest.mark.slow
@@ -290,8 +297,8 @@ def test_another_maker(tmp_path: Path) -> None:
     assert not report.problems
     files = generate(Library(devices))
     # Without an encoder that a master can identify, there is no idbiss file.
-    made = {"LICENSE", "README.md", "acme-minimal.xml", "device-description.xsd"}
-    assert set(files) == {f"biss/{name}" for name in made}
+    expected_names = {"LICENSE", "README.md", "acme-minimal.xml", "device-description.xsd"}
+    assert set(files) == {f"biss/{name}" for name in expected_names}
     assert from_xml(files["biss/acme-minimal.xml"].encode()) == device_dump(devices[0])
     assert "docs/minimal.md" in generate_docs(Library(devices))
 
@@ -300,10 +307,10 @@ def test_another_maker(tmp_path: Path) -> None:
 def test_hostile_text_stays_text(hostile: Library) -> None:
     text = generate(hostile)[NAME]
     root = check_format(text)
-    assert {str(element.tag) for element in root.iter(etree.Element)} <= set(PROVEN)
-    for found in re.findall(r"<!--(.*?)-->", text, re.DOTALL):
-        assert "--" not in found
-        assert not found.endswith("-")
+    assert {str(node.tag) for node in root.iter(etree.Element)} <= set(PROVEN)
+    for comment_text in re.findall(r"<!--(.*?)-->", text, re.DOTALL):
+        assert "--" not in comment_text
+        assert not comment_text.endswith("-")
 
 
 @pytest.mark.parametrize(
@@ -327,12 +334,12 @@ def test_no_character_leaves_a_comment_or_an_element(text: str) -> None:
 
     They are placed in both forms of a comment and in an element.
     """
-    for made in (str(comment(text, "  ")), str(comment(f"{text}\n{text} {'word ' * 60}{text}", "  "))):
-        root = read_xml(f"<a>{made}<b>{ascii_text(text)}</b></a>".encode("ascii"))
-        assert [item.tag for item in root] == [etree.Comment, "b"]
+    for comment_text in (str(comment(text, "  ")), str(comment(f"{text}\n{text} {'word ' * 60}{text}", "  "))):
+        root = read_xml(f"<a>{comment_text}<b>{ascii_text(text)}</b></a>".encode("ascii"))
+        assert [child.tag for child in root] == [etree.Comment, "b"]
         assert len(root[1]) == 0
-        assert not re.search("[\x00-\x08\x0b-\x1f\x7f-\x9f]", made)
-        assert "--" not in made.strip()[4:-3]
+        assert not re.search("[\x00-\x08\x0b-\x1f\x7f-\x9f]", comment_text)
+        assert "--" not in comment_text.strip()[4:-3]
 
 
 def test_comments_are_ascii() -> None:

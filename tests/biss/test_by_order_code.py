@@ -30,8 +30,8 @@ def files(library: Library) -> Mapping[str, str]:
 def test_each_listed_code_has_a_file_and_no_other(library: Library, files: Mapping[str, str]) -> None:
     families = generate(library, {"order-codes": "none"})
     assert families == generate(library)
-    assert {name: made for name, made in files.items() if name in families} == families
-    codes = [item.code for device in library.devices for item in device.variants]
+    assert {name: content for name, content in files.items() if name in families} == families
+    codes = [variant.code for device in library.devices for variant in device.variants]
     assert len(files) - len(families) == len(codes)
     assert {"biss/lika-amm5/AMM5A21-65KSC1.xml", "biss/lika-sma21/SMA21-BG1-0050.xml"} <= set(files)
 
@@ -40,29 +40,26 @@ def test_each_is_what_show_prints(library: Library, files: Mapping[str, str]) ->
     checker = etree.XMLSchema(read_xml(xsd.schema_text().encode()))
     for device in library.devices:
         for variant in device.variants[::5]:
-            made = files[f"biss/{device.manufacturer.name}-{device.name}/{variant.code.replace('/', '-')}.xml"]
-            checker.assertValid(read_xml(made.encode()))
-            assert from_xml(made.encode()) == variant_dump(device, find(device, variant.code))
+            content = files[f"biss/{device.manufacturer.name}-{device.name}/{variant.code.replace('/', '-')}.xml"]
+            checker.assertValid(read_xml(content.encode()))
+            assert from_xml(content.encode()) == variant_dump(device, find(device, variant.code))
 
 
 def test_places_are_numbers(files: Mapping[str, str]) -> None:
     """AMM5 6.2 p.32, 21 and 16 bits: nE is bit 7, so the position begins at bit 8."""
     root = read_xml(files["biss/lika-amm5/AMM5A21-65KSC1.xml"].encode())
     fields = root.iterfind(".//d:layout[@name='single_cycle_data']/d:fields/d:field", SPACE)
-    assert [(item.get("name"), item.get("high"), item.get("low")) for item in fields] == [
+    assert [(field.get("name"), field.get("high"), field.get("low")) for field in fields] == [
         ("multiturn", "44", "29"),
         ("singleturn", "28", "8"),
         ("error", "7", "7"),
         ("warning", "6", "6"),
         ("crc", "5", "0"),
     ]
-    for name, made in files.items():
+    for name, content in files.items():
         if name.count("/") > 1:
-            places = [
-                item.get(key)
-                for item in read_xml(made.encode()).iter(f"{{{SPACE['d']}}}field")
-                for key in ("high", "low")
-            ]
+            fields = read_xml(content.encode()).iter(f"{{{SPACE['d']}}}field")
+            places = [place for field in fields for place in (field.get("high"), field.get("low"))]
             assert all(place is None or place.isdecimal() for place in places), name
 
 
@@ -83,17 +80,12 @@ def test_names_of_files() -> None:
 
 
 def test_the_counts_of_the_page_on_exports(library: Library) -> None:
-    registers = [item for device in library.devices for item in device.registers]
-    odd = [item for item in registers if item.length not in (1, 2, 4, 8)]
+    registers = [(device.name, register) for device in library.devices for register in device.registers]
+    odd = [register for _, register in registers if register.length not in (1, 2, 4, 8)]
     assert f"({len(odd)} of the {len(registers)} in our families)" in (ROOT / "docs" / "exports.md").read_text(
         encoding="utf-8"
     )
-    written = {
-        (device.name, item.name)
-        for device in library.devices
-        for item in device.registers
-        if item.writable and item.length > 1
-    }
+    written = {(device, register.name) for device, register in registers if register.writable and register.length > 1}
     assert written == {
         ("am36", "information_per_revolution"),
         ("am36", "number_of_revolutions"),

@@ -24,35 +24,36 @@ def test_every_device_validates_and_comes_back(devices: Mapping[str, Device]) ->
     checker = schema()
     for device in devices.values():
         dump = device_dump(device)
-        made = to_xml(dump)
-        checker.assertValid(read_xml(made.encode()))
-        assert from_xml(made.encode()) == dump
+        xml = to_xml(dump)
+        checker.assertValid(read_xml(xml.encode()))
+        assert from_xml(xml.encode()) == dump
 
 
 @pytest.mark.slow
 def test_addresses_and_ids_are_hexadecimal(devices: Mapping[str, Device]) -> None:
     """Numbers are as in manuals: AMM5's preset at 11h to 17h, Lika's ID 4C69h, SMA21's 2814h. Counts are decimal."""
-    made = {name: read_xml(to_xml(device_dump(device)).encode()) for name, device in devices.items()}
+    roots = {name: read_xml(to_xml(device_dump(device)).encode()) for name, device in devices.items()}
     space = {"d": "urn:codewheel:device-description:1"}
-    preset = made["amm5"].find("d:registers/d:register[@name='preset']", space)
+    preset = roots["amm5"].find("d:registers/d:register[@name='preset']", space)
     assert preset is not None
     assert (preset.get("address"), preset.get("last_address"), preset.get("length")) == (
         "0x11",
         "0x17",
         "7",
     )
-    assert made["amm5"].xpath("string(d:manufacturer/@biss_id)", namespaces=space) == "0x4C69"
-    assert made["amm5"].xpath("string(//d:crc[@name='biss_6']/@poly_with_top_bit)", namespaces=space) == "0x43"
-    entries = "//d:order_code[@code='SMA21-SC1-0050']/d:parameters/d:entry"
-    found = {item.get("name"): item.text for item in made["sma21"].iterfind(entries.replace("//", ".//"), space)}
-    assert (found["profile_id"], found["resolution_um"], found["position_bits"]) == ("0x2814", "50", "20")
-    for root in made.values():
-        values = [
-            item.get(name)
-            for item in root.iter()
-            for name in ("address", "last_address")
-            if isinstance(item.tag, str) and item.get(name) is not None and "memory" not in item.tag
-        ]
+    assert roots["amm5"].xpath("string(d:manufacturer/@biss_id)", namespaces=space) == "0x4C69"
+    assert roots["amm5"].xpath("string(//d:crc[@name='biss_6']/@poly_with_top_bit)", namespaces=space) == "0x43"
+    entries = ".//d:order_code[@code='SMA21-SC1-0050']/d:parameters/d:entry"
+    parameters = {node.get("name"): node.text for node in roots["sma21"].iterfind(entries, space)}
+    assert (parameters["profile_id"], parameters["resolution_um"], parameters["position_bits"]) == (
+        "0x2814",
+        "50",
+        "20",
+    )
+    for root in roots.values():
+        nodes = [node for node in root.iter() if isinstance(node.tag, str) and "memory" not in node.tag]
+        addresses = [node.get(name) for node in nodes for name in ("address", "last_address")]
+        values = [address for address in addresses if address is not None]
         assert values
         assert all(str(value).startswith("0x") for value in values)
         assert [int(str(value), 16) for value in values] == [int(str(value), 0) for value in values]
@@ -76,18 +77,18 @@ CODES = [
 def test_an_order_code_comes_back_too(devices: Mapping[str, Device], name: str, code: str) -> None:
     device = devices[name]
     dump = variant_dump(device, find(device, code))
-    made = to_xml(dump)
-    schema().assertValid(read_xml(made.encode()))
-    assert from_xml(made.encode()) == dump
+    xml = to_xml(dump)
+    schema().assertValid(read_xml(xml.encode()))
+    assert from_xml(xml.encode()) == dump
 
 
 @pytest.mark.slow
 def test_hostile_text_stays_text(hostile: Library) -> None:
     for device in hostile.devices:
         dump = device_dump(device)
-        made = to_xml(dump).encode()
-        assert from_xml(made) == dump
-        assert b"<script" not in made
+        xml = to_xml(dump).encode()
+        assert from_xml(xml) == dump
+        assert b"<script" not in xml
 
 
 @pytest.mark.slow
@@ -96,8 +97,8 @@ def test_spaces_and_line_ends_survive(amm5: Device, text: str) -> None:
     dump = device_dump(amm5)
     dump["title"] = text
     dump["characteristics"][0]["value"] = text
-    back = from_xml(to_xml(dump).encode())
-    assert (back["title"], back["characteristics"][0]["value"]) == (text, text)
+    rebuilt = from_xml(to_xml(dump).encode())
+    assert (rebuilt["title"], rebuilt["characteristics"][0]["value"]) == (text, text)
 
 
 @pytest.mark.slow

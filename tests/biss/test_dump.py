@@ -48,7 +48,7 @@ def test_order_codes_have_the_shape_and_no_expressions(devices: Mapping[str, Dev
     """Validation is slow, so only the last order code of each interface is validated."""
     checker = validator("show.schema.json")
     for device in devices.values():
-        last = {item.interface: item for item in device.variants}
+        last = {variant.interface: variant for variant in device.variants}
         for variant in device.variants:
             dump = variant_dump(device, find(device, variant.code))
             _check_order_code(dump, variant)
@@ -57,15 +57,11 @@ def test_order_codes_have_the_shape_and_no_expressions(devices: Mapping[str, Dev
 
 
 def _check_order_code(dump: Any, variant: Variant) -> None:
-    places = [
-        item[key]
-        for layout in [*dump["layouts"], *dump["registers"]]
-        for item in layout["fields"]
-        for key in ("high", "low", "width")
-    ]
+    fields = [field for layout in [*dump["layouts"], *dump["registers"]] for field in layout["fields"]]
+    places = [field[key] for field in fields for key in ("high", "low", "width")]
     assert all(isinstance(place, int) for place in places)
-    others = {"ssi": {"biss", "rs485"}, "biss": {"ssi", "rs485"}, "rs485": {"ssi", "biss"}}[variant.interface]
-    assert not others & {item["interface"] for item in dump["parameter_definitions"]}
+    other_interfaces = {"ssi": {"biss", "rs485"}, "biss": {"ssi", "rs485"}, "rs485": {"ssi", "biss"}}[variant.interface]
+    assert not other_interfaces & {parameter["interface"] for parameter in dump["parameter_definitions"]}
     assert dump["parameters"].items() <= dict(variant.parameters).items()
     assert dump["order_codes"][0]["parameters"] == dump["parameters"]
     assert set(dump["interfaces"]) == {variant.interface}
@@ -89,7 +85,7 @@ def test_decode_has_the_shape(amm5: Device) -> None:
             )
 
 
-def items(value: Any) -> Iterator[dict[str, Any]]:
+def named_parts(value: Any) -> Iterator[dict[str, Any]]:
     if isinstance(value, dict):
         if isinstance(value.get("name"), str):
             yield value
@@ -97,18 +93,18 @@ def items(value: Any) -> Iterator[dict[str, Any]]:
             if not (
                 key == "values" and isinstance(inner, dict)
             ):  # The values of an example have the names of fields as keys.
-                yield from items(inner)
+                yield from named_parts(inner)
     elif isinstance(value, list):
         for inner in value:
-            yield from items(inner)
+            yield from named_parts(inner)
 
 
 def test_every_named_item_has_a_source(devices: Mapping[str, Device]) -> None:
     for device in devices.values():
         dump = device_dump(device)
         del dump["manufacturer"]
-        without = [item["name"] for item in items(dump) if not item.get("source")]
-        assert without == []
+        unsourced = [named["name"] for named in named_parts(dump) if not named.get("source")]
+        assert unsourced == []
 
 
 def leaves(value: Any, key: str = "") -> Iterator[tuple[str, Any]]:
@@ -140,40 +136,36 @@ def is_expression(text: str) -> bool:
         return False
 
 
-@pytest.mark.parametrize(
-    "path",
-    sorted(
-        path
-        for path in SPECS.glob("*/*.yaml")
-        if path.stem != "manufacturer" and path.parent.name != "masters" and not is_second(path)
-    ),
-    ids=lambda path: path.stem,
-)
+def _encoder_specs() -> list[Path]:
+    paths = [path for path in SPECS.glob("*/*.yaml") if path.stem != "manufacturer" and path.parent.name != "masters"]
+    return sorted(path for path in paths if not is_second(path))
+
+
+@pytest.mark.parametrize("path", _encoder_specs(), ids=lambda path: path.stem)
 def test_every_fact_of_the_spec_is_there(path: Path, devices: Mapping[str, Device]) -> None:
     document = read_document(path, Report())
     assert document is not None
     dump = device_dump(devices[document.data["device"]])
-    held = [value for _, value in leaves(dump)]
-    texts = {value for value in held if isinstance(value, str)}
+    values = [value for _, value in leaves(dump)]
+    texts = {value for value in values if isinstance(value, str)}
     words = {word for text in texts for word in text.split()}
-    numbers = {value for value in held if isinstance(value, int)}
-    cited = {(item["document"], item["section"], item["page"]) for item in sources(dump)}
+    numbers = {value for value in values if isinstance(value, int)}
+    cited = {(source["document"], source["section"], source["page"]) for source in sources(dump)}
     names = set(map(str, keys(dump)))
     missing = []
     for key, value in leaves(document.data):
         if key in WRITTEN or isinstance(value, bool) or (isinstance(value, str) and is_expression(value)):
             continue
         if key == "source" or key.endswith("_source"):
-            missing += [
-                str(item) for item in parse_sources(value) if (item.document, item.section, item.page) not in cited
-            ]
+            named = [(source, (source.document, source.section, source.page)) for source in parse_sources(value)]
+            missing += [str(source) for source, citation in named if citation not in cited]
         elif isinstance(value, int):
             scaled = {value, value * 1000}
             missing += [] if scaled & numbers or str(value) in texts else [f"{key}: {value}"]
         elif isinstance(value, str):
             plain = value.strip()
-            found = plain in texts or plain in names or plain in words or plain.upper() in texts
-            missing += [] if found or key == "manufacturer" else [f"{key}: {plain}"]
+            is_written = plain in texts or plain in names or plain in words or plain.upper() in texts
+            missing += [] if is_written or key == "manufacturer" else [f"{key}: {plain}"]
     assert missing == []
 
 
@@ -205,7 +197,7 @@ def test_an_order_code_as_worked_out_by_hand(amm5: Device) -> None:
     assert layout["bits"] == 45
     places = {field["name"]: (field["high"], field["low"]) for field in layout["fields"]}
     assert places == {"multiturn": (44, 29), "singleturn": (28, 8), "error": (7, 7), "warning": (6, 6), "crc": (5, 0)}
-    preset = next(item for item in dump["registers"] if item["name"] == "preset")
+    preset = next(register for register in dump["registers"] if register["name"] == "preset")
     assert (preset["address"], preset["length"], preset["min"], preset["max"]) == (0x11, 7, 0, 2**37 - 1)
     assert preset["source"] == {"document": "", "section": "6.4", "page": 35}
 
@@ -213,20 +205,20 @@ def test_an_order_code_as_worked_out_by_hand(amm5: Device) -> None:
 def test_what_belongs_to_another_interface_is_left_out(amm5: Device) -> None:
     dump = variant_dump(amm5, find(amm5, "AMM5A23/1JP1"))
     assert dump["registers"] == []
-    assert {item["name"] for item in dump["crcs"]} == {"rs485_8"}
-    assert "scd_length" not in {item["name"] for item in dump["errata"]}
-    assert "mem_busy_position" in {item["name"] for item in dump["errata"]}
-    assert all(item["interface"] in ("", "rs485") for item in dump["timings"])
+    assert {crc["name"] for crc in dump["crcs"]} == {"rs485_8"}
+    assert "scd_length" not in {erratum["name"] for erratum in dump["errata"]}
+    assert "mem_busy_position" in {erratum["name"] for erratum in dump["errata"]}
+    assert all(timing["interface"] in ("", "rs485") for timing in dump["timings"])
 
 
 def test_an_order_code_has_only_the_modulus_that_holds_for_it(devices: Mapping[str, Device]) -> None:
     """Over RS-485, the position at 1 µm has 24 bits [SMA21 7.3.3], although it has 25 over SSI and BiSS [5.2]."""
     sma21 = devices["sma21"]
-    found = {code: variant_dump(sma21, find(sma21, code)) for code in ("SMA21-JP1-0001", "SMA21-BG1-0001")}
-    assert found["SMA21-JP1-0001"]["measurement"]["modulus"] == 2**24
-    assert found["SMA21-BG1-0001"]["measurement"]["modulus"] == 2**25
-    assert "modulus" not in found["SMA21-JP1-0001"]["parameters"]
-    assert found["SMA21-BG1-0001"]["parameters"]["modulus"] == 2**25
-    ranges = {item["name"]: item["position_range"] for item in found["SMA21-JP1-0001"]["layouts"]}
-    assert [name for name, item in ranges.items() if item is not None] == ["wide_position_reply"]
+    dumps = {code: variant_dump(sma21, find(sma21, code)) for code in ("SMA21-JP1-0001", "SMA21-BG1-0001")}
+    assert dumps["SMA21-JP1-0001"]["measurement"]["modulus"] == 2**24
+    assert dumps["SMA21-BG1-0001"]["measurement"]["modulus"] == 2**25
+    assert "modulus" not in dumps["SMA21-JP1-0001"]["parameters"]
+    assert dumps["SMA21-BG1-0001"]["parameters"]["modulus"] == 2**25
+    ranges = {layout["name"]: layout["position_range"] for layout in dumps["SMA21-JP1-0001"]["layouts"]}
+    assert [name for name, position_range in ranges.items() if position_range is not None] == ["wide_position_reply"]
     assert ranges["wide_position_reply"]["wraps"] is False

@@ -32,17 +32,15 @@ def output(device: str, code: str, layout: str, frame: str, *answers: str) -> li
 
 
 def run(device: str, code: str, layout: str, frame: str, *answers: str) -> dict[str, int]:
-    return {
-        line.split()[0]: int(line.split()[1])
-        for line in output(device, code, layout, frame, *answers)
-        if not line.startswith(("note:", "verdict:"))
-    }
+    lines = output(device, code, layout, frame, *answers)
+    rows = [line.split() for line in lines if not line.startswith(("note:", "verdict:"))]
+    return {row[0]: int(row[1]) for row in rows}
 
 
 def test_it_is_short_and_needs_nothing_but_lxml() -> None:
     text = SCRIPT.read_text(encoding="utf-8")
     assert len([line for line in text.splitlines() if line.strip()]) <= 60
-    names = [item.name for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Import) for item in node.names]
+    names = [name.name for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Import) for name in node.names]
     modules = [node.module for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom)]
     assert (names, modules) == (["re", "sys"], ["lxml"])
 
@@ -92,8 +90,8 @@ def test_it_is_short_and_needs_nothing_but_lxml() -> None:
     ],
 )
 def test_frames_of_every_family(device: str, code: str, layout: str, frame: str, expected: dict[str, int]) -> None:
-    found = run(device, code, layout, frame)
-    assert {name: found.get(name, 0) for name in expected} == expected
+    values = run(device, code, layout, frame)
+    assert {name: values.get(name, 0) for name in expected} == expected
 
 
 @pytest.mark.parametrize(
@@ -133,57 +131,58 @@ def test_flags_say_whether_they_are_active(device: str, code: str, layout: str, 
 def test_it_looks_at_what_the_position_is_worth(devices: Mapping[str, Device]) -> None:
     """The verdict is that of the reference codec for any combination of active flags and unused bits."""
     source = Random(11)
-    seen = Counter[str]()
+    verdict_counts = Counter[str]()
     for device in devices.values():
         for kind, layout in device.layouts():
             if layout.sender != "encoder" or device.alternatives_of(layout):
                 continue
             if device.measurement_of(kind.name) is None:
                 continue  # The script looks for the field that is measured.
-            variant = next(item for item in device.variants if item.interface == kind.name)
+            variant = next(variant for variant in device.variants if variant.interface == kind.name)
             placed = layout.place(variant.parameters)
             for likely in (0, 0, 0.2, 0.2, 0.5):
-                values = sent(placed, source, likely)
+                values = drawn_values(placed, source, likely)
                 number = codec.encode(device, placed, values)
-                made = number_to_bytes(layout, number, placed.bits).hex() if layout.in_bytes else f"{number:#x}"
+                frame_text = number_to_bytes(layout, number, placed.bits).hex() if layout.in_bytes else f"{number:#x}"
                 expected = findings(device, variant, codec.decode(device, placed, number)).verdict
-                words = [line for line in output(device.name, variant.code, layout.name, made) if "verdict" in line]
+                lines = output(device.name, variant.code, layout.name, frame_text)
+                words = [line for line in lines if "verdict" in line]
                 assert words == ([f"verdict: {expected.value}"] if expected is not None else [])
-                seen[words[0] if words else ""] += 1
-    assert len(seen) == 5
+                verdict_counts[words[0] if words else ""] += 1
+    assert len(verdict_counts) == 5
 
 
-def sent(placed: PlacedLayout, source: Random, likely: float) -> dict[str, int | str | bool]:
+def drawn_values(placed: PlacedLayout, source: Random, likely: float) -> dict[str, int | str | bool]:
     """Return values of a frame in which flags are active, and unused bits differ, with the probability ``likely``."""
     values: dict[str, int | str | bool] = {}
-    for item in placed.fields:
-        match item.field.kind:
+    for field in placed.fields:
+        match field.field.kind:
             case Flag():
-                values[item.name] = source.random() < likely
+                values[field.name] = source.random() < likely
             case Number():
-                values[item.name] = item.field.number.zero_means
+                values[field.name] = field.field.number.zero_means
             case Choice(values=choices):
-                known = [
-                    one for one in choices if item.name != placed.layout.selector or one.value in placed.layout.selects
-                ]
-                values[item.name] = known[0].name
+                selects = placed.layout.selects
+                is_selector = field.name == placed.layout.selector
+                selectable = [choice for choice in choices if not is_selector or choice.value in selects]
+                values[field.name] = selectable[0].name
     if placed.layout.unused:
-        turned = [item.mask << place for item, place in placed_unused(placed) if source.random() < likely]
-        values["unused"] = sum(turned)
+        turned_bits = [field.mask << place for field, place in placed_unused(placed) if source.random() < likely]
+        values["unused"] = sum(turned_bits)
     return values
 
 
 def placed_unused(placed: PlacedLayout) -> Iterator[tuple[PlacedField, int]]:
     for field, place in placed.layout.unused:
-        found = placed.find_field(field.name)
-        if found is not None:
-            yield found, place
+        placed_field = placed.find_field(field.name)
+        if placed_field is not None:
+            yield placed_field, place
 
 
 @pytest.mark.parametrize("answer", ["", "eeprom_address=bit_0", "zero_bit=as_printed"])
 def test_it_does_not_decide_for_its_user(answer: str) -> None:
-    known = "eeprom_address=as_printed or eeprom_address=as_t_format"
-    with pytest.raises(SystemExit, match=f"choose: {known}"):
+    options = "eeprom_address=as_printed or eeprom_address=as_t_format"
+    with pytest.raises(SystemExit, match=f"choose: {options}"):
         output("amm5", "AMM5A23/65KJP1", "eeprom_read_reply", "EA0A5ABA", *filter(None, [answer]))
 
 
@@ -191,8 +190,8 @@ def test_it_does_not_decide_for_its_user(answer: str) -> None:
 def test_it_takes_a_decision(answer: str, zero: str) -> None:
     """25 bits, with the 0 bit of the manual or without it."""
     frame = f"0b{33_554_429:025b}{zero}11{2:06b}"
-    found = run("asc85", "ASC8525/SC2", "single_cycle_data", frame, f"zero_bit={answer}")
-    assert (found["position"], found["error"], found["warning"], found["crc"]) == (33_554_429, 1, 1, 2)
+    values = run("asc85", "ASC8525/SC2", "single_cycle_data", frame, f"zero_bit={answer}")
+    assert (values["position"], values["error"], values["warning"], values["crc"]) == (33_554_429, 1, 1, 2)
 
 
 @pytest.mark.parametrize(("code", "is_gray"), [("AM3619/4096-GG", True), ("AM3619/4096-BG", False)])
@@ -204,19 +203,21 @@ def test_gray_code_is_said(code: str, is_gray: bool) -> None:
 
 def test_the_page_shows_what_it_prints() -> None:
     page = (ROOT / "docs" / "biss-xml.md").read_text(encoding="utf-8")
-    shown = re.search(
+    example = re.search(
         r"\$ python docs/example/decode_from_xml\.py \S*lika-(\S+)\.xml (\S+) (\S+) (\S+)\n(.*?)```", page, re.DOTALL
     )
-    assert shown is not None
-    assert output(*shown.groups()[:4]) == shown[5].splitlines()
+    assert example is not None
+    assert output(*example.groups()[:4]) == example[5].splitlines()
 
 
 @pytest.mark.slow
 def test_the_line_in_its_docstring_runs(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
-    found = re.search(
+    command_line = re.search(
         r"decode_from_xml\.py (.*)", ast.get_docstring(ast.parse(SCRIPT.read_text(encoding="utf-8"))) or ""
     )
-    assert found is not None
-    done = subprocess.run([sys.executable, str(SCRIPT), *found[1].split()], capture_output=True, text=True, check=True)
-    assert "singleturn 1000003" in done.stdout
+    assert command_line is not None
+    completed = subprocess.run(
+        [sys.executable, str(SCRIPT), *command_line[1].split()], capture_output=True, text=True, check=True
+    )
+    assert "singleturn 1000003" in completed.stdout

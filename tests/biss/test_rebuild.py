@@ -84,7 +84,7 @@ RENAMED = {
         "parameters": "parameter_definitions",
     },
 }
-Item = dict[str, Any]
+Dump = dict[str, Any]
 
 
 def build(hint: Any, value: Any) -> Any:
@@ -93,18 +93,18 @@ def build(hint: Any, value: Any) -> Any:
     if hint == model.Kind:
         return build_class(KINDS[value["kind"]], value)
     if origin in (typing.Union, types.UnionType):
-        options = [item for item in inside if item is not type(None)]
+        options = [option for option in inside if option is not type(None)]
         if value is None:
             return None
         if Expression in options:
             return Expression.parse(value) if isinstance(value, str) or len(options) == 1 else value
         if len(options) > 1 and all(map(dataclasses.is_dataclass, options)):
-            return build_class(kind_of(options, value), value)
+            return build_class(union_member(options, value), value)
         return build(options[0], value) if len(options) == 1 else value
     if origin is tuple:
-        return tuple(build(inside[0], item) for item in value)
+        return tuple(build(inside[0], member) for member in value)
     if origin is not None and issubclass(origin, Mapping):
-        return {key: build(inside[1], item) for key, item in value.items()}
+        return {key: build(inside[1], member) for key, member in value.items()}
     if hint is Expression:
         return Expression.parse(value)
     if hint is bytes:
@@ -112,72 +112,72 @@ def build(hint: Any, value: Any) -> Any:
     return build_class(hint, value) if dataclasses.is_dataclass(hint) else value
 
 
-def kind_of(options: list[Any], item: Item) -> Any:
+def union_member(options: list[Any], dump: Dump) -> Any:
     """Return the member of a union to which an object belongs."""
     if options == list(model.INTERFACES.values()):
-        return model.INTERFACES[item["kind"]]
-    word = "do" if "do" in item else "kind"
-    options = [kind for kind in options if getattr(kind, word) == item[word]]
+        return model.INTERFACES[dump["kind"]]
+    word = "do" if "do" in dump else "kind"
+    options = [kind for kind in options if getattr(kind, word) == dump[word]]
     # Writing a field is a step of its own.
-    return options[-1 if item.get("field") else 0]
+    return options[-1 if dump.get("field") else 0]
 
 
-def build_class(kind: Any, item: Item) -> Any:
+def build_class(kind: Any, dump: Dump) -> Any:
     """Return an object of the model, built from its part of the description."""
     name = kind.__name__
-    item = ADAPT.get(name, lambda given: given)(item)
+    dump = ADAPT.get(name, lambda plain: plain)(dump)
     names = vars(model) | vars(model.facts) | vars(model.kinds) | vars(model.layout) | vars(model.examples)
     hints = typing.get_type_hints(kind, names, {})
-    made = {}
+    arguments = {}
     for field in dataclasses.fields(kind):
         outside = RENAMED.get(name, {}).get(field.name, field.name)
         if field.name in COMPUTED.get(name, set()):
-            made[field.name] = COMPUTED_AS[field.name]
+            arguments[field.name] = COMPUTED_AS[field.name]
         elif field.name.endswith("source"):
-            made[field.name] = ()
+            arguments[field.name] = ()
         else:
             # A member with the name of its type hides the type.
-            made[field.name] = build(bytes if field.type == "bytes" else hints[field.name], item[outside])
-    return kind(**made)
+            arguments[field.name] = build(bytes if field.type == "bytes" else hints[field.name], dump[outside])
+    return kind(**arguments)
 
 
-def _verdict(item: Item) -> Item:
-    names = [name for name in ("makes_position", "verdict_if_set") if name in item]
-    return {name: model.Verdict(item[name]) if item[name] else None for name in names}
+def _verdict(dump: Dump) -> Dump:
+    names = [name for name in ("makes_position", "verdict_if_set") if name in dump]
+    return {name: model.Verdict(dump[name]) if dump[name] else None for name in names}
 
 
-def _field(item: Item) -> Item:
-    equals = item["equals_text"] or item["equals"]
+def _field(dump: Dump) -> Dump:
+    equals = dump["equals_text"] or dump["equals"]
     # A text of the spec that is not an expression remains a text, as in the model.
-    text = types.SimpleNamespace(value=item["equals_text"]) if item["equals_text"] else None
-    of_kind = {"active_low": item["active"] == "low", "odd": item["parity"] == "odd", **_verdict(item)}
+    text = types.SimpleNamespace(value=dump["equals_text"]) if dump["equals_text"] else None
+    of_kind = {"active_low": dump["active"] == "low", "odd": dump["parity"] == "odd", **_verdict(dump)}
     return {
-        **item,
-        "kind": item | of_kind,
+        **dump,
+        "kind": dump | of_kind,
         "equals": text if text is not None else equals,
     }
 
 
-def _ssi(item: Item) -> Item:
-    code = {"code": item["output_code"]} if item["output_code"] else None
-    return {**item, "alignment": {"end": item["alignment"]}, "output_code": code}
+def _ssi(dump: Dump) -> Dump:
+    code = {"code": dump["output_code"]} if dump["output_code"] else None
+    return {**dump, "alignment": {"end": dump["alignment"]}, "output_code": code}
 
 
-def _register(item: Item) -> Item:
-    opened = item["opened_by"] or {"register": "", "field": "", "value": ""}
+def _register(dump: Dump) -> Dump:
+    opened = dump["opened_by"] or {"register": "", "field": "", "value": ""}
     layout = {
-        "name": item["name"],
-        "printed_name": item["printed_name"],
+        "name": dump["name"],
+        "printed_name": dump["printed_name"],
         "from": "",
         "carried_as": "bytes",
-        "byte_order": item["byte_order"],
-        "bits": 8 * item["length"],
-        "fields": item["fields"],
-        "join": item["join"],
+        "byte_order": dump["byte_order"],
+        "bits": 8 * dump["length"],
+        "fields": dump["fields"],
+        "join": dump["join"],
         "told_by": "",
         "told_by_values": [],
-        "other_bits": item["other_bits"],
-        "note": item["note"],
+        "other_bits": dump["other_bits"],
+        "note": dump["note"],
         "gray_of": "",
         "gray_when": "",
         "position_range": None,
@@ -185,7 +185,7 @@ def _register(item: Item) -> Item:
         "combinations": [],
     }
     return {
-        **item,
+        **dump,
         "opened_by": opened["register"],
         "opened_by_field": opened["field"],
         "opened_by_value": opened["value"],
@@ -193,32 +193,32 @@ def _register(item: Item) -> Item:
     }
 
 
-def _device(item: Item) -> Item:
+def _device(dump: Dump) -> Dump:
     """Layouts and times are in separate lists, and each names its interface."""
-    interfaces = [
-        {
-            **part,
-            "layouts": [layout for layout in item["layouts"] if layout["interface"] == kind],
-            "timings": [timing for timing in item["timings"] if timing["interface"] == kind],
-        }
-        for kind, part in item["interfaces"].items()
-    ]
+    interfaces = []
+    for kind, part in dump["interfaces"].items():
+        lists = {name: _of_interface(dump[name], kind) for name in ("layouts", "timings")}
+        interfaces.append({**part, **lists})
     return {
-        **item,
+        **dump,
         "interfaces": interfaces,
-        "timings": [timing for timing in item["timings"] if timing["interface"] == ""],
+        "timings": _of_interface(dump["timings"], ""),
     }
 
 
-def _table(item: Item) -> Item:
-    return {**item, "rows": [row["cells"] for row in item["rows"]]}
+def _of_interface(parts: list[Dump], interface: str) -> list[Dump]:
+    return [part for part in parts if part["interface"] == interface]
+
+
+def _table(dump: Dump) -> Dump:
+    return {**dump, "rows": [row["cells"] for row in dump["rows"]]}
 
 
 ADAPT: dict[str, Any] = {
-    "Combination": lambda item: item | _verdict(item),
+    "Combination": lambda dump: dump | _verdict(dump),
     "Field": _field,
-    "Value": lambda item: item | _verdict(item),
-    "Layout": lambda item: {**item, "in_bytes": item["carried_as"] == "bytes"},
+    "Value": lambda dump: dump | _verdict(dump),
+    "Layout": lambda dump: {**dump, "in_bytes": dump["carried_as"] == "bytes"},
     "Ssi": _ssi,
     "Register": _register,
     "Device": _device,
@@ -236,48 +236,41 @@ def comparable(value: Any) -> Any:
     if isinstance(value, Expression):
         return value.constant if value.is_constant else value.render()
     if isinstance(value, tuple):
-        return [comparable(item) for item in value]
+        return [comparable(member) for member in value]
     if isinstance(value, Mapping):
-        return {key: comparable(item) for key, item in value.items()}
+        return {key: comparable(member) for key, member in value.items()}
     if dataclasses.is_dataclass(value):
         kind = type(value).__name__
         left_out = COMPUTED.get(kind, set())
-        return {"": kind} | {
-            item.name: comparable(getattr(value, item.name))
-            for item in dataclasses.fields(value)
-            if item.name not in left_out and not item.name.endswith("source")
-        }
+        names = [field.name for field in dataclasses.fields(value)]
+        compared = [name for name in names if name not in left_out and not name.endswith("source")]
+        return {"": kind} | {name: comparable(getattr(value, name)) for name in compared}
     return value
 
 
-def differences(ours: Any, other: Any, path: str = "") -> list[str]:
-    if isinstance(ours, dict) and isinstance(other, dict):
-        return [
-            item
-            for key in ours.keys() | other.keys()
-            for item in differences(ours.get(key), other.get(key), f"{path}.{key}")
-        ]
-    if isinstance(ours, list) and isinstance(other, list) and len(ours) == len(other):
-        return [
-            item
-            for index, pair in enumerate(zip(ours, other, strict=True))
-            for item in differences(*pair, f"{path}[{index}]")
-        ]
-    return [] if ours == other else [f"{path}: {ours!r} is not {other!r}"]
+def differences(ours: Any, theirs: Any, path: str = "") -> list[str]:
+    if isinstance(ours, dict) and isinstance(theirs, dict):
+        keys = ours.keys() | theirs.keys()
+        pairs = [(f"{path}.{key}", ours.get(key), theirs.get(key)) for key in keys]
+    elif isinstance(ours, list) and isinstance(theirs, list) and len(ours) == len(theirs):
+        members = enumerate(zip(ours, theirs, strict=True))
+        pairs = [(f"{path}[{index}]", *members_at) for index, members_at in members]
+    else:
+        return [] if ours == theirs else [f"{path}: {ours!r} is not {theirs!r}"]
+    return [difference for place, mine, its in pairs for difference in differences(mine, its, place)]
 
 
 def public() -> dict[str, Device]:
     """Return encoders with codes for widths, with requests and replies over RS-485, or with verdicts on values."""
-    found, _ = load_library([*(ENCODERS / name for name in ("ichaus", "cui")), SPECS / "signs.yaml"])
-    return {item.name: item for item in found if item.name in ("icmhm", "amt21", "signs")}
+    loaded, _ = load_library([*(ENCODERS / name for name in ("ichaus", "cui")), SPECS / "signs.yaml"])
+    return {device.name: device for device in loaded if device.name in ("icmhm", "amt21", "signs")}
 
 
 @pytest.fixture(scope="module")
 def rebuilt(devices: Mapping[str, Device]) -> dict[str, tuple[Device, Device]]:
-    return {
-        name: (device, build_class(Device, from_xml(to_xml(device_dump(device)).encode())))
-        for name, device in {**devices, **public()}.items()
-    }
+    originals = {**devices, **public()}
+    texts = {name: to_xml(device_dump(device)) for name, device in originals.items()}
+    return {name: (originals[name], build_class(Device, from_xml(text.encode()))) for name, text in texts.items()}
 
 
 def test_the_model_comes_back(rebuilt: dict[str, tuple[Device, Device]]) -> None:
@@ -291,16 +284,18 @@ def test_positions_come_back_for_every_order_code(rebuilt: dict[str, tuple[Devic
         for variant in device.variants:
             match = find(again, variant.code)
             assert match.variant.parameters == variant.parameters
-            for state, other in (
+            for original_state, rebuilt_state in (
                 (variant, match.variant),
                 (with_registers(device, variant, {}), with_registers(again, match.variant, {})),
             ):
                 for layout in device.interface(variant.interface).layouts:
-                    mine, its = layout.place(state.parameters), again.layout(layout.name).place(other.parameters)
+                    mine, its = (
+                        layout.place(original_state.parameters),
+                        again.layout(layout.name).place(rebuilt_state.parameters),
+                    )
                     assert (mine.bits, mine.gray) == (its.bits, its.gray)
-                    assert [(item.name, item.low, item.width) for item in mine.fields] == [
-                        (item.name, item.low, item.width) for item in its.fields
-                    ]
+                    places = [(field.name, field.low, field.width) for field in mine.fields]
+                    assert places == [(field.name, field.low, field.width) for field in its.fields]
 
 
 #: Path into a description. Items of a list are identified by number or name.
@@ -326,7 +321,7 @@ ALTERED: list[tuple[str, tuple[int | str, ...]]] = [
 ]
 
 
-@pytest.mark.parametrize(("name", "path"), ALTERED, ids=lambda item: ".".join(map(str, item)))
+@pytest.mark.parametrize(("name", "path"), ALTERED, ids=lambda parameter: ".".join(map(str, parameter)))
 def test_a_lost_fact_would_be_seen(devices: Mapping[str, Device], name: str, path: tuple[int | str, ...]) -> None:
     """The comparison is effective: a change of any single text or number of the description changes the model."""
     devices = {**devices, **public()}
@@ -334,8 +329,13 @@ def test_a_lost_fact_would_be_seen(devices: Mapping[str, Device], name: str, pat
     holder = data
     for key in path[:-1]:
         named = isinstance(holder, list) and isinstance(key, str)
-        holder = next(item for item in holder if item["name"] == key) if named else holder[key]
-    old = holder[path[-1]]
-    other = {**old, "no_such": 1} if isinstance(old, dict) else old + 1 if isinstance(old, int) else old + "x"
-    holder[path[-1]] = "usable" if path[-1] == "makes_position" else other
+        holder = next(member for member in holder if member["name"] == key) if named else holder[key]
+    holder[path[-1]] = "usable" if path[-1] == "makes_position" else _altered(holder[path[-1]])
     assert len(differences(comparable(devices[name]), comparable(build_class(Device, data)))) >= 1
+
+
+def _altered(value: Any) -> Any:
+    """Return another value of the same type."""
+    if isinstance(value, dict):
+        return {**value, "no_such": 1}
+    return value + 1 if isinstance(value, int) else value + "x"

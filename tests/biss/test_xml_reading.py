@@ -54,18 +54,15 @@ EXPECTED = {
 
 def sources() -> list[Path]:
     """Return all Python that is not a test: the tool, its output, examples and benchmarks."""
-    return [
-        path
-        for folder in ("generator", "generated", "docs", "benchmarks", "templates")
-        for path in sorted((ROOT / folder).rglob("*.py"))
-    ]
+    folders = [ROOT / name for name in ("generator", "generated", "docs", "benchmarks", "templates")]
+    return [path for folder in folders for path in sorted(folder.rglob("*.py"))]
 
 
 def imports_xml(tree: ast.AST) -> bool:
     for node in ast.walk(tree):
         names: list[str] = []
         if isinstance(node, ast.Import):
-            names = [item.name for item in node.names]
+            names = [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom):
             names = [node.module or ""]
         if any(name.partition(".")[0] in MODULES for name in names):
@@ -75,19 +72,14 @@ def imports_xml(tree: ast.AST) -> bool:
 
 def parser_of(call: ast.Call, tree: ast.AST) -> dict[str, bool]:
     """Return the arguments of the parser of a call, which is written inline or in a name that is assigned once."""
-    made = {
-        target.id: node.value
-        for node in ast.walk(tree)
-        if isinstance(node, ast.Assign)
-        for target in node.targets
-        if isinstance(target, ast.Name)
-    }
-    for given in [*call.args, *(item.value for item in call.keywords)]:
-        found = made.get(given.id) if isinstance(given, ast.Name) else given
-        if isinstance(found, ast.Call) and isinstance(found.func, ast.Attribute) and found.func.attr == "XMLParser":
-            return {
-                str(item.arg): bool(item.value.value) for item in found.keywords if isinstance(item.value, ast.Constant)
-            }
+    assignments = [node for node in ast.walk(tree) if isinstance(node, ast.Assign)]
+    targets = [(target, node.value) for node in assignments for target in node.targets]
+    assigned = {target.id: value for target, value in targets if isinstance(target, ast.Name)}
+    for argument in [*call.args, *(keyword.value for keyword in call.keywords)]:
+        parser = assigned.get(argument.id) if isinstance(argument, ast.Name) else argument
+        if isinstance(parser, ast.Call) and isinstance(parser.func, ast.Attribute) and parser.func.attr == "XMLParser":
+            constants = [keyword for keyword in parser.keywords if isinstance(keyword.value, ast.Constant)]
+            return {str(keyword.arg): bool(keyword.value.value) for keyword in constants}
     return {}
 
 
@@ -101,13 +93,15 @@ def reads(tree: ast.AST) -> Iterator[tuple[str, dict[str, bool]]]:
 
 
 def test_every_place_that_reads_xml_is_known() -> None:
-    found = {}
+    places_by_path = {}
     for path in sources():
         text = path.read_text(encoding="utf-8")
-        tree = ast.parse(text if any(name in text for name in MODULES) else "")
+        if not any(name in text for name in MODULES):
+            continue
+        tree = ast.parse(text)
         if imports_xml(tree) and (places := list(reads(tree))):
-            found[path.relative_to(ROOT).as_posix()] = places
-    assert found == EXPECTED
+            places_by_path[path.relative_to(ROOT).as_posix()] = places
+    assert places_by_path == EXPECTED
 
 
 @pytest.mark.parametrize(
@@ -123,7 +117,7 @@ def test_a_careless_place_would_be_seen(line: str) -> None:
     tree = ast.parse(f"from lxml import etree\nx = {line}\n")
     (place,) = reads(tree)
     assert imports_xml(tree)
-    assert place not in [item for items in EXPECTED.values() for item in items]
+    assert place not in [known_place for items in EXPECTED.values() for known_place in items]
 
 
 def test_nothing_generated_reads_xml() -> None:

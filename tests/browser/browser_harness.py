@@ -45,13 +45,13 @@ class Case:
 
     @property
     def data(self) -> dict[str, Any]:
-        given = [item.name for item in self.device.parameters if item.equals is None]
+        names = [parameter.name for parameter in self.device.parameters if parameter.equals is None]
         return {
             "name": f"{self.device.name} {self.variant.code} {self.placed.name}",
             "family": self.device.name,
             "code": self.variant.code,
             "interface": self.variant.interface,
-            "given": {name: str(self.variant.parameters[name]) for name in given},
+            "given": {name: str(self.variant.parameters[name]) for name in names},
             "sender": self.layout.sender,
             # Frames of bytes identify their layout themselves.
             "layout": "" if self.layout.in_bytes else self.layout.name,
@@ -89,59 +89,54 @@ class Case:
         """Return True if a word that is too long is written without its leading zeros."""
         return other_bits > 0 and number % 3 == 0
 
-    def said(self, decoded: codec.Decoded) -> str:
+    def result_text(self, decoded: codec.Decoded) -> str:
         """Return the whole result as one text."""
-        found = findings(self.device, self.variant, decoded)
+        report = findings(self.device, self.variant, decoded)
         strange = strange_values(self.device, decoded) if not decoded.problems else ()
         rows: list[Sequence[object]] = [(decoded.layout.name if decoded.layout is not None else "",)]
-        rows += [("problem", item.fault.value, item.field, item.message) for item in decoded.problems]
-        rows += [
-            (item.name, item.raw, _shown(item.value), item.unit, _quantity(item), item.meaning, item.high, item.low)
-            for item in decoded.fields
-            if item.name != codec.UNUSED or item.high >= 0
-        ]
+        rows += [("problem", problem.fault.value, problem.field, problem.message) for problem in decoded.problems]
+        rows += [_field_row(field) for field in decoded.fields if field.name != codec.UNUSED or field.high >= 0]
         rows.append(("crc", decoded.crc.received, decoded.crc.computed) if decoded.crc is not None else ("no crc",))
-        rows += [("report", item.field, item.meaning, item.remedy, item.source) for item in found.reports]
-        rows.append(("verdict", found.verdict.value if found.verdict is not None else ""))
-        rows += [("difference", item.message) for item in (*found.differences, *strange)]
+        rows += [("report", report.field, report.meaning, report.remedy, report.source) for report in report.reports]
+        rows.append(("verdict", report.verdict.value if report.verdict is not None else ""))
+        rows += [("difference", difference.message) for difference in (*report.differences, *strange)]
         return "\n".join("\t".join(map(str, row)) for row in rows)
 
 
-def _quantity(item: codec.DecodedField) -> str:
-    return quantity(item.scale, int(item.value)) if item.scale is not None else ""
+def _field_row(field: codec.DecodedField) -> Sequence[object]:
+    amount = quantity(field.scale, int(field.value)) if field.scale is not None else ""
+    return (field.name, field.raw, _value_text(field.value), field.unit, amount, field.meaning, field.high, field.low)
 
 
-def _shown(value: int | str | bool) -> str:
+def _value_text(value: int | str | bool) -> str:
     return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 def cases(device: Device) -> Iterator[list[Case]]:
     """Return each frame and register, for all order codes that differ, and for some states of the registers."""
     layouts = [(interface.name, layout, None) for interface, layout in device.layouts()]
-    layouts += [(item.interface, item.layout, item) for item in device.registers]
+    layouts += [(register.interface, register.layout, register) for register in device.registers]
     for interface, layout, register in layouts:
-        variants = {
-            tuple(sorted(item.parameters.items())): item
-            for item in (*device.variants, *run_time_variants(device))
-            if item.interface == interface
-        }
-        yield [Case(device, item, layout.place(item.parameters), register) for item in variants.values()]
+        variants_and_states = (*device.variants, *run_time_variants(device))
+        of_interface = [variant for variant in variants_and_states if variant.interface == interface]
+        variants = {tuple(sorted(variant.parameters.items())): variant for variant in of_interface}
+        yield [Case(device, variant, layout.place(variant.parameters), register) for variant in variants.values()]
 
 
-def drawn(case: Case, count: int, random_: random.Random) -> Iterator[tuple[int, int]]:
+def disturbed_numbers(case: Case, count: int, random_: random.Random) -> Iterator[tuple[int, int]]:
     """Return this many numbers, valid and disturbed. Some of the frames get more or fewer bits."""
     size = 8 if case.layout.in_bytes else 1
-    others = [0] * 8 + ([-size, size] if case.placed.bits > size else [size])
+    length_changes = [0] * 8 + ([-size, size] if case.placed.bits > size else [size])
     for number in numbers(case, max(count, _LEAST), random_):
-        yield number, random_.choice(others) if case.register is None else 0
+        yield number, random_.choice(length_changes) if case.register is None else 0
 
 
-def compared(case: Case, count: int, random_: random.Random) -> dict[str, Any]:
+def frames_with_checksums(case: Case, count: int, random_: random.Random) -> dict[str, Any]:
     """Return this many frames, each with a CRC-32 of the reference's result."""
-    wanted = [*drawn(case, count, random_)]
-    said = (case.said(case.decoded(*item)) for item in wanted)
-    expected = [f"{zlib.crc32(text.encode()):08x}" for text in said]
-    return {**case.data, "frames": [case.text(*item) for item in wanted], "expected": expected}
+    frames = [*disturbed_numbers(case, count, random_)]
+    results = (case.result_text(case.decoded(*frame)) for frame in frames)
+    expected = [f"{zlib.crc32(text.encode()):08x}" for text in results]
+    return {**case.data, "frames": [case.text(*frame) for frame in frames], "expected": expected}
 
 
 def program(name: str) -> str:
@@ -166,8 +161,8 @@ class Asker:
         """Return the results of a function of the harness for these items."""
         names = ["decode.js", "harness.js"]
         items = list(items)
-        for place, item in enumerate(items):
-            call = f"(globalThis.answers ??= []).push(codewheelTests.{function}({json.dumps(item)}));\n"
+        for place, argument in enumerate(items):
+            call = f"(globalThis.answers ??= []).push(codewheelTests.{function}({json.dumps(argument)}));\n"
             (self._folder / f"case-{place}.js").write_text(call, encoding="utf-8")
             names.append(f"case-{place}.js")
         answers: list[Any] = json.loads(self._node(names, timeout) if self._in_node else self._page(names, timeout))
@@ -189,14 +184,16 @@ class Asker:
         out = self._output(
             [*browser(self._program, self._folder), "--dump-dom", (self._folder / "run.html").as_uri()], timeout
         )
-        found = re.search(r"<pre>(.*)</pre>", out, re.DOTALL)
-        assert found is not None, out[-2000:]
-        return html.unescape(found[1])
+        answer_element = re.search(r"<pre>(.*)</pre>", out, re.DOTALL)
+        assert answer_element is not None, out[-2000:]
+        return html.unescape(answer_element[1])
 
     def _output(self, command: list[str], timeout: int) -> str:
-        done = subprocess.run(command, cwd=self._folder, capture_output=True, text=True, timeout=timeout, check=False)
-        assert done.returncode == 0, done.stderr[-2000:]
-        return done.stdout
+        completed = subprocess.run(
+            command, cwd=self._folder, capture_output=True, text=True, timeout=timeout, check=False
+        )
+        assert completed.returncode == 0, completed.stderr[-2000:]
+        return completed.stdout
 
 
 def browser(program: str, folder: Path) -> list[str]:

@@ -17,11 +17,11 @@ Ask = Callable[[Library, str], Asker]
 def ask(tmp_path_factory: pytest.TempPathFactory) -> Ask:
     """Return a function that writes the script of a library and returns its runner: ``node`` or ``chromium``."""
 
-    def made(library: Library, name: str) -> Asker:
-        found = program(name)
-        return Asker(tmp_path_factory.mktemp(name), generate(library)["browser/decode.js"], found)
+    def start(library: Library, name: str) -> Asker:
+        runner = program(name)
+        return Asker(tmp_path_factory.mktemp(name), generate(library)["browser/decode.js"], runner)
 
-    return made
+    return start
 
 
 @pytest.fixture(scope="session")

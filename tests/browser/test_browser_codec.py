@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browser_harness import Asker, Case, cases, compared
+from browser_harness import Asker, Case, cases, frames_with_checksums
 from codewheel.commands.frame_text import FrameTextError, checked, frame_bytes, frame_number
 from codewheel.loading.library import load_library
 from codewheel.model import Choice, Decimal, Device, Flag, FrameExample, RegisterExample, Text, number_to_bytes
@@ -49,7 +49,7 @@ FRAMES = 1_000
 Ask = Callable[[Library, str], Asker]
 
 
-def made_up(name: str) -> Library:
+def library_of(name: str) -> Library:
     path = TESTS / f"{name}.yaml"
     return Library(load_library([path, path.parent / "manufacturer.yaml"])[0])
 
@@ -57,49 +57,48 @@ def made_up(name: str) -> Library:
 def frames(library: Library, count: int) -> list[dict[str, Any]]:
     """Return this many frames of each layout and register, over the order codes that differ."""
     random_ = random.Random("page")
-    layouts = [found for device in library.devices for found in cases(device)]
-    return [compared(case, count // len(found), random_) for found in layouts for case in found]
+    layouts = [layout_cases for device in library.devices for layout_cases in cases(device)]
+    counted = [(case, count // len(layout_cases)) for layout_cases in layouts for case in layout_cases]
+    return [frames_with_checksums(case, case_count, random_) for case, case_count in counted]
 
 
 def test_frames_and_registers_in_node(node: Asker, library: Library) -> None:
     items = frames(library, FRAMES)
-    assert sum(len(item["frames"]) for item in items) > 40 * FRAMES
-    assert [wrong for found in node("compared", items) for wrong in found] == []
+    assert sum(len(argument["frames"]) for argument in items) > 40 * FRAMES
+    assert [difference for differing in node("compared", items) for difference in differing] == []
 
 
 @pytest.mark.parametrize("name", MADE_UP)
 def test_what_no_device_has(name: str, ask: Ask) -> None:
-    found = made_up(name)
-    assert [wrong for one in ask(found, "node")("compared", frames(found, FRAMES // 2)) for wrong in one] == []
+    library = library_of(name)
+    answers = ask(library, "node")("compared", frames(library, FRAMES // 2))
+    assert [difference for answer in answers for difference in answer] == []
 
 
 def test_bytes_of_a_word_of_another_length_are_refused(ask: Ask) -> None:
     """The AMT22 has words of 16 and 32 bits. 61ABh is in its data sheet."""
-    node = ask(made_up("../examples/encoders/cui/amt22"), "node")
+    node = ask(library_of("../examples/encoders/cui/amt22"), "node")
     texts = {
         "encoder:position": ["61 AB", "61 AB C0 00", "61 AB C0"],
         "encoder:position_and_turns": ["61 AB C0 00", "61 AB"],
     }
-    items = [
-        {"code": "AMT22-14", "sender": sender, "text": text, "answers": {}}
-        for sender, given in texts.items()
-        for text in given
-    ]
-    faults = [found["faults"] for found in node("values", items)]
+    rows = [(sender, text) for sender, layout_texts in texts.items() for text in layout_texts]
+    items = [{"code": "AMT22-14", "sender": sender, "text": text, "answers": {}} for sender, text in rows]
+    faults = [answer["faults"] for answer in node("values", items)]
     assert faults == [[], ["length"], ["length"], [], ["length"]]
 
 
 def test_the_bits_of_a_long_frame(ask: Ask) -> None:
     """It has 70 bits, and two zeros that are not sent fill its first byte."""
-    node = ask(made_up("specs/long"), "node")
-    item = {"code": "LS", "sender": "encoder", "text": f"0b{5:032b}_{1000:032b}_{3:06b}", "answers": {}}
-    (found,) = node("values", [item])
-    assert found["faults"] == []
-    assert [found["fields"][name] for name in ("multiturn", "singleturn", "status")] == ["5", "1000", "3"]
+    node = ask(library_of("specs/long"), "node")
+    argument = {"code": "LS", "sender": "encoder", "text": f"0b{5:032b}_{1000:032b}_{3:06b}", "answers": {}}
+    (answer,) = node("values", [argument])
+    assert answer["faults"] == []
+    assert [answer["fields"][name] for name in ("multiturn", "singleturn", "status")] == ["5", "1000", "3"]
 
 
 @pytest.mark.parametrize(
-    ("path", "code", "sender", "text", "others"),
+    ("path", "code", "sender", "text", "alternatives"),
     [
         ("cui/amt21", "AMT212B", "encoder", "AB61", ["turns_reply"]),
         ("cui/amt21", "AMT212B", "encoder:turns_reply", "AB61", ["position_reply"]),
@@ -113,19 +112,21 @@ def test_the_bits_of_a_long_frame(ask: Ask) -> None:
         ("tamagawa/ts5700", "TS5700N8401", "encoder", "02 00 12 34 00 24", []),
     ],
 )
-def test_other_frames_that_it_can_be(path: str, code: str, sender: str, text: str, others: list[str], ask: Ask) -> None:
+def test_other_frames_that_it_can_be(
+    path: str, code: str, sender: str, text: str, alternatives: list[str], ask: Ask
+) -> None:
     """They are those that the command names."""
-    node = ask(made_up(f"../examples/encoders/{path}"), "node")
-    (found,) = node("values", [{"code": code, "sender": sender, "text": text, "answers": {}}])
-    assert found["others"] == others
+    node = ask(library_of(f"../examples/encoders/{path}"), "node")
+    (answer,) = node("values", [{"code": code, "sender": sender, "text": text, "answers": {}}])
+    assert answer["others"] == alternatives
 
 
 def test_a_dead_line_over_spi(ask: Ask) -> None:
     """As the command says it: a CRC-8 that starts at 0 is correct if all bits are 0."""
-    node = ask(made_up("../examples/encoders/magntek/mt6835"), "node")
+    node = ask(library_of("../examples/encoders/magntek/mt6835"), "node")
     texts = ("0x0", "0b" + "1" * 48, "0x1")
     items = [{"code": "MT6835", "sender": "encoder:angle", "text": text, "answers": {}} for text in texts]
-    assert [found["dead"] for found in node("values", items)] == [
+    assert [answer["dead"] for answer in node("values", items)] == [
         "Every bit is 0. A dead line looks the same, and the CRC is correct too.",
         "Every bit is 1: the line never changes. Check for a broken wire, the supply and the clock.",
         "",
@@ -134,24 +135,24 @@ def test_a_dead_line_over_spi(ask: Ask) -> None:
 
 def test_a_dead_line_over_rs_485(ask: Ask) -> None:
     """There is no clock."""
-    node = ask(made_up("../examples/encoders/sick/skm36"), "node")
+    node = ask(library_of("../examples/encoders/sick/skm36"), "node")
     items = [{"code": "SKM36", "sender": "encoder:position_reply", "text": "FF " * 7, "answers": {}}]
-    assert [found["dead"] for found in node("values", items)] == [
+    assert [answer["dead"] for answer in node("values", items)] == [
         "Every bit is 1: the line never changes. Check for a broken wire, the supply and wires A and B."
     ]
 
 
 def test_in_a_browser(ask: Ask, library: Library, vectors: list[dict[str, Any]]) -> None:
     """Return frames, the examples of the manuals and public vectors for one start of the script."""
-    devices = (*library.devices, *made_up("specs/bits22").devices)
-    asked = ask(Library(devices), "chromium")
-    wanted = [*examples(devices), *published(vectors)]
-    items = [*frames(library, FRAMES), *(item for item, _ in wanted)]
-    answers = asked("answered", items)
-    split = len(items) - len(wanted)
-    assert [wrong for found in answers[:split] for wrong in found] == []
-    for (item, expected), found in zip(wanted, answers[split:], strict=True):
-        holds(item, expected, found)
+    devices = (*library.devices, *library_of("specs/bits22").devices)
+    runner = ask(Library(devices), "chromium")
+    questions = [*examples(devices), *published(vectors)]
+    items = [*frames(library, FRAMES), *(question for question, _ in questions)]
+    answers = runner("answered", items)
+    split = len(items) - len(questions)
+    assert [difference for answer in answers[:split] for difference in answer] == []
+    for (question, expected), answer in zip(questions, answers[split:], strict=True):
+        check_answer(question, expected, answer)
 
 
 # ------------------------------------------------------------ manuals and public vectors
@@ -160,46 +161,45 @@ def test_in_a_browser(ask: Ask, library: Library, vectors: list[dict[str, Any]])
 def examples(devices: tuple[Device, ...]) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
     """Return the frames and registers of the worked examples."""
     for device in devices:
-        for item in device.examples:
-            if isinstance(item, FrameExample):
-                text = f"0b{item.bits}" if item.bits else item.bytes.hex(" ")
-                asked = {"sender": item.sender, "answers": dict(item.alternatives)}
-                expected = {"faults": [item.refused] if item.refused else [], "values": item.values}
-                yield {"code": item.order_code, "text": text, **asked}, expected
-            if isinstance(item, RegisterExample):
-                asked = {"code": item.order_code, "register": item.register, "text": item.bytes.hex(" ")}
-                yield asked, {"faults": [], "values": item.values}
+        for example in device.examples:
+            if isinstance(example, FrameExample):
+                text = f"0b{example.bits}" if example.bits else example.bytes.hex(" ")
+                selection = {"sender": example.sender, "answers": dict(example.alternatives)}
+                expected = {"faults": [example.refused] if example.refused else [], "values": example.values}
+                yield {"code": example.order_code, "text": text, **selection}, expected
+            if isinstance(example, RegisterExample):
+                selection = {"code": example.order_code, "register": example.register, "text": example.bytes.hex(" ")}
+                yield selection, {"faults": [], "values": example.values}
 
 
 def published(vectors: list[dict[str, Any]]) -> Iterator[tuple[dict[str, Any], dict[str, Any]]]:
     """Return the public frames that belong to an encoder here, or to one of 22 bits."""
     as_t_format = {"eeprom_address": "as_t_format"}
     for row in vectors:
-        given, text = row["fields"], row["frame_hex_or_bits"]
-        if given.get("position_bits") == 22:
-            values = {"position": given["position"], "error": given["nE"] == 0, "warning": given["nW"] == 0}
+        fields, text = row["fields"], row["frame_hex_or_bits"]
+        if fields.get("position_bits") == 22:
+            values = {"position": fields["position"], "error": fields["nE"] == 0, "warning": fields["nW"] == 0}
             yield {"code": BITS_22, "sender": "encoder", "text": f"0b{text}"}, {"faults": [], "values": values}
-            other = f"0b{int(text, 2) ^ 1 << 6:030b}"
-            yield {"code": BITS_22, "sender": "encoder", "text": other}, {"faults": ["crc"], "values": {}}
+            with_bit_flipped = f"0b{int(text, 2) ^ 1 << 6:030b}"
+            yield {"code": BITS_22, "sender": "encoder", "text": with_bit_flipped}, {"faults": ["crc"], "values": {}}
         elif row["protocol"] == "Tamagawa T-format response, Data ID 0":
-            expected = {"faults": [], "values": {"singleturn": given["ABS"]}, "verdict": "not_usable"}
+            expected = {"faults": [], "values": {"singleturn": fields["ABS"]}, "verdict": "not_usable"}
             yield {"code": "AMM5A23/65KJP1", "sender": "encoder", "text": text}, expected
         elif row["protocol"] == "Tamagawa T-format request":
-            values = {"address": given["ADF"], **({"data": given["EDF"]} if "EDF" in given else {})}
-            asked = {"code": "AMM5A23/65KJP1", "sender": "master", "text": text, "answers": as_t_format}
-            yield asked, {"faults": [], "values": values}
-        elif row["protocol"] == "Tamagawa control field" and given["data_id"] not in (6, 13):
+            values = {"address": fields["ADF"], **({"data": fields["EDF"]} if "EDF" in fields else {})}
+            question = {"code": "AMM5A23/65KJP1", "sender": "master", "text": text, "answers": as_t_format}
+            yield question, {"faults": [], "values": values}
+        elif row["protocol"] == "Tamagawa control field" and fields["data_id"] not in (6, 13):
             yield {"code": "AMM5A23/65KJP1", "sender": "master", "text": text}, {"faults": [], "values": {}}
 
 
-def holds(item: dict[str, Any], expected: dict[str, Any], found: dict[str, Any]) -> None:
-    assert found["faults"][: len(expected["faults"]) or None] == expected["faults"], item
-    shown = {
-        name: str(value).lower() if isinstance(value, bool) else str(value)
-        for name, value in expected["values"].items()
-    }
-    assert {name: found["fields"][name] for name in shown} == shown, item
-    assert found["verdict"] == expected.get("verdict", found["verdict"]), item
+def check_answer(question: dict[str, Any], expected: dict[str, Any], answer: dict[str, Any]) -> None:
+    assert answer["faults"][: len(expected["faults"]) or None] == expected["faults"], question
+    values = expected["values"]
+    expected_texts = {name: str(value) for name, value in values.items()}
+    expected_texts |= {name: text.lower() for name, text in expected_texts.items() if isinstance(values[name], bool)}
+    assert {name: answer["fields"][name] for name in expected_texts} == expected_texts, question
+    assert answer["verdict"] == expected.get("verdict", answer["verdict"]), question
 
 
 def test_examples_and_vectors_are_many(library: Library, vectors: list[dict[str, Any]]) -> None:
@@ -208,11 +208,11 @@ def test_examples_and_vectors_are_many(library: Library, vectors: list[dict[str,
 
 
 def test_examples_and_vectors_in_node(ask: Ask, library: Library, vectors: list[dict[str, Any]]) -> None:
-    devices = (*library.devices, *made_up("specs/bits22").devices)
-    wanted = [*examples(devices), *published(vectors)]
-    answers = ask(Library(devices), "node")("values", [item for item, _ in wanted])
-    for (item, expected), found in zip(wanted, answers, strict=True):
-        holds(item, expected, found)
+    devices = (*library.devices, *library_of("specs/bits22").devices)
+    questions = [*examples(devices), *published(vectors)]
+    answers = ask(Library(devices), "node")("values", [question for question, _ in questions])
+    for (question, expected), answer in zip(questions, answers, strict=True):
+        check_answer(question, expected, answer)
 
 
 # ------------------------------------------------------------ typed text
@@ -228,7 +228,7 @@ TEXTS = (
 
 def test_texts_are_read_as_the_command_reads_them(node: Asker, library: Library) -> None:
     """Return whether a text is valid, and its content. The wording of a refusal differs."""
-    device = next(item for item in library.devices if item.name == "am36")
+    device = next(device for device in library.devices if device.name == "am36")
     placed = device.layout("single_cycle_data").place(device.variants[-1].parameters)
 
     def number(text: str) -> dict[str, Any]:
@@ -236,7 +236,7 @@ def test_texts_are_read_as_the_command_reads_them(node: Asker, library: Library)
         return {"number": str(read.number), "bits": read.bits, "exact": read.exact}
 
     for text, answers in zip(TEXTS, node("readings", [{"text": text} for text in TEXTS]), strict=True):
-        for read, answer in zip((lambda one: [*frame_bytes(one)], number), answers, strict=True):
+        for read, answer in zip((lambda text: [*frame_bytes(text)], number), answers, strict=True):
             try:
                 expected = json.dumps(read(checked(text)), separators=(",", ":"))
             except FrameTextError:
@@ -247,10 +247,10 @@ def test_texts_are_read_as_the_command_reads_them(node: Asker, library: Library)
 def test_an_order_code_is_inferred(node: Asker) -> None:
     """The public reply of an AMM5, and the same one with another CRC."""
     texts = ["02 20 C7 D1 6A 5E", "02 20 C7 D1 6A 5F", "hello"]
-    reply, wrong, nothing = node("inferred", [{"text": text} for text in texts])
+    reply, other_crc, nothing = node("inferred", [{"text": text} for text in texts])
     assert [name for name, _ in reply] == ["singleturn_reply"]
     assert reply[0][1] == [f"AMM5{mount}23/{turns}JP1" for mount in "AB" for turns in ("1", "65K")]
-    assert wrong == nothing == []
+    assert other_crc == nothing == []
 
 
 # ------------------------------------------------------------ registers from values
@@ -258,24 +258,20 @@ def test_an_order_code_is_inferred(node: Asker) -> None:
 
 def rows(case: Case, random_: random.Random) -> Iterator[dict[str, Any]]:
     """Return values of a register: valid ones, or with one of them at or beyond the end of its range."""
-    data = [item for item in case.placed.fields if item.field.carries_data]
+    data = [field for field in case.placed.fields if field.field.carries_data]
     for number in numbers(case, 12, random_):
-        found = codec.decode(case.device, case.placed, number)
-        if found.problems or "\ufffd" in "".join(map(str, found.values.values())):
+        decoded = codec.decode(case.device, case.placed, number)
+        if decoded.problems or "\ufffd" in "".join(map(str, decoded.values.values())):
             continue
-        values = {item.name: found.values[item.name] for item in data}
-        values |= {
-            item.name: entry.raw
-            for item in data
-            for entry in found.fields
-            if entry.name == item.name and isinstance(item.field.kind, Choice)
-        }
+        values = {field.name: decoded.values[field.name] for field in data}
+        choices = [field.name for field in data if isinstance(field.field.kind, Choice)]
+        values |= {field.name: field.raw for field in decoded.fields if field.name in choices}
         yield values
-        for item in data:
-            if not isinstance(item.field.kind, (Flag, Text)):
-                edges = [-1, 0, 1, item.mask, item.mask + 1, item.mask >> 1, -(item.mask >> 1) - 1, item.mask // 3]
-                edges += [item.field.kind.limit] if isinstance(item.field.kind, Decimal) else []
-                yield {**values, item.name: random_.choice(edges)}
+        for field in data:
+            if not isinstance(field.field.kind, (Flag, Text)):
+                edges = [-1, 0, 1, field.mask, field.mask + 1, field.mask >> 1, -(field.mask >> 1) - 1, field.mask // 3]
+                edges += [field.field.kind.limit] if isinstance(field.field.kind, Decimal) else []
+                yield {**values, field.name: random_.choice(edges)}
 
 
 def answer(case: Case, values: dict[str, Any]) -> str:
@@ -286,37 +282,38 @@ def answer(case: Case, values: dict[str, Any]) -> str:
         number = codec.encode(case.device, case.placed, values)
     except codec.EncodeError:
         return "refused"
-    found = codec.decode(case.device, case.placed, number)
-    if found.problems:
+    decoded = codec.decode(case.device, case.placed, number)
+    if decoded.problems:
         return "refused"
     limits = (register.min, register.max)
     if not register.meanings and limits != (None, None):
         low, high = bounds(register, case.placed, limits, case.variant.parameters)
-        if not low <= int(found.values.get(bounded(register), number)) <= high:
+        if not low <= int(decoded.values.get(bounded(register), number)) <= high:
             return "refused"
     return number_to_bytes(case.layout, number, case.placed.bits).hex(" ").upper()
 
 
-def in_json(value: object) -> object:
-    """Return a number as text, because JavaScript would round it."""
-    return f"{value}n" if isinstance(value, int) and not isinstance(value, bool) else value
+def _row_in_json(row: dict[str, Any]) -> dict[str, object]:
+    """Return a row with numbers as texts, because JavaScript would round them."""
+    numbers_ = {name: f"{value}n" for name, value in row.items() if isinstance(value, int)}
+    booleans = {name: value for name, value in row.items() if isinstance(value, bool)}
+    return {**row, **numbers_, **booleans}
 
 
 @pytest.mark.parametrize("name", ["", "c/specs/shapes", "python/specs/odd_shapes"])
 def test_registers_are_made_of_values(name: str, ask: Ask, node: Asker, library: Library) -> None:
-    given = made_up(name) if name else library
+    tested_library = library_of(name) if name else library
     random_ = random.Random("registers")
-    found = [case for device in given.devices for one in cases(device) for case in one if case.register is not None]
-    wanted = [(case, [*rows(case, random_)]) for case in found if not case.register.meanings]
-    items = [
-        {**case.data, "rows": [{key: in_json(one) for key, one in row.items()} for row in given_rows]}
-        for case, given_rows in wanted
-    ]
-    answers = (ask(given, "node") if name else node)("encoded", items)
+    every_case = [case for device in tested_library.devices for cases_ in cases(device) for case in cases_]
+    writable = [case for case in every_case if case.register is not None and not case.register.meanings]
+    rows_by_case = [(case, [*rows(case, random_)]) for case in writable]
+    items = [{**case.data, "rows": [*map(_row_in_json, register_rows)]} for case, register_rows in rows_by_case]
+    answers = (ask(tested_library, "node") if name else node)("encoded", items)
     kinds = set()
-    for (case, given_rows), one in zip(wanted, answers, strict=True):
-        expected = [answer(case, row) for row in given_rows]
-        assert one == expected, [(case.placed.name, *pair) for pair in zip(given_rows, one, expected, strict=True)]
+    for (case, register_rows), answer_texts in zip(rows_by_case, answers, strict=True):
+        expected = [answer(case, row) for row in register_rows]
+        rows_with_texts = zip(register_rows, answer_texts, expected, strict=False)
+        assert answer_texts == expected, (case.placed.name, *rows_with_texts)
         kinds |= {text == "refused" for text in expected}
     assert kinds == {True, False}
 
@@ -324,28 +321,35 @@ def test_registers_are_made_of_values(name: str, ask: Ask, node: Asker, library:
 # ------------------------------------------------------------ why a CRC is wrong
 
 #: Mistakes that the page explains. Only the command explains the others.
-TOLD = {"crc_not_inverted", "start_value", "polynomial_reversed", "bits_in_front", "bits_behind", "first_bit_missing"}
-TOLD |= {"last_bits_missing"}
+PAGE_KINDS = {
+    "crc_not_inverted",
+    "start_value",
+    "polynomial_reversed",
+    "bits_in_front",
+    "bits_behind",
+    "first_bit_missing",
+}
+PAGE_KINDS |= {"last_bits_missing"}
 
 
 def test_reasons_are_those_of_the_command(node: Asker, library: Library) -> None:
     random_ = random.Random("reasons")
     items, expected = [], []
     for device in library.devices:
-        for case in (case for found in cases(device) for case in found[:4] if case.register is None):
+        for case in (case for layout_cases in cases(device) for case in layout_cases[:4] if case.register is None):
             if device.crc_of(case.layout) is None:
                 continue
-            texts = [*disturbed(case, random_)]
+            texts = [*disturbed_texts(case, random_)]
             items.append({**case.data, "frames": texts})
-            expected.append([wanted(case, text) for text in texts])
+            expected.append([expected_explanations(case, text) for text in texts])
     answers = node("reasons", items)
-    for item, one, right in zip(items, answers, expected, strict=True):
-        for text, told, known in zip(item["frames"], one, right, strict=True):
-            assert sorted(told) == sorted(known), (item["name"], text)
-    assert sum(bool(told) for one in answers for told in one) > 100
+    for question, answer_lists, expected_lists in zip(items, answers, expected, strict=True):
+        for text, reasons, expected_reasons in zip(question["frames"], answer_lists, expected_lists, strict=True):
+            assert sorted(reasons) == sorted(expected_reasons), (question["name"], text)
+    assert sum(bool(reasons) for answer in answers for reasons in answer) > 100
 
 
-def disturbed(case: Case, random_: random.Random) -> Iterator[str]:
+def disturbed_texts(case: Case, random_: random.Random) -> Iterator[str]:
     """Return frames with the mistakes that the page knows, and with others."""
     for number in numbers(case, 12, random_):
         bits = case.placed.bits
@@ -363,25 +367,26 @@ def disturbed(case: Case, random_: random.Random) -> Iterator[str]:
         yield f"0x{number ^ random_.getrandbits(bits):X}"
 
 
-def wanted(case: Case, text: str) -> list[str]:
+def expected_explanations(case: Case, text: str) -> list[str]:
     """Return the explanations of the command for these mistakes, each with its chance."""
     if case.layout.in_bytes:
         data = frame_bytes(text)
-        found = codec.decode_bytes(case.device, case.variant, case.layout.sender, data)
-        if found.layout is None or not {item.fault.value for item in found.problems} & {"crc", "length"}:
+        decoded = codec.decode_bytes(case.device, case.variant, case.layout.sender, data)
+        if decoded.layout is None or not {problem.fault.value for problem in decoded.problems} & {"crc", "length"}:
             return []
-        why = explain_bytes(case.device, case.variant, case.layout.sender, found.layout, data)
+        why = explain_bytes(case.device, case.variant, case.layout.sender, decoded.layout, data)
     else:
-        given = frame_number(case.placed, text)
-        found = (
-            codec.decode_bits(case.device, case.placed, given.number, given.bits)
-            if given.exact
-            else codec.decode(case.device, case.placed, given.number)
+        frame = frame_number(case.placed, text)
+        decoded = (
+            codec.decode_bits(case.device, case.placed, frame.number, frame.bits)
+            if frame.exact
+            else codec.decode(case.device, case.placed, frame.number)
         )
-        if not {item.fault.value for item in found.problems} & {"crc", "length"}:
+        if not {problem.fault.value for problem in decoded.problems} & {"crc", "length"}:
             return []
-        why = explain_bits(case.device, case.variant, case.placed, given)
+        why = explain_bits(case.device, case.variant, case.placed, frame)
     assert why is not None
     of_bytes = {"other_polynomial"} if case.layout.in_bytes else set()
-    told = [item for item in why.explanations if item.kind in TOLD | of_bytes and not item.twice]
-    return [f"{item.text}, 1 of {item.one_in}" for item in told]
+    kinds = PAGE_KINDS | of_bytes
+    mistakes = [mistake for mistake in why.explanations if mistake.kind in kinds and not mistake.twice]
+    return [f"{mistake.text}, 1 of {mistake.one_in}" for mistake in mistakes]

@@ -52,7 +52,7 @@ LABELS = (
 COMMANDS = (" (codewheel show ", "; codewheel list shows")
 
 
-def read(library: Library, text: str) -> Any:
+def description_of(library: Library, text: str) -> Any:
     """Return the order code or the help of the command line for a label, without commands to run."""
     try:
         device, match = find(library.devices, text)
@@ -61,21 +61,21 @@ def read(library: Library, text: str) -> Any:
         for command in COMMANDS:
             message = message.partition(command)[0]
         return message
-    found = match.variant.code, list(match.unlisted), match.tail, match.special, match.written_as_in
-    return [device.name, *found]
+    description = match.variant.code, list(match.unlisted), match.tail, match.special, match.written_as_in
+    return [device.name, *description]
 
 
 @pytest.mark.slow
 def test_labels_of_people(node: Asker, library: Library) -> None:
     answers = node("labels", [{"texts": LABELS}])[0]
-    assert dict(zip(LABELS, answers, strict=True)) == {text: read(library, text) for text in LABELS}
+    assert dict(zip(LABELS, answers, strict=True)) == {text: description_of(library, text) for text in LABELS}
 
 
 @pytest.mark.slow
 def test_labels_with_mistakes(node: Asker, library: Library) -> None:
     """One character of a listed code is omitted, changed, or written twice."""
     random_ = random.Random(5)
-    codes = [item.code for device in library.devices for item in device.variants]
+    codes = [variant.code for device in library.devices for variant in device.variants]
     texts = []
     for _ in range(600):
         code = random_.choice(codes)
@@ -83,12 +83,9 @@ def test_labels_with_mistakes(node: Asker, library: Library) -> None:
         middle = random_.choice(["", random_.choice("0123456789ABSKJPCG/-"), 2 * code[place]])
         texts.append(code[:place] + middle + code[place + 1 :])
     answers = node("labels", [{"texts": texts}])[0]
-    wrong = {
-        text: (answer, read(library, text))
-        for text, answer in zip(texts, answers, strict=True)
-        if answer != read(library, text)
-    }
-    assert wrong == {}
+    pairs = {text: (answer, description_of(library, text)) for text, answer in zip(texts, answers, strict=True)}
+    differing = {text: pair for text, pair in pairs.items() if pair[0] != pair[1]}
+    assert differing == {}
 
 
 @pytest.mark.slow
@@ -101,4 +98,4 @@ def test_a_code_is_not_read_as_a_shorter_one_with_a_tail(ask: Callable[[Library,
     library = Library(devices)
     answers = ask(library, "node")("labels", [{"texts": ["A-SP-X-SP", "A-SP-X", "A-SP"]}])[0]
     assert [answer[:2] for answer in answers] == [["a_sp_x", "A-SP-X-SP"], ["a", "A-SP"], ["a", "A-SP"]]
-    assert answers == [read(library, text) for text in ("A-SP-X-SP", "A-SP-X", "A-SP")]
+    assert answers == [description_of(library, text) for text in ("A-SP-X-SP", "A-SP-X", "A-SP")]

@@ -85,14 +85,14 @@ TEXTS = (
 )
 
 
-def said(library: Library, code: str, register: str, text: str) -> list[Any]:
+def lines_of_command(library: Library, code: str, register: str, text: str) -> list[Any]:
     """Return the results of the command line for the lines of a text."""
     device, match = find(library.devices, code)
     case = Case(device, match.variant, None)  # type: ignore[arg-type]
 
     def one(text: str) -> str:
         try:
-            return case.said(
+            return case.result_text(
                 decode_register_text(device, match.variant, register, text)
                 if register
                 else decode_text(device, match.variant, "encoder", text)
@@ -106,20 +106,26 @@ def said(library: Library, code: str, register: str, text: str) -> list[Any]:
 @pytest.mark.slow
 def test_page_and_command_line_say_the_same(node: Asker, library: Library) -> None:
     items = [{"code": code, "register": register, "text": text} for code, register, text in TEXTS]
-    for item, answer in zip(items, node("lines", items), strict=True):
-        assert answer == said(library, item["code"], item["register"], item["text"]), item
+    for question, answer in zip(items, node("lines", items), strict=True):
+        assert answer == lines_of_command(library, question["code"], question["register"], question["text"]), question
 
 
 @pytest.mark.slow
 def test_digits_without_a_prefix_have_each_meaning_that_fits(node: Asker, library: Library) -> None:
     """A debugger prints 0xF4243D3 as 256000979, which is also hex. 9999999999 as hex has more than 37 bits."""
     assert int("256000979") == 0xF4243D3
-    both = "Write 0xF4243D3 if it is decimal, 0x256000979 if it is hex"
-    assert said(library, BISS, "", "256000979")[0][2] == f"'256000979' is not a frame of 45 bits. {both}"
-    assert said(library, SSI, "", "256000979")[0][2] == f"'256000979' is not a frame of 37 bits. {both}"
+    both_meanings = "Write 0xF4243D3 if it is decimal, 0x256000979 if it is hex"
+    assert (
+        lines_of_command(library, BISS, "", "256000979")[0][2]
+        == f"'256000979' is not a frame of 45 bits. {both_meanings}"
+    )
+    assert (
+        lines_of_command(library, SSI, "", "256000979")[0][2]
+        == f"'256000979' is not a frame of 37 bits. {both_meanings}"
+    )
     only = f"Write 0x{9999999999:X} if it is decimal"
-    assert said(library, SSI, "", "9999999999")[0][2] == f"'9999999999' is not a frame of 37 bits. {only}"
-    assert node("unread", [{"text": "256000979"}]) == [f"'256000979' is not a frame. {both}"]
+    assert lines_of_command(library, SSI, "", "9999999999")[0][2] == f"'9999999999' is not a frame of 37 bits. {only}"
+    assert node("unread", [{"text": "256000979"}]) == [f"'256000979' is not a frame. {both_meanings}"]
 
 
 @pytest.mark.slow
@@ -141,13 +147,13 @@ def test_without_an_order_code_a_text_that_is_no_frame_has_the_help(node: Asker)
 
 
 def test_all_spellings_of_one_frame_are_the_same(library: Library) -> None:
-    first = said(library, *TEXTS[0])
+    first = lines_of_command(library, *TEXTS[0])
     assert "verdict\tusable" in first[0][2]
-    assert all(said(library, *case) == first for case in TEXTS[1:11])
+    assert all(lines_of_command(library, *case) == first for case in TEXTS[1:11])
 
 
 def test_times_are_not_part_of_the_frame(library: Library) -> None:
-    lines = said(library, *TEXTS[-3])
+    lines = lines_of_command(library, *TEXTS[-3])
     times = ["0.000125", "0.000250", "12:30:01.5", "2026-11-25T12:30:02Z", "250 µs", "3.5 ms", "10:42:43"]
     assert [line[1] for line in lines] == times
     assert [line[0] for line in lines] == [3, 4, 5, 6, 7, 8, 9]
@@ -155,15 +161,15 @@ def test_times_are_not_part_of_the_frame(library: Library) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("position", "shown"), [(-1000, "316.05° of revolution -1"), (-8192, "0.00° of revolution -1")]
+    ("position", "expected_text"), [(-1000, "316.05° of revolution -1"), (-8192, "0.00° of revolution -1")]
 )
-def test_a_negative_position_has_an_angle_of_its_revolution(position: int, shown: str) -> None:
+def test_a_negative_position_has_an_angle_of_its_revolution(position: int, expected_text: str) -> None:
     """-1000 of 8,192 counts is 360° - 43.95° of the revolution before the first one."""
     node = require(["node"])
     text = (ROOT / "runtime" / "browser" / "result.js").read_text(encoding="utf-8")
     function = text[text.index("function measured(") :].split("\n}\n", 1)[0] + "\n}\n"
-    found = f'{{ verdict: "usable", at: {{}}, fields: [{{ name: "position", value: {position}n }}] }}'
-    call = f'measured({found}, {{ of: "position", counts_per_turn: 8192n, turns: 4096n }})'
+    frame_result = f'{{ verdict: "usable", at: {{}}, fields: [{{ name: "position", value: {position}n }}] }}'
+    call = f'measured({frame_result}, {{ of: "position", counts_per_turn: 8192n, turns: 4096n }})'
     script = f"const ONE = 1n, value = (item) => item;\n{function}\nconsole.log({call});"
-    done = subprocess.run([node, "-e", script], capture_output=True, text=True, check=True)
-    assert done.stdout == f"position: {shown}\n"
+    completed = subprocess.run([node, "-e", script], capture_output=True, text=True, check=True)
+    assert completed.stdout == f"position: {expected_text}\n"

@@ -52,14 +52,14 @@ def test_every_file_says_its_licence(library: Library) -> None:
 
 def test_all_order_codes_are_there(library: Library) -> None:
     script = text_in("decode.js", library)
-    assert all(f'"{item.code}"' in script for device in library.devices for item in device.variants)
+    assert all(f'"{variant.code}"' in script for device in library.devices for variant in device.variants)
 
 
 @pytest.mark.slow
 def test_the_same_every_time_and_not_large(library: Library) -> None:
-    made = generate(library)
-    assert made == generate(library)
-    assert len(made["browser/decode.js"].encode()) < 220_000
+    outputs = generate(library)
+    assert outputs == generate(library)
+    assert len(outputs["browser/decode.js"].encode()) < 220_000
 
 
 @pytest.mark.slow
@@ -71,9 +71,9 @@ def test_no_text_of_a_spec_ends_the_script(hostile: Library) -> None:
         assert table is not None
         assert not re.search(r"[<>&\u2028\u2029]", table[1])
         assert json.loads(table[1])["families"][0]["title"] == device.title
-    made = generate(hostile)
-    assert re.findall(r"<script[^>]*>", made["browser/decode.html"]) == ['<script src="decode.js">']
-    assert not any("<script>alert" in text for text in made.values())
+    outputs = generate(hostile)
+    assert re.findall(r"<script[^>]*>", outputs["browser/decode.html"]) == ['<script src="decode.js">']
+    assert not any("<script>alert" in text for text in outputs.values())
 
 
 # ------------------------------------------------------------ use
@@ -84,7 +84,7 @@ def chromium() -> str:
     return program("chromium")
 
 
-def shown(chromium: str, folder: Path, script: str, boxes: str = '<div class="codewheel-decode"></div>') -> Any:
+def run_in_page(chromium: str, folder: Path, script: str, boxes: str = '<div class="codewheel-decode"></div>') -> Any:
     """Return the result of a script in a page with these boxes, once they exist. Errors of the page fail the test."""
     page = f"""<!DOCTYPE html><meta charset="utf-8"><body>{boxes}<script>
 const errors = []; addEventListener("error", (event) => errors.push(event.message));</script>
@@ -103,10 +103,10 @@ addEventListener("DOMContentLoaded", () => {{
 }});</script>"""
     (folder / "run.html").write_text(page, encoding="utf-8")
     command = [*browser(chromium, folder), "--dump-dom", (folder / "run.html").as_uri()]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=200, check=False)
-    found = re.search(r"<pre>(.*)</pre>", done.stdout, re.DOTALL)
-    assert found is not None, (done.stdout[-1000:], done.stderr[-1000:])
-    result = json.loads(html.unescape(found[1]))
+    completed = subprocess.run(command, capture_output=True, text=True, timeout=200, check=False)
+    answer_element = re.search(r"<pre>(.*)</pre>", completed.stdout, re.DOTALL)
+    assert answer_element is not None, (completed.stdout[-1000:], completed.stderr[-1000:])
+    result = json.loads(html.unescape(answer_element[1]))
     assert result["errors"] == []
     return result["answer"]
 
@@ -145,91 +145,91 @@ STEPS = """
 
 
 @pytest.fixture(scope="session")
-def seen(chromium: str, page: Path) -> dict[str, Any]:
+def steps(chromium: str, page: Path) -> dict[str, Any]:
     """Return everything that a user sees at each step, for one start of the browser."""
-    other = '<div class="codewheel-decode" data-code="SMA21-SC4-0050" data-evidence-above></div>'
-    boxes = f'<div class="codewheel-decode"></div>{other}'
-    found: dict[str, Any] = shown(chromium, page, STEPS, boxes)
-    return found
+    box_of_code = '<div class="codewheel-decode" data-code="SMA21-SC4-0050" data-evidence-above></div>'
+    boxes = f'<div class="codewheel-decode"></div>{box_of_code}'
+    result: dict[str, Any] = run_in_page(chromium, page, STEPS, boxes)
+    return result
 
 
 @pytest.mark.slow
-def test_a_box_has_the_order_code_of_its_element(seen: dict[str, Any]) -> None:
-    assert seen["other"] == "SMA21-SC4-0050"
+def test_a_box_has_the_order_code_of_its_element(steps: dict[str, Any]) -> None:
+    assert steps["other"] == "SMA21-SC4-0050"
 
 
 @pytest.mark.slow
-def test_the_evidence_is_not_repeated_below_a_box_on_a_page_that_states_it(seen: dict[str, Any]) -> None:
-    assert "Evidence:" not in seen["otherEvidence"]
-    assert "Evidence: manual" in seen["reports"]
+def test_the_evidence_is_not_repeated_below_a_box_on_a_page_that_states_it(steps: dict[str, Any]) -> None:
+    assert "Evidence:" not in steps["otherEvidence"]
+    assert "Evidence: manual" in steps["reports"]
 
 
 @pytest.mark.slow
-def test_fields_reports_and_verdict(seen: dict[str, Any]) -> None:
+def test_fields_reports_and_verdict(steps: dict[str, Any]) -> None:
     """The published reply of an AMM5, and the manual's remedy."""
-    assert "not_usable: the position is not usable." in seen["reports"]
-    assert "status_other_error: BUSY flag, PS error, battery alarm or MT error" in seen["reports"]
-    assert "7000519 counts" in seen["reports"]
-    assert "The label continues with -XYZ." in seen["reports"]
-    assert "°" not in seen["reports"]
+    assert "not_usable: the position is not usable." in steps["reports"]
+    assert "status_other_error: BUSY flag, PS error, battery alarm or MT error" in steps["reports"]
+    assert "7000519 counts" in steps["reports"]
+    assert "The label continues with -XYZ." in steps["reports"]
+    assert "°" not in steps["reports"]
 
 
 @pytest.mark.slow
-def test_a_fault_in_the_words_of_the_command(seen: dict[str, Any]) -> None:
-    assert "crc error: expected CRC 0x7e, got 0x7f" in seen["fault"]
-    assert 'codewheel decode AMM5A23/65KJP1 "02 00 C7 D1 6A 7F"' in seen["fault"]
-    early = seen["why"].index("started one clock early: an extra bit such as CDS is in front")
+def test_a_fault_in_the_words_of_the_command(steps: dict[str, Any]) -> None:
+    assert "crc error: expected CRC 0x7e, got 0x7f" in steps["fault"]
+    assert 'codewheel decode AMM5A23/65KJP1 "02 00 C7 D1 6A 7F"' in steps["fault"]
+    early = steps["why"].index("started one clock early: an extra bit such as CDS is in front")
     bit = "one bit may have been disturbed on the line: the CRC matches with bit 0 inverted"
-    assert 0 < seen["why"].index(bit) < early
-    assert "Every bit is 0: the line never changes." in seen["low"]
-    assert "Every bit is 1: the line never changes." in seen["high"]
-    assert "Every bit is 0. A dead line looks the same" in seen["ssi"]
+    assert 0 < steps["why"].index(bit) < early
+    assert "Every bit is 0: the line never changes." in steps["low"]
+    assert "Every bit is 1: the line never changes." in steps["high"]
+    assert "Every bit is 0. A dead line looks the same" in steps["ssi"]
 
 
 @pytest.mark.slow
-def test_an_order_code_that_is_left_out(seen: dict[str, Any]) -> None:
-    assert seen["notation"].startswith(
+def test_an_order_code_that_is_left_out(steps: dict[str, Any]) -> None:
+    assert steps["notation"].startswith(
         "'zz' is not a frame. Write 0b and all bits in the order sent, 0x and hex digits"
     )
-    assert "Write 0xF4243D3 if it is decimal, 0x256000979 if it is hex." in seen["decimal"]
-    assert "AMM5A23/65KJP1" in seen["inferred"]
-    assert "with a correct CRC" in seen["inferred"]
-    assert seen["code"] == "AMM5A23/1JP1"
-    assert "usable: no error. the position is usable." in seen["picked"].lower()
-    assert "NOTHING/1" in seen["unknown"].upper()
+    assert "Write 0xF4243D3 if it is decimal, 0x256000979 if it is hex." in steps["decimal"]
+    assert "AMM5A23/65KJP1" in steps["inferred"]
+    assert "with a correct CRC" in steps["inferred"]
+    assert steps["code"] == "AMM5A23/1JP1"
+    assert "usable: no error. the position is usable." in steps["picked"].lower()
+    assert "NOTHING/1" in steps["unknown"].upper()
 
 
 @pytest.mark.slow
-def test_a_wrong_order_code_has_the_nearest_ones_as_buttons(seen: dict[str, Any]) -> None:
-    assert seen["near"] == ["AMM5A21/65KSC1", "AMM5A17/65KSC1", "AMM5A23/65KSC1"]
-    assert seen["corrected"][0] == "AMM5A21/65KSC1"
-    assert "1000003 counts" in seen["corrected"][1]
+def test_a_wrong_order_code_has_the_nearest_ones_as_buttons(steps: dict[str, Any]) -> None:
+    assert steps["near"] == ["AMM5A21/65KSC1", "AMM5A17/65KSC1", "AMM5A23/65KSC1"]
+    assert steps["corrected"][0] == "AMM5A21/65KSC1"
+    assert "1000003 counts" in steps["corrected"][1]
 
 
 @pytest.mark.slow
-def test_registers_both_ways(seen: dict[str, Any]) -> None:
+def test_registers_both_ways(steps: dict[str, Any]) -> None:
     """1,000,003 in the preset: low byte first, and the singleturn position ends at bit 32."""
-    assert "1000003" in seen["preset"]
-    assert seen["position"] == "1000003"
-    assert seen["bytes"] == "00 40 24 F4 00 00 00"
-    assert seen["refused"]
-    assert seen["kept"] == seen["bytes"]
-    assert seen["readOnly"] == 0
+    assert "1000003" in steps["preset"]
+    assert steps["position"] == "1000003"
+    assert steps["bytes"] == "00 40 24 F4 00 00 00"
+    assert steps["refused"]
+    assert steps["kept"] == steps["bytes"]
+    assert steps["readOnly"] == 0
 
 
 @pytest.mark.slow
-def test_what_the_manual_leaves_open_is_asked_for(seen: dict[str, Any]) -> None:
-    assert "The manual is ambiguous here" in seen["open"]
-    assert "address" not in seen["open"]
-    assert seen["chosen"] is False
-    assert "address" in seen["decided"]
+def test_what_the_manual_leaves_open_is_asked_for(steps: dict[str, Any]) -> None:
+    assert "The manual is ambiguous here" in steps["open"]
+    assert "address" not in steps["open"]
+    assert steps["chosen"] is False
+    assert "address" in steps["decided"]
 
 
 @pytest.mark.slow
-def test_registers_that_change_a_frame(seen: dict[str, Any]) -> None:
+def test_registers_that_change_a_frame(steps: dict[str, Any]) -> None:
     """By default, singleturn has 20 bits and multiturn 16. Then singleturn has 12."""
-    assert "44 bits" in seen["delivered"]
-    assert "36 bits" in seen["held"]
+    assert "44 bits" in steps["delivered"]
+    assert "36 bits" in steps["held"]
 
 
 OTHERS = """
@@ -251,15 +251,15 @@ def test_other_frames_that_it_can_be(chromium: str, tmp_path: Path) -> None:
     devices, report = load_library([folder / "cui", folder / "sick"])
     assert not report
     (tmp_path / "decode.js").write_text(text_in("decode.js", Library(devices)), encoding="utf-8")
-    seen = shown(chromium, tmp_path, OTHERS)
-    assert "This can also be another frame: turns reply. Choose it above." in seen["also"]
+    result = run_in_page(chromium, tmp_path, OTHERS)
+    assert "This can also be another frame: turns reply. Choose it above." in result["also"]
     requests = [f"{name} request, from the master" for name in ("position", "turns", "zero", "reset")]
-    assert seen["types"] == [*requests, "position reply, from the encoder", "turns reply, from the encoder"]
-    assert "Turns reply, 2 bytes" in seen["turns"]
-    assert "This can also be another frame: position reply. Choose it above." in seen["turns"]
-    assert seen["link"] == "#code=AMT212B&frame=AB+61&from=encoder%3Aturns_reply"
-    assert "This is a valid type label reply. Choose it above." in seen["instead"]
-    assert "This command tries more mistakes" not in seen["instead"]
+    assert result["types"] == [*requests, "position reply, from the encoder", "turns reply, from the encoder"]
+    assert "Turns reply, 2 bytes" in result["turns"]
+    assert "This can also be another frame: position reply. Choose it above." in result["turns"]
+    assert result["link"] == "#code=AMT212B&frame=AB+61&from=encoder%3Aturns_reply"
+    assert "This is a valid type label reply. Choose it above." in result["instead"]
+    assert "This command tries more mistakes" not in result["instead"]
 
 
 COLOURS = r"""
@@ -274,35 +274,39 @@ COLOURS = r"""
 
 
 def colour(red: int, green: int, blue: int) -> str:
-    return "red" if red > 2 * green else "green" if green > red else "amber" if green > blue else "grey"
+    if red > 2 * green:
+        return "red"
+    if green > red:
+        return "green"
+    return "amber" if green > blue else "grey"
 
 
 def with_flags(devices: Iterable[Device]) -> Iterator[tuple[str, str]]:
     """Yield an order code of each family over BiSS and a frame, for each combination of its flags."""
     for device in devices:
-        variant = next(item for item in device.variants if item.interface == "biss")
-        layout = next(item for _, item in device.layouts() if item.name == "single_cycle_data")
+        variant = next(variant for variant in device.variants if variant.interface == "biss")
+        layout = next(layout for _, layout in device.layouts() if layout.name == "single_cycle_data")
         placed = layout.place(variant.parameters)
-        names = [item.name for item in placed.fields if item.field.carries_data]
-        flags = [item.name for item in placed.fields if isinstance(item.field.kind, Flag)]
-        for given in itertools.product((False, True), repeat=len(flags)):
-            values = {**dict.fromkeys(names, 0), **dict(zip(flags, given, strict=True))}
+        names = [field.name for field in placed.fields if field.field.carries_data]
+        flags = [field.name for field in placed.fields if isinstance(field.field.kind, Flag)]
+        for states in itertools.product((False, True), repeat=len(flags)):
+            values = {**dict.fromkeys(names, 0), **dict(zip(flags, states, strict=True))}
             yield variant.code, f"0x{codec.encode(device, placed, values):x}"
 
 
 @pytest.mark.slow
 def test_the_colour_of_the_box_is_that_of_the_verdict(chromium: str, page: Path, library: Library) -> None:
-    wrong = ("AMM5A23/65KJP1", "02 00 C7 D1 6A 7F")
-    frames = json.dumps([wrong, *with_flags(library.devices)])
+    with_crc_error = ("AMM5A23/65KJP1", "02 00 C7 D1 6A 7F")
+    frames = json.dumps([with_crc_error, *with_flags(library.devices)])
     colours = {"usable": "green", "usable_with_warning": "amber", "not_usable": "red", "crc error": "red"}
-    seen = set()
-    for said, line in shown(chromium, page, COLOURS.replace("FRAMES", frames)):
-        verdict = said.partition(":")[0]
-        seen.add(verdict)
+    verdicts = set()
+    for message, line in run_in_page(chromium, page, COLOURS.replace("FRAMES", frames)):
+        verdict = message.partition(":")[0]
+        verdicts.add(verdict)
         # A question to the reader has the colour of a warning, since nothing is decoded until it is answered.
-        asked = said.startswith("The manual is ambiguous here")
-        assert colour(*line) == ("amber" if asked else colours.get(verdict, "grey")), said
-    assert seen > set(colours)
+        is_question = message.startswith("The manual is ambiguous here")
+        assert colour(*line) == ("amber" if is_question else colours.get(verdict, "grey")), message
+    assert verdicts > set(colours)
 
 
 LINKED = '<div class="codewheel-decode" data-link></div>'
@@ -316,8 +320,8 @@ LINK = """
 
 @pytest.mark.slow
 def test_a_link_fills_the_page_in(chromium: str, page: Path) -> None:
-    code, what, text, result, link = shown(chromium, page, LINK, LINKED)
-    assert (code, what, text) == ("AMM5A21/65KSC1", "=preset", "00 30 24 f4 00 00 00")
+    code, frame_choice, text, result, link = run_in_page(chromium, page, LINK, LINKED)
+    assert (code, frame_choice, text) == ("AMM5A21/65KSC1", "=preset", "00 30 24 f4 00 00 00")
     assert "1000003" in result
     assert link == "#code=AMM5A21%2F65KSC1&frame=00+30+24+f4+00+00+00&as=preset"
 
@@ -342,24 +346,24 @@ MANY = r"""
 
 @pytest.mark.slow
 def test_many_frames_give_a_table(chromium: str, page: Path) -> None:
-    seen = shown(chromium, page, MANY, LINKED)
-    assert "'AMM5A19/65KSC1' has singleturn '19'; valid values: 17, 21, 23." in seen["help"]
-    assert [[row[0], row[1], row[3]] for row in seen["rows"]] == [
+    result = run_in_page(chromium, page, MANY, LINKED)
+    assert "'AMM5A19/65KSC1' has singleturn '19'; valid values: 17, 21, 23." in result["help"]
+    assert [[row[0], row[1], row[3]] for row in result["rows"]] == [
         ["3", "0.001", "usable"],
         ["4", "0.002", "CRC error"],
         ["5", "3 ms", "not a frame"],
     ]
-    assert "position 1000003" in seen["rows"][0][4]
-    assert "171.6619° of revolution 0" in seen["rows"][0][4]
-    assert seen["rows"][1][5] == "expected CRC 0x13, got 0x12"
-    assert "'zz' is not a frame of 45 bits. Write 0b and all 45 bits" in seen["rows"][2][5]
-    assert seen["address"].splitlines()[2] == "0.001 0xF4243D3"
-    head, first, second, *_ = seen["csv"].splitlines()
+    assert "position 1000003" in result["rows"][0][4]
+    assert "171.6619° of revolution 0" in result["rows"][0][4]
+    assert result["rows"][1][5] == "expected CRC 0x13, got 0x12"
+    assert "'zz' is not a frame of 45 bits. Write 0b and all 45 bits" in result["rows"][2][5]
+    assert result["address"].splitlines()[2] == "0.001 0xF4243D3"
+    head, first, second, *_ = result["csv"].splitlines()
     assert head == "line,time,frame,layout,verdict,remark,multiturn,singleturn,error,warning,crc,position"
     assert first == "3,0.001,0xF4243D3,single_cycle_data,usable,,0,1000003,no,no,19,1000003"
     assert second.startswith('4,0.002,"[0x0F, 0x42, 0x43, 0xD2]",single_cycle_data,,"expected CRC 0x13, got 0x12",')
-    assert seen["full"].startswith("Line 4")
-    assert "one bit may have been disturbed on the line" in seen["full"]
+    assert result["full"].startswith("Line 4")
+    assert "one bit may have been disturbed on the line" in result["full"]
 
 
 @pytest.mark.slow
@@ -368,17 +372,17 @@ def test_the_policy_of_the_page_allows_its_own_script_and_style_only(chromium: s
     text = (page / "decode.html").read_text(encoding="utf-8")
     added = '<style>h1 { color: red }</style><script>document.title = "added"</script><img src="decode.js">'
     (page / "attacked.html").write_text(text.replace("</main>", f"{added}</main>"), encoding="utf-8")
-    seen = "[document.title, document.body.innerText, getComputedStyle(document.querySelector('h1')).color]"
+    page_state = "[document.title, document.body.innerText, getComputedStyle(document.querySelector('h1')).color]"
     with Browser(tmp_path) as browser:
         browser.open((page / "decode.html").as_uri() + "#code=AMM5A23/65KJP1&frame=02+20+C7+D1+6A+5E")
-        title, shown, colour = browser.run(seen)
+        title, body_text, colour = browser.run(page_state)
         assert title == "Decode a frame: Lika Electronic and iC-Haus"
-        assert "not_usable: the position is not usable." in shown
+        assert "not_usable: the position is not usable." in body_text
         assert browser.run("getComputedStyle(document.body).maxWidth") == "960px"
         assert browser.complaints == []
         browser.open((page / "attacked.html").as_uri())
-        assert browser.run(seen)[::2] == [title, colour]
-        refused = [item for item in browser.complaints if "Content Security Policy" in item]
+        assert browser.run(page_state)[::2] == [title, colour]
+        refused = [complaint for complaint in browser.complaints if "Content Security Policy" in complaint]
         assert len(refused) == 3, browser.complaints
 
 
@@ -400,7 +404,7 @@ HOSTILE = """
 @pytest.mark.slow
 def test_hostile_texts_stay_texts(chromium: str, hostile: Library, tmp_path: Path) -> None:
     (tmp_path / "decode.js").write_text(text_in("decode.js", hostile), encoding="utf-8")
-    assert shown(chromium, tmp_path, HOSTILE) == [0, 0]
+    assert run_in_page(chromium, tmp_path, HOSTILE) == [0, 0]
 
 
 @pytest.mark.slow
@@ -416,7 +420,7 @@ def test_frames_of_bits_that_nothing_tells_apart_are_chosen(chromium: str, tmp_p
       choose(what, "encoder:register_reply");
       return [...seen, said(boxes[0])];
     """
-    options, position, reply = shown(chromium, tmp_path, script)
+    options, position, reply = run_in_page(chromium, tmp_path, script)
     requests = ("position_request", "read_request", "write_request", "write_data")
     assert options == [*(f"master:{name}" for name in requests), "encoder:position", "encoder:register_reply"]
     assert "384 counts" in position

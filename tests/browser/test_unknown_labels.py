@@ -9,7 +9,7 @@ import pytest
 from browser_harness import Asker
 from codewheel.loading.library import load_library
 from codewheel.targets import Library
-from test_browser_labels import read
+from test_browser_labels import description_of
 
 ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
 LABELS = ("EQN1325", "EQN1325-X", "AS5047", "AS5047P", "AS5047P-X", "as5048a/S1", "", "-", "AS5047P1")
@@ -22,4 +22,4 @@ def test_labels_of_families_of_one_part(ask: Callable[[Library, str], Asker]) ->
     library = Library(devices)
     assert any(device.order_code.pattern == "{model}" for device in devices)
     answers = ask(library, "node")("labels", [{"texts": LABELS}])[0]
-    assert dict(zip(LABELS, answers, strict=True)) == {text: read(library, text) for text in LABELS}
+    assert dict(zip(LABELS, answers, strict=True)) == {text: description_of(library, text) for text in LABELS}

@@ -124,7 +124,7 @@ class SlaveEnd(Protocol):
     def writable(self) -> Collection[int]: ...
     @property
     def stored(self) -> list[tuple[int, int]]: ...
-    def held(self, address: int) -> int: ...
+    def stored_value(self, address: int) -> int: ...
 
 
 class SteppedSlave(SlaveEnd, Protocol):
@@ -190,7 +190,7 @@ class SlaveInC:
         self.stored: list[tuple[int, int]] = []
         library.slave_init(len(self.readable), len(self.writable))
 
-    def held(self, address: int) -> int:
+    def stored_value(self, address: int) -> int:
         return int(self.library.slave_register(address))
 
     def next(self, cdm: int) -> int:
@@ -243,5 +243,5 @@ def accesses(line: MasterEnd, slave: SlaveEnd, chance: random.Random, count: int
             # A byte is stored once, and no other one is stored.
             assert slave.stored == list(zip(places[:sound], data, strict=False)), (index, address, size)
         else:
-            expected = bytes(slave.held(place) for place in places[:sound])
+            expected = bytes(slave.stored_value(place) for place in places[:sound])
             assert line.read(address, size, 2000) == (outcome, expected), (index, address, size)

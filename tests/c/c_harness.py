@@ -26,7 +26,7 @@ so that a change on an error is detected.
 from __future__ import annotations
 
 import subprocess
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -37,6 +37,7 @@ from codewheel.targets.c.codec import StructCodec
 from codewheel.targets.c.device import DeviceView, views_of
 from codewheel.targets.c.files import generate
 from codewheel.targets.c.identity import IdentityCode
+from codewheel.targets.c.procedures import ProcedureCode
 from codewheel.targets.c.reserved import c_name
 from codewheel.targets.c.types import unsigned
 from working_tools import require
@@ -129,8 +130,10 @@ def compile_c(
     text, program = folder / f"{stem}.c", folder / stem
     text.write_text(code, encoding="utf-8")
     options = ["-o", str(program)] if link else ["-c", "-o", f"{program}.o"]
-    done = subprocess.run([*command, *WARNINGS, f"-I{include}", str(text), *options], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[:4000]
+    completed = subprocess.run(
+        [*command, *WARNINGS, f"-I{include}", str(text), *options], capture_output=True, text=True
+    )
+    assert completed.returncode == 0, completed.stderr[:4000]
     return program
 
 
@@ -151,19 +154,20 @@ def compile_programs(command: list[str], device: Device, folder: Path, include: 
 
 def runner_over(device: Device, folder: Path) -> Run:
     """Return the programs compiled into this folder as one."""
-    return as_one(device, {item.name: runner(folder / item.name) for item in device.interfaces})
+    return combined_run(device, {interface.name: runner(folder / interface.name) for interface in device.interfaces})
 
 
-def as_one(device: Device, programs: Mapping[str, Run]) -> Run:
+def combined_run(device: Device, programs: Mapping[str, Run]) -> Run:
     """Send each line to the program for the interface of its order code. A label to be found goes to all programs."""
-    kinds = {item.code: item.interface for item in device.variants}
+    kinds = {variant.code: variant.interface for variant in device.variants}
 
     def run(lines: Iterable[str]) -> list[str]:
-        given = list(lines)
-        answers = ["- 0"] * len(given)
+        sent_lines = list(lines)
+        codes = [line.split(" ")[0].split(";")[0] for line in sent_lines]
+        answers = ["- 0"] * len(sent_lines)
         for kind, program in programs.items():
-            mine = [at for at, line in enumerate(given) if kinds.get(line.split(" ")[0].split(";")[0], kind) == kind]
-            for at, answer in zip(mine, program(given[at] for at in mine), strict=True):
+            mine = [at for at, code in enumerate(codes) if kinds.get(code, kind) == kind]
+            for at, answer in zip(mine, program(sent_lines[at] for at in mine), strict=True):
                 answers[at] = answers[at] if answer == "- 0" else answer
         return answers
 
@@ -173,9 +177,9 @@ def as_one(device: Device, programs: Mapping[str, Run]) -> Run:
 def runner(program: Path) -> Run:
     def run(lines: Iterable[str]) -> list[str]:
         text = "".join(f"{line}\n" for line in lines)
-        done = subprocess.run([str(program)], input=text, capture_output=True, text=True, timeout=120)
-        assert done.returncode == 0, done.stderr
-        return done.stdout.splitlines()
+        completed = subprocess.run([str(program)], input=text, capture_output=True, text=True, timeout=120)
+        assert completed.returncode == 0, completed.stderr
+        return completed.stdout.splitlines()
 
     return run
 
@@ -192,21 +196,21 @@ def codecs(view: DeviceView) -> list[StructCodec]:
 
 
 def members(codec: StructCodec) -> list[Member]:
-    found = []
+    struct_members = []
     for field in (part.field for part in codec.plan.parts):
         if isinstance(field.kind, Text):
-            found.append(Member("char", c_name(field.name), field.widest // 8))
+            struct_members.append(Member("char", c_name(field.name), field.widest // 8))
             continue
-        found.append(Member(codec.struct.type_of(field), c_name(field.name), 0))
-        found += [Member(unsigned((run.modulus - 1).bit_length()), c_name(run.name), 0) for run in field.runs]
-    found += [Member(unsigned(whole.widest), c_name(whole.join.name), 0) for whole in codec.plan.wholes]
-    found += [Member(codec.struct.unused.type, "unused", 0)] if codec.struct.unused else []
-    return found or [Member("uint8_t", "no_data", 0)]
+        struct_members.append(Member(codec.struct.type_of(field), c_name(field.name), 0))
+        struct_members += [Member(unsigned((run.modulus - 1).bit_length()), c_name(run.name), 0) for run in field.runs]
+    struct_members += [Member(unsigned(whole.widest), c_name(whole.join.name), 0) for whole in codec.plan.wholes]
+    struct_members += [Member(codec.struct.unused.type, "unused", 0)] if codec.struct.unused else []
+    return struct_members or [Member("uint8_t", "no_data", 0)]
 
 
 def answers(codec: StructCodec) -> str:
     """Return the answers that the functions of a frame take, passed after the variant."""
-    return "".join(f"{item.type}_taken, " for item in codec.alternatives)
+    return "".join(f"{question.type}_taken, " for question in codec.alternatives)
 
 
 def short(view: DeviceView, codec: StructCodec) -> str:
@@ -215,96 +219,112 @@ def short(view: DeviceView, codec: StructCodec) -> str:
 
 
 def source(view: DeviceView) -> str:
-    prefix = view.prefix
-    text = _HEAD.replace("@headers@", "".join(f'#include "{item}"\n' for item in view.headers))
-    branches = []
+    parts = [*_codec_parts(view), *_procedure_parts(view), *_tested_parts(view)]
+    headers = "".join(f'#include "{header}"\n' for header in view.headers)
+    taken = "".join(f"static {question.type} {question.type}_taken;\n" for question in view.alternatives)
+    text = _HEAD.replace("@headers@", headers) + "".join(code for _, _, code in parts)
+    main = _MAIN.replace("@prefix@", view.prefix)
+    main = main.replace("@branches@", "".join(_branch(verb, name) for verb, name, _ in parts))
+    main = main.replace("@takes@", _takes(view))
+    resets = "".join(f"        {question.type}_taken = ({question.type})0;\n" for question in view.alternatives)
+    return text.replace(_MARK, taken) + main.replace("@resets@", resets)
+
+
+def _codec_parts(view: DeviceView) -> Iterator[tuple[str, str, str]]:
+    """Yield verb, name and code for the decoders and encoders, the CRCs, and the selection of frames."""
     for codec in codecs(view):
         name = short(view, codec)
-        text += _decode(view, codec, name) + _encode(view, codec, name)
-        branches += [_branch("decode", name), _branch("encode", name)]
+        yield "decode", name, _decode(view, codec, name)
+        yield "encode", name, _encode(view, codec, name)
     for crc, code in crcs(view).items():
-        text += code
-        branches.append(_branch("crc", crc))
-    for interface in (view.interface,):
-        for teller in interface.tellers:
-            kind = {"encoder": "reply", "master": "request"}[teller.dispatch.sender]
-            text += f"""static void select_{kind}(const {prefix} *variant, char *text)
+        yield "crc", crc, code
+    for teller in view.interface.tellers:
+        kind = {"encoder": "reply", "master": "request"}[teller.dispatch.sender]
+        yield "select", kind, _select(view, kind, teller.by_bytes)
+
+
+def _select(view: DeviceView, kind: str, function: str) -> str:
+    prefix = view.interface.prefix
+    return f"""static void select_{kind}(const {view.prefix} *variant, char *text)
 {{
     uint8_t b[64];
     const size_t n = bytes_of(text, b);
-    {interface.prefix}_frame frame = ({interface.prefix}_frame)0;
-    const cw_result result = {teller.by_bytes}(b, n, &frame);
+    {prefix}_frame frame = ({prefix}_frame)0;
+    const cw_result result = {function}(b, n, &frame);
     (void)variant;
     printf("%d %d %u\\n", (int)result, (int)frame,
-           (unsigned)(result == CW_OK ? {interface.prefix}_frame_length(frame) : 0U));
+           (unsigned)(result == CW_OK ? {prefix}_frame_length(frame) : 0U));
 }}
 """
-            branches.append(_branch("select", kind))
+
+
+def _procedure_parts(view: DeviceView) -> Iterator[tuple[str, str, str]]:
     for procedure in view.procedures:
         name = procedure.run.procedure.name
-        if procedure.arguments:
-            given = ", ".join(
-                f"({item.type})number(arguments[{index}])" for index, item in enumerate(procedure.arguments)
-            )
-            fetch = f"""    cw_step steps[{procedure.count_macro}];
-    const char *arguments[{len(procedure.arguments)}];
+        fetch = _steps_with_arguments(procedure) if procedure.arguments else _steps(procedure)
+        yield "steps", name, f"static void steps_{name}(const {view.prefix} *variant, char *text)\n{{\n{fetch}}}\n"
+
+
+def _steps_with_arguments(procedure: ProcedureCode) -> str:
+    types = [argument.type for argument in procedure.arguments]
+    argument_list = ", ".join(f"({type_})number(arguments[{index}])" for index, type_ in enumerate(types))
+    return f"""    cw_step steps[{procedure.count_macro}];
+    const char *arguments[{len(types)}];
     size_t count = 0U;
     size_t index;
     cw_result result;
-    for (index = 0U; index < {len(procedure.arguments)}U; index++) {{
+    for (index = 0U; index < {len(types)}U; index++) {{
         arguments[index] = strtok(index == 0U ? text : NULL, " ");
     }}
-    result = {procedure.steps}(variant, {given}, steps, {procedure.count_macro} - 1U, &count);
+    result = {procedure.steps}(variant, {argument_list}, steps, {procedure.count_macro} - 1U, &count);
     if (result != CW_FAULT_LENGTH || count != 0U) {{
         abort();
     }}
-    result = {procedure.steps}(variant, {given}, steps, {procedure.count_macro}, &count);
+    result = {procedure.steps}(variant, {argument_list}, steps, {procedure.count_macro}, &count);
     print_steps(result, steps, count);
 """
-        else:
-            fetch = f"""    size_t count;
+
+
+def _steps(procedure: ProcedureCode) -> str:
+    return f"""    size_t count;
     const cw_step *const steps = {procedure.steps}(&count);
     (void)variant;
     (void)text;
     print_steps(CW_OK, steps, count);
 """
-        text += f"static void steps_{name}(const {prefix} *variant, char *text)\n{{\n{fetch}}}\n"
-        branches.append(_branch("steps", name))
+
+
+def _tested_parts(view: DeviceView) -> Iterator[tuple[str, str, str]]:
+    """Yield verb, name and code for the small functions, the expected values and reports, and the identities."""
     for function in functions(view):
-        name = function.name.removeprefix(prefix + "_")
-        text += _call(view, function, name)
-        branches.append(_branch("measure", name))
+        name = function.name.removeprefix(view.prefix + "_")
+        yield "measure", name, _call(view, function, name)
     for codec in codecs(view):
+        name = short(view, codec)
         if codec.tells_difference:
-            text += _expected(view, codec, short(view, codec))
-            branches.append(_branch("expected", short(view, codec)))
+            yield "expected", name, _expected_branch(view, codec, name)
         if codec.reports is not None:
-            text += _tells(view, codec, short(view, codec))
-            branches.append(_branch("tells", short(view, codec)))
+            yield "tells", name, _report_branch(view, codec, name)
     if view.reports.all:
-        text += _text(view)
-        branches.append(_branch("text", "of"))
+        yield "text", "of", _text(view)
     for identity in view.identities:
-        text += _candidates(view, identity)
-        branches.append(_branch("candidates", "of"))
-    takes = "".join(
-        _TAKE.replace("@register@", item.name.removeprefix(f"{prefix}_take_")).replace("@call@", item.name)
-        for item in view.takers
-    )
-    for item in view.alternatives:
-        text = text.replace(_MARK, f"static {item.type} {item.type}_taken;\n{_MARK}")
-        takes += _ANSWER.replace("@alternative@", item.item.name).replace("@type@", item.type)
-    members = {
-        parameter.name for parameter in view.device.parameters if parameter.interface == view.interface.interface.name
-    }
+        yield "candidates", "of", _candidates(view, identity)
+
+
+def _takes(view: DeviceView) -> str:
+    """Return the branches that set the state of the program: registers, answers, and members of the variant."""
+    takes = ""
+    for taker in view.takers:
+        register = taker.name.removeprefix(f"{view.prefix}_take_")
+        takes += _TAKE.replace("@register@", register).replace("@call@", taker.name)
+    for question in view.alternatives:
+        takes += _ANSWER.replace("@alternative@", question.item.name).replace("@type@", question.type)
+    interface = view.interface.interface.name
+    names = {parameter.name for parameter in view.device.parameters if parameter.interface == interface}
     for alternative in view.device.alternatives:
-        if alternative.default and alternative.parameter in members:
+        if alternative.default and alternative.parameter in names:
             takes += _MEMBER.replace("@parameter@", alternative.parameter)
-    text = text.replace(_MARK, "")
-    resets = "".join(f"        {item.type}_taken = ({item.type})0;\n" for item in view.alternatives)
-    return text + _MAIN.replace("@prefix@", prefix).replace("@branches@", "".join(branches)).replace(
-        "@takes@", takes
-    ).replace("@resets@", resets)
+    return takes
 
 
 @dataclass(frozen=True)
@@ -331,37 +351,38 @@ _OF_POSITIONS = {
 def functions(view: DeviceView) -> list[Numeric]:
     """Return the small functions of a variant: dependent parameters, conversions of positions, limits."""
     limits = [limits for register in view.registers for limits in register.limits]
-    plain = [*view.variants.derived, *(item for limit in limits for item in limit.functions)]
+    plain = [*view.variants.derived, *(function for limit in limits for function in limit.functions)]
     positions = view.positions
     of_positions = []
-    for item in positions.ranges if positions is not None else ():
-        of_positions += [
-            Numeric(f"{view.prefix}_{name}", *_types(_OF_POSITIONS[name.removeprefix(item.scope)], item.is_signed))
-            for name in item.names
-        ]
+    for position_range in positions.ranges if positions is not None else ():
+        for name in position_range.names:
+            kind = _OF_POSITIONS[name.removeprefix(position_range.scope)]
+            of_positions.append(Numeric(f"{view.prefix}_{name}", *_types(kind, position_range.is_signed)))
     if positions is not None:
-        of_positions += [
-            Numeric(f"{view.prefix}_{name}", *_types(_OF_POSITIONS[name], positions.is_signed))
-            for name in positions.names
-            if name in _OF_POSITIONS and not name.endswith(("modulus", "position_difference"))
-        ]
-    return [*(Numeric(item.name, item.type) for item in plain), *of_positions]
+        names = [name for name in positions.names if name in _OF_POSITIONS]
+        for name in names:
+            if not name.endswith(("modulus", "position_difference")):
+                types = _types(_OF_POSITIONS[name], positions.is_signed)
+                of_positions.append(Numeric(f"{view.prefix}_{name}", *types))
+    return [*(Numeric(function.name, function.type) for function in plain), *of_positions]
 
 
 def crcs(view: DeviceView) -> dict[str, str]:
     """Return a function for each CRC of a frame. The one for a whole word takes the data with zeros for the CRC."""
-    found = {}
+    code_by_crc = {}
     for codec in view.interface.codecs:
         if codec.word_crc is not None:
-            of = codec.word_crc
-            found[of.crc.name] = _crc(view, of.crc.name, "", f"{of.name}(number(text) << {of.crc.width}U)")
+            function = codec.word_crc
+            code_by_crc[function.crc.name] = _crc(
+                view, function.crc.name, "", f"{function.name}(number(text) << {function.crc.width}U)"
+            )
     for crc in view.crcs:
         if crc.is_called:
-            given = "b, bytes_of(text, b)" if crc.in_bytes else "number(text), 4U * (uint32_t)strlen(text)"
-            found[crc.crc.name] = _crc(
-                view, crc.crc.name, "uint8_t b[64]; " if crc.in_bytes else "", f"{crc.name}({given})"
+            argument_list = "b, bytes_of(text, b)" if crc.in_bytes else "number(text), 4U * (uint32_t)strlen(text)"
+            code_by_crc[crc.crc.name] = _crc(
+                view, crc.crc.name, "uint8_t b[64]; " if crc.in_bytes else "", f"{crc.name}({argument_list})"
             )
-    return found
+    return code_by_crc
 
 
 def _crc(view: DeviceView, name: str, fetch: str, call: str) -> str:
@@ -374,18 +395,16 @@ def _crc(view: DeviceView, name: str, fetch: str, call: str) -> str:
 
 
 def _types(listed: tuple[str, ...], is_signed: bool) -> tuple[str, tuple[str, ...]]:
-    return listed[0], tuple("int64_t" if is_signed else item for item in listed[1:])
+    return listed[0], tuple("int64_t" if is_signed else type_ for type_ in listed[1:])
 
 
 def _call(view: DeviceView, function: Numeric, name: str) -> str:
     types = function.arguments
-    given = "".join(
-        f", ({type_})strto{'ll' if type_ == 'int64_t' else 'ull'}(item[{index}], NULL, 10)"
-        for index, type_ in enumerate(types)
-    )
-    reads = "".join(
-        f'    item[{index}] = strtok({"text" if index == 0 else "NULL"}, " ");\n' for index in range(len(types))
-    )
+    argument_list = reads = ""
+    for index, type_ in enumerate(types):
+        convert = "strtoll" if type_ == "int64_t" else "strtoull"
+        argument_list += f", ({type_}){convert}(item[{index}], NULL, 10)"
+        reads += f'    item[{index}] = strtok({"text" if index == 0 else "NULL"}, " ");\n'
     show, cast = {"double": ("%.17g", "double"), "int64_t": ("%lld", "long long")}.get(
         function.type, ("%llu", "unsigned long long")
     )
@@ -393,19 +412,19 @@ def _call(view: DeviceView, function: Numeric, name: str) -> str:
     return f"""static void measure_{name}(const {view.prefix} *variant, char *text)
 {{
 {declare}    (void)text;
-{reads}    printf("0 {show}\\n", ({cast}){function.name}(variant{given}));
+{reads}    printf("0 {show}\\n", ({cast}){function.name}(variant{argument_list}));
 }}
 """
 
 
 def _decoded(view: DeviceView, codec: StructCodec, verb: str, name: str, then: str) -> str:
     """Return a function that decodes, prints the result and, if there is no error, prints ``then`` of ``out``."""
-    given = answers(codec) + ("number(text)" if not codec.plan.in_bytes else "b, bytes_of(text, b)")
+    decode_arguments = answers(codec) + ("number(text)" if not codec.plan.in_bytes else "b, bytes_of(text, b)")
     return f"""static void {verb}_{name}(const {view.prefix} *variant, char *text)
 {{
     {"" if not codec.plan.in_bytes else "uint8_t b[64];"}
     {codec.type} out;
-    const cw_result result = {codec.name}_decode(variant, {given}, &out);
+    const cw_result result = {codec.name}_decode(variant, {decode_arguments}, &out);
     printf("%d", (int)result);
     if (result == CW_OK) {{
         {then}
@@ -415,12 +434,12 @@ def _decoded(view: DeviceView, codec: StructCodec, verb: str, name: str, then: s
 """
 
 
-def _expected(view: DeviceView, codec: StructCodec, name: str) -> str:
+def _expected_branch(view: DeviceView, codec: StructCodec, name: str) -> str:
     then = f'printf(" %d", (int){codec.name}_is_expected(variant, &out));'
     return _decoded(view, codec, "expected", name, then)
 
 
-def _tells(view: DeviceView, codec: StructCodec, name: str) -> str:
+def _report_branch(view: DeviceView, codec: StructCodec, name: str) -> str:
     assert codec.reports is not None
     verdict, reports = codec.reports.verdict, codec.reports.reports
     then = f'printf(" %d", (int){verdict}(variant, &out));' if verdict else 'printf(" -");'
@@ -432,16 +451,16 @@ def _position(view: DeviceView, codec: StructCodec) -> str:
     """The short way gives the same verdict and position as the long one, and stores only usable positions."""
     if codec.name != view.prefix or not view.measured:
         return ""
-    given = answers(codec) + ("number(text)" if not codec.plan.in_bytes else "b, bytes_of(text, b)")
-    none = "b, 0U" if codec.plan.in_bytes else "~(uint64_t)0U"
+    decode_arguments = answers(codec) + ("number(text)" if not codec.plan.in_bytes else "b, bytes_of(text, b)")
+    wrong_length = "b, 0U" if codec.plan.in_bytes else "~(uint64_t)0U"
     return f"""
         {codec.struct.member_type(view.measured)} position = 0x5A;
-        const cw_verdict verdict = {codec.name}_position(variant, {given}, &position);
+        const cw_verdict verdict = {codec.name}_position(variant, {decode_arguments}, &position);
         if (verdict != {codec.name}_verdict(variant, &out)
             || position != (verdict == CW_NOT_USABLE ? 0x5A : out.{c_name(view.measured)})) {{
             abort();
         }}
-        if ({codec.name}_position(variant, {answers(codec)}{none}, &position) != CW_NOT_USABLE) {{
+        if ({codec.name}_position(variant, {answers(codec)}{wrong_length}, &position) != CW_NOT_USABLE) {{
             abort();
         }}"""
 
@@ -458,11 +477,11 @@ def _text(view: DeviceView) -> str:
 
 
 def _candidates(view: DeviceView, identity: IdentityCode) -> str:
-    reads, given = "", "text"
-    for item in identity.compared:
-        name = c_name(item.register.name)
-        reads += f'    bytes_of(strtok({given}, " "), b);\n    memcpy(read.{name}, b, sizeof read.{name});\n'
-        given = "NULL"
+    reads, start = "", "text"
+    for part in identity.compared:
+        name = c_name(part.register.name)
+        reads += f'    bytes_of(strtok({start}, " "), b);\n    memcpy(read.{name}, b, sizeof read.{name});\n'
+        start = "NULL"
     return f"""static void candidates_of(const {view.prefix} *variant, char *text)
 {{
     uint8_t b[64];
@@ -516,10 +535,11 @@ def _decode(view: DeviceView, codec: StructCodec, name: str) -> str:
 def _print(member: Member) -> str:
     """Return C that prints a member of ``out``, with a text as its bytes."""
     if member.characters:
-        return "".join(
-            f'    printf("{" " if index == 0 else ""}%02X", (unsigned)(unsigned char)out.{member.name}[{index}]);\n'
-            for index in range(member.characters)
-        )
+        text = ""
+        for index in range(member.characters):
+            space = " " if index == 0 else ""
+            text += f'    printf("{space}%02X", (unsigned)(unsigned char)out.{member.name}[{index}]);\n'
+        return text
     form, type_ = ("%lld", "long long") if member.type.startswith("int") else ("%llu", "unsigned long long")
     return f'    printf(" {form}", ({type_})out.{member.name});\n'
 
@@ -538,13 +558,29 @@ def _encode(view: DeviceView, codec: StructCodec, name: str) -> str:
     reads = ""
     for member in members(codec):
         reads += f'    item = strtok({"NULL" if reads else "text"}, " ");\n{_read(member)}'
-    if not codec.plan.in_bytes:
-        call = f"""uint64_t word = 0U;
+    call = _encode_bytes(codec) if codec.plan.in_bytes else _encode_word(codec)
+    setters = "".join(_set_again(codec, set_name) for set_name in codec.set_names)
+    return f"""static void encode_{name}(const {view.prefix} *variant, char *text)
+{{
+    char *item;
+    {"uint8_t c[64];" if any(member.characters for member in members(codec)) else ""}
+    {codec.type} in;
+    memset(&in, 0, sizeof in);
+{reads}    {{
+    {call}{setters}    }}
+}}
+"""
+
+
+def _encode_word(codec: StructCodec) -> str:
+    return f"""uint64_t word = 0U;
     const cw_result result = {codec.name}_encode(variant, {answers(codec)}&in, &word);
     printf("%d %llX\\n", (int)result, (unsigned long long)word);
 """
-    else:
-        call = f"""uint8_t b[{codec.length_macro}];
+
+
+def _encode_bytes(codec: StructCodec) -> str:
+    return f"""uint8_t b[{codec.length_macro}];
     size_t index;
     cw_result result;
     memset(b, 0, sizeof b);
@@ -559,26 +595,17 @@ def _encode(view: DeviceView, codec: StructCodec, name: str) -> str:
     }}
     printf("\\n");
 """
-    setters = "".join(
-        f"""    {{
+
+
+def _set_again(codec: StructCodec, name: str) -> str:
+    """Return C that sets a number to its own value, which must change nothing."""
+    return f"""    {{
         const {codec.type} same = in;
         if ({codec.name}_set_{name}(variant, in.{c_name(name)}, &in) == CW_OK
             && result == CW_OK && memcmp(&same, &in, sizeof in) != 0) {{
             abort();
         }}
     }}
-"""
-        for name in codec.set_names
-    )
-    return f"""static void encode_{name}(const {view.prefix} *variant, char *text)
-{{
-    char *item;
-    {"uint8_t c[64];" if any(member.characters for member in members(codec)) else ""}
-    {codec.type} in;
-    memset(&in, 0, sizeof in);
-{reads}    {{
-    {call}{setters}    }}
-}}
 """
 
 

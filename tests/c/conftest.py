@@ -58,14 +58,14 @@ def _machines(every_device: Mapping[str, Device], made_once: MadeOnce, stepped: 
     (words,) = devices_of(SPECS / "words.yaml")
 
     @cache
-    def made(name: str) -> Machine:
+    def machine_of_family(name: str) -> Machine:
         device = words if name == "words" else every_device[name]
         folder = made_once(
             f"{'stepped' if stepped else 'machine'}_{name}", lambda place: compile_machine(device, place, stepped)
         )
         return machine_of(device, folder, stepped)
 
-    return made
+    return machine_of_family
 
 
 @pytest.fixture(scope="session")

@@ -84,11 +84,11 @@ def source(functions: Mapping[str, tuple[str, tuple[str, ...]]] = FUNCTIONS) -> 
     for kind in (Tracker, Config):
         name = "cw_tracker" if kind is Tracker else "cw_tracker_config"
         text += f"typedef char {name}_here[(sizeof({name}) == {ctypes.sizeof(kind)}U) ? 1 : -1];\n"
-    for name, (kind, given) in functions.items():
-        head = f"{kind} {name}({', '.join(f'{item} a{index}' for index, item in enumerate(given))})"
-        call = f"cw_{name}({', '.join(f'a{index}' for index in range(len(given)))})"
-        back = "" if kind == "void" else "return (int)" if kind == "int" else "return "
-        text += f"{head};\n{head}\n{{\n    {back}{call};\n}}\n"
+    for name, (kind, argument_types) in functions.items():
+        head = f"{kind} {name}({', '.join(f'{type_} a{index}' for index, type_ in enumerate(argument_types))})"
+        call = f"cw_{name}({', '.join(f'a{index}' for index in range(len(argument_types)))})"
+        return_ = {"void": "", "int": "return (int)"}.get(kind, "return ")
+        text += f"{head};\n{head}\n{{\n    {return_}{call};\n}}\n"
     return text
 
 
@@ -98,18 +98,18 @@ def compile_motion(include: Path, folder: Path) -> None:
     text.write_text(source(FUNCTIONS | DIVIDING), encoding="utf-8")
     command = ["gcc", "-std=c99", "-O1", "-shared", "-fPIC", "-fsanitize=undefined", "-fno-sanitize-recover=all"]
     require(command)
-    done = subprocess.run(
+    completed = subprocess.run(
         [*command, *WARNINGS, f"-I{include}", str(text), "-o", str(folder / "motion.so")],
         capture_output=True,
         text=True,
     )
-    assert done.returncode == 0, done.stderr[:4000]
+    assert completed.returncode == 0, completed.stderr[:4000]
 
 
 def motion_of(folder: Path) -> ctypes.CDLL:
     """Return the library, with the types of its functions."""
     library = ctypes.CDLL(str(folder / "motion.so"))
-    for name, (kind, given) in (FUNCTIONS | DIVIDING).items():
+    for name, (kind, argument_types) in (FUNCTIONS | DIVIDING).items():
         function = getattr(library, name)
-        function.restype, function.argtypes = _TYPES[kind], [_TYPES[item] for item in given]
+        function.restype, function.argtypes = _TYPES[kind], [_TYPES[type_] for type_ in argument_types]
     return library

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import random
 import subprocess
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 
 import pytest
@@ -16,7 +16,7 @@ from codewheel.model import Device, Register, Rs485, Variant, number_from_bytes,
 from codewheel.reference import codec
 from codewheel.reference.crc import compute_bytes
 from codewheel.targets.c.device import views_of
-from test_c_codec import FAULTS, Table, check, sound_numbers
+from test_c_codec import FAULTS, Table, check, valid_numbers
 from test_c_families import identity_bytes
 from transport_harness import OK, RANGE, READ, TRANSPORT, UNTOUCHED, WRITE, Encoder, Machine
 
@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 
 
 def variant_of(device: Device, register: Register) -> Variant:
-    return next(item for item in device.variants if item.interface == register.interface)
+    return next(variant for variant in device.variants if variant.interface == register.interface)
 
 
 def selecting(device: Device, register: Register) -> list[tuple[int, int]]:
@@ -44,17 +44,17 @@ def contents(register: Register) -> Iterable[bytes]:
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_every_register_is_read_and_its_faults_are_told(family: str, machines: Callable[[str], Machine]) -> None:
-    made = machines(family)
-    readable = [item for item in made.device.registers if item.readable]
+    machine = machines(family)
+    readable = [register for register in machine.device.registers if register.readable]
     assert readable
     for register in readable:
-        variant = variant_of(made.device, register)
+        variant = variant_of(machine.device, register)
         placed = register.layout.place(variant.parameters)
         for data in contents(register):
             encoder = Encoder()
             encoder.memory[register.address : register.address + register.length] = data
-            answer = made.read(register.name, variant.code, encoder)
-            problems = codec.decode(made.device, placed, number_from_bytes(register.layout, data)).problems
+            answer = machine.read(register.name, variant.code, encoder)
+            problems = codec.decode(machine.device, placed, number_from_bytes(register.layout, data)).problems
             assert (answer.result, answer.failure) == (
                 FAULTS[problems[0].fault.value] if problems else OK,
                 UNTOUCHED,
@@ -62,23 +62,23 @@ def test_every_register_is_read_and_its_faults_are_told(family: str, machines: C
                 register.name,
                 data,
             )
-            banks = selecting(made.device, register)
+            banks = selecting(machine.device, register)
             assert answer.record == [
                 *(f"w {address:02X} {bank:02X}" for address, bank in banks),
                 f"r {register.address:02X} {register.length}",
             ]
         calls = [*((WRITE, address) for address, _ in banks), (READ, register.address)]
         for at, (kind, address) in enumerate(calls):
-            failed = made.read(register.name, variant.code, Encoder(fail_at=at, error=5))
+            failed = machine.read(register.name, variant.code, Encoder(fail_at=at, error=5))
             assert (failed.result, failed.failure, failed.data) == (TRANSPORT, (0, kind, kind, address, 5), b"")
 
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_every_register_is_written_within_its_limits(family: str, machines: Callable[[str], Machine]) -> None:
-    made = machines(family)
-    writable = [item for item in made.device.registers if item.writable and not item.reserved]
+    machine = machines(family)
+    writable = [register for register in machine.device.registers if register.writable and not register.reserved]
     for register in writable:
-        variant = variant_of(made.device, register)
+        variant = variant_of(machine.device, register)
         placed = register.layout.place(variant.parameters)
         # A register with one field is a number in C, which has no other bits.
         is_number, results = register.layout.gaps == "unspecified" and len(placed.fields) == 1, set()
@@ -86,10 +86,10 @@ def test_every_register_is_written_within_its_limits(family: str, machines: Call
             if is_number and number_from_bytes(register.layout, data) >> placed.fields[0].width:
                 continue
             encoder = Encoder()
-            answer = made.write(register.name, variant.code, data, encoder)
+            answer = machine.write(register.name, variant.code, data, encoder)
             results.add(answer.result)
             written = [line for line in encoder.record if line.startswith("w ")]
-            banks = selecting(made.device, register)
+            banks = selecting(machine.device, register)
             expected = [
                 *(f"w {address:02X} {bank:02X}" for address, bank in banks),
                 f"w {register.address:02X} {data.hex(' ').upper()}",
@@ -97,7 +97,7 @@ def test_every_register_is_written_within_its_limits(family: str, machines: Call
             assert written == (expected if answer.result == OK else []), (register.name, data)
             for at, address in enumerate([*(address for address, _ in banks), register.address]):
                 if answer.result == OK:
-                    failed = made.write(register.name, variant.code, data, Encoder(fail_at=at, error=-5))
+                    failed = machine.write(register.name, variant.code, data, Encoder(fail_at=at, error=-5))
                     assert (failed.result, failed.failure) == (TRANSPORT, (0, WRITE, WRITE, address, -5))
         assert OK in results
         assert results <= {OK, RANGE, -1}
@@ -111,16 +111,16 @@ def test_data_ids_of_other_replies_are_refused(family: tuple[Device, Run]) -> No
     for interface, layout in device.layouts():
         if not layout.selector:
             continue
-        variant = next(item for item in device.variants if item.interface == interface.name)
+        variant = next(variant for variant in device.variants if variant.interface == interface.name)
         placed = layout.place(variant.parameters)
-        sound = number_to_bytes(layout, next(sound_numbers(device, placed, random.Random(layout.name))), placed.bits)
+        sound = number_to_bytes(layout, next(valid_numbers(device, placed, random.Random(layout.name))), placed.bits)
         for data_id in range(16):
             control = 0x02 | data_id << 3 | (data_id.bit_count() & 1) << 7
             frame = bytes([control]) + sound[1:]
             crc = device.crc_of(layout)
             if crc is not None:
                 frame = frame[:-1] + bytes([compute_bytes(crc, frame[:-1])])
-            expected = table.expected(layout.name, placed, number_from_bytes(layout, frame))
+            expected = table.expected_answer(layout.name, placed, number_from_bytes(layout, frame))
             assert expected.split(" ")[0] == ("0" if data_id in layout.selects else "4")
             pairs.append((f"{variant.code} decode {layout.name} {frame.hex()}", expected))
     check(run, pairs)
@@ -132,17 +132,11 @@ def test_every_control_byte_selects_its_frame_or_none(family: tuple[Device, Run]
     pairs = []
     for interface in device.interfaces:
         frames = [layout for layout in interface.layouts if layout.selector]
-        variant = next(item for item in device.variants if item.interface == interface.name)
+        variant = next(variant for variant in device.variants if variant.interface == interface.name)
         for kind, sender in (("request", "master"), ("reply", "encoder")) if frames else ():
+            of_sender = [(at, layout) for at, layout in enumerate(frames) if layout.sender == sender]
             for byte in range(256):
-                index = next(
-                    (
-                        at
-                        for at, layout in enumerate(frames)
-                        if layout.sender == sender and byte >> 3 & 15 in layout.selects
-                    ),
-                    None,
-                )
+                index = next((at for at, layout in of_sender if byte >> 3 & 15 in layout.selects), None)
                 pairs.append(
                     (
                         f"{variant.code} select {kind} {byte:02X}",
@@ -155,12 +149,12 @@ def test_every_control_byte_selects_its_frame_or_none(family: tuple[Device, Run]
 
 def test_each_byte_of_the_identity_counts(family: tuple[Device, Run]) -> None:
     device, run = family
-    found = [item for view in views_of(device) for item in view.identities]
+    identities = [identity for view in views_of(device) for identity in view.identities]
     if device.evidence.grade != "manual":
-        assert found == []  # The registers are known, but not their contents.
+        assert identities == []  # The registers are known, but not their contents.
         return
-    (identity,) = found
-    registers = [item.register for item in identity.compared]
+    (identity,) = identities
+    registers = [part.register for part in identity.compared]
     variant = variant_of(device, registers[0])
     read = [identity_bytes(register, variant) for register in registers]
     pairs = []
@@ -169,12 +163,13 @@ def test_each_byte_of_the_identity_counts(family: tuple[Device, Run]) -> None:
         for field in register.layout.fields:
             for bit in range(field.widest) if field.name in expected else ():
                 number = number_from_bytes(register.layout, read[index]) ^ 1 << field.low.constant + bit
-                wrong = [
+                changed = [
                     *read[:index],
                     number_to_bytes(register.layout, number, 8 * register.length),
                     *read[index + 1 :],
                 ]
-                pairs.append((f"{variant.code} candidates of {' '.join(item.hex() for item in wrong)}", variant.code))
+                contents_in_hex = " ".join(content.hex() for content in changed)
+                pairs.append((f"{variant.code} candidates of {contents_in_hex}", variant.code))
     answers = run(line for line, _ in pairs)
     assert pairs
     assert [line for (line, code), answer in zip(pairs, answers, strict=True) if code in answer.split()[1:]] == []
@@ -205,49 +200,53 @@ def test_a_position_that_does_not_fit_is_not_set(
 
 def test_a_state_that_no_encoder_has_is_not_taken_over(machines: Callable[[str], Machine]) -> None:
     """AM36 6.5: a revolution has at most 20 bits, and the revolutions have 16."""
-    made = machines("am36")
+    machine = machines("am36")
     for address, value, reads in ((0x56, 21, ["r 56 1"]), (0x57, 17, ["r 56 1", "r 57 1"])):
         encoder = Encoder()
         encoder.memory[0x56:0x58] = b"\x14\x10"
-        before = made.state("AM3616/4096-I7", Encoder(fail_at=0, error=1)).data
+        before = machine.state("AM3616/4096-I7", Encoder(fail_at=0, error=1)).data
         encoder.memory[address] = value
-        answer = made.state("AM3616/4096-I7", encoder)
+        answer = machine.state("AM3616/4096-I7", encoder)
         assert (answer.result, answer.failure, answer.record, answer.data) == (RANGE, UNTOUCHED, reads, before)
+
+
+def _members_changed_by_one(before: bytes, after: bytes) -> int:
+    return [old ^ new for old, new in zip(before, after, strict=True)].count(1)
 
 
 def test_the_code_of_a_measuring_system_is_taken_over(machines: Callable[[str], Machine]) -> None:
     """SMA21 6.4: bit 5 of 49h is the code, bit 1 selects an offset, and the bits next to them belong to others."""
-    made = machines("sma21")
+    machine = machines("sma21")
     codes = []
-    for held in (0x20, 0xDD, 0xFF):
+    for content in (0x20, 0xDD, 0xFF):
         encoder = Encoder()
-        encoder.memory[0x49] = held
-        answer = made.state("SMA21-SC1-0050", encoder)
+        encoder.memory[0x49] = content
+        answer = machine.state("SMA21-SC1-0050", encoder)
         assert (answer.result, answer.record) == (OK, ["r 49 1"])
         codes.append(answer.data)
-    gray, offset = ([one ^ other for one, other in zip(codes[0], code, strict=True)].count(1) for code in codes[1:])
+    gray, offset = (_members_changed_by_one(codes[0], code) for code in codes[1:])
     assert (gray, offset) == (1, 1)
     assert sum(codes[0]) == sum(codes[1]) + 1
     assert sum(codes[2]) == sum(codes[0]) + 1
-    failed = made.state("SMA21-SC1-0050", Encoder(fail_at=0, error=3))
+    failed = machine.state("SMA21-SC1-0050", Encoder(fail_at=0, error=3))
     assert (failed.result, failed.failure, failed.data) == (
         TRANSPORT,
         (0, READ, READ, 0x49, 3),
-        made.state("SMA21-SC1-0050", Encoder(fail_at=0, error=4)).data,
+        machine.state("SMA21-SC1-0050", Encoder(fail_at=0, error=4)).data,
     )
 
 
 def test_the_identity_of_a_thru_bore_encoder_is_read(machines: Callable[[str], Machine]) -> None:
     """ASC85 6.4: profile ID, device ID and manufacturer ID."""
-    made = machines("asc85")
-    answer = made.identity(Encoder())
+    machine = machines("asc85")
+    answer = machine.identity(Encoder())
     assert (answer.result, answer.record, answer.data) == (
         OK,
         ["r 42 2", "r 78 6", "r 7E 2"],
         bytes([0x42, 0x43, *range(0x78, 0x80)]),
     )
     for index, address in enumerate((0x42, 0x78, 0x7E)):
-        failed = made.identity(Encoder(fail_at=index, error=-7))
+        failed = machine.identity(Encoder(fail_at=index, error=-7))
         assert (failed.result, failed.failure, failed.data) == (TRANSPORT, (index, READ, READ, address, -7), b"")
 
 
@@ -312,6 +311,13 @@ CABLES = {
     400: 0,
 }
 
+
+def _clock_limits() -> Iterator[tuple[str, int]]:
+    for family in ("am36", "amm5", "asc85", "sma21"):
+        for metres, hertz in CABLES.items():
+            yield f"lika_{family}_ssi_clock_limit_hz({metres}U)", hertz
+
+
 #: Results of functions of the families and of the control frames,
 #: from the manuals, from BiSS C's protocol description, or by arithmetic.
 FUNCTIONS: Mapping[str, int] = {
@@ -367,11 +373,7 @@ FUNCTIONS: Mapping[str, int] = {
     "(slave.phase = (cw_biss_phase)9, cw_biss_slave_next(&slave, false, false))": 0,
     "(master.phase = (cw_biss_phase)9, cw_biss_master_next(&master, true))": 0,
     "master.phase": 0,
-    **{
-        f"lika_{family}_ssi_clock_limit_hz({metres}U)": hertz
-        for family in ("am36", "amm5", "asc85", "sma21")
-        for metres, hertz in CABLES.items()
-    },
+    **dict(_clock_limits()),
 }
 
 PROGRAM = """#include "ichaus/icmu_biss.h"

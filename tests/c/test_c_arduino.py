@@ -74,8 +74,8 @@ def compiled(command: list[str], sketch: Path, library: Path, *more: str) -> Non
     source = sketch.with_suffix(".cpp")
     source.write_text('#include "Arduino.h"\n' + sketch.read_text(encoding="ascii"), encoding="ascii")
     options = ["-Wall", "-Wextra", "-Werror", f"-I{library / 'src'}", f"-I{library.parent}"]
-    done = subprocess.run([*command, *options, str(source), *more], capture_output=True, text=True, timeout=120)
-    assert done.returncode == 0, done.stderr
+    completed = subprocess.run([*command, *options, str(source), *more], capture_output=True, text=True, timeout=120)
+    assert completed.returncode == 0, completed.stderr
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -101,11 +101,11 @@ def test_a_sketch_prints_a_position(error: int, printed: str, library: Path) -> 
 
 def test_the_manifest_has_what_arduino_asks_for(library: Path) -> None:
     lines = (library / "library.properties").read_text(encoding="ascii").splitlines()
-    found = dict(line.split("=", 1) for line in lines if not line.startswith("#"))
-    asked = {"name", "version", "author", "maintainer", "sentence", "paragraph", "category", "architectures"}
-    assert asked <= found.keys()
-    assert re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9 ._-]{0,62}", found["name"])
-    assert re.fullmatch(r"\d+\.\d+\.\d+", found["version"])
+    properties = dict(line.split("=", 1) for line in lines if not line.startswith("#"))
+    required_keys = {"name", "version", "author", "maintainer", "sentence", "paragraph", "category", "architectures"}
+    assert required_keys <= properties.keys()
+    assert re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9 ._-]{0,62}", properties["name"])
+    assert re.fullmatch(r"\d+\.\d+\.\d+", properties["version"])
     sketches = list((library / "examples").rglob("*.ino"))
     assert len(sketches) == len(FAMILIES)
     assert all(path.stem == path.parent.name for path in sketches), "Arduino wants a folder of the same name"

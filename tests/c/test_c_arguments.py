@@ -30,8 +30,8 @@ VALUES: Mapping[str, tuple[int, ...]] = {
 
 @pytest.fixture(scope="module")
 def arguments() -> Device:
-    (found,) = devices_of(SPEC)
-    return found
+    (device,) = devices_of(SPEC)
+    return device
 
 
 @pytest.fixture(scope="module")
@@ -53,27 +53,31 @@ def test_arguments_are_written_and_refused_as_by_the_model(
     name: str, code: str, arguments: Device, run_arguments: Run
 ) -> None:
     procedure, variant = arguments.procedure(name), arguments.variant(code)
-    names = [item.name for item in procedure.arguments]
-    plain = {item: VALUES[item][0] for item in names}
-    given = [plain, *({**plain, item: value} for item in names for value in VALUES[item][1:])]
-    lines = [" ".join([code, "steps", name, *(f"{values[item]:X}" for item in names)]) for values in given]
-    assert run_arguments(lines) == [steps_text(arguments, procedure, variant, values) for values in given]
+    names = [argument.name for argument in procedure.arguments]
+    plain = {name: VALUES[name][0] for name in names}
+    argument_sets = [plain, *({**plain, name: value} for name in names for value in VALUES[name][1:])]
+    lines = [f"{code} steps {name}{_in_hex(values, names)}" for values in argument_sets]
+    assert run_arguments(lines) == [steps_text(arguments, procedure, variant, values) for values in argument_sets]
     if names:
         answers = [line.split(" ")[0] for line in run_arguments(lines)]
         assert "0" in answers
         assert "4" in answers
 
 
+def _in_hex(values: Mapping[str, int], names: list[str]) -> str:
+    return "".join(f" {values[name]:X}" for name in names)
+
+
 def test_a_named_value_and_limits_hold_for_one_field_as_well(arguments: Device) -> None:
     procedure, variant = arguments.procedure("parts"), arguments.variant("ZASC")
-    for wrong in ({"mode": 2}, {"level": 6}, {"level": 901}):
-        assert refused(arguments, procedure, variant, {"mode": 6, "speed": 0, "level": 7} | wrong)
+    for outside in ({"mode": 2}, {"level": 6}, {"level": 901}):
+        assert refused(arguments, procedure, variant, {"mode": 6, "speed": 0, "level": 7} | outside)
     assert not refused(arguments, procedure, variant, {"mode": 6, "speed": 0, "level": 7})
 
 
-def refused(device: Device, procedure: Procedure, variant: Variant, given: Mapping[str, int]) -> bool:
+def refused(device: Device, procedure: Procedure, variant: Variant, values: Mapping[str, int]) -> bool:
     try:
-        register_writes(device, procedure, variant, given)
+        register_writes(device, procedure, variant, values)
     except EncodeError:
         return True
     return False

@@ -15,21 +15,26 @@ ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
 
 def rows(page: str) -> list[list[str]]:
     table = [line for line in page.splitlines() if line.startswith("|")]
-    return [[cell.strip() for cell in line.strip("|").split("|")] for line in table[2:]]
+    rows_of_cells = [line.strip("|").split("|") for line in table[2:]]
+    return [[*map(str.strip, cells)] for cells in rows_of_cells]
 
 
 @pytest.mark.slow
 def test_each_length_of_each_frame(c_devices: tuple[Device, ...]) -> None:
     """AMM5 6.2.1: 47, 45, ... bits with 6 bits of CRC; 7.5: replies of 6 and 11 bytes with the XOR of the bytes."""
     page = generate(Library(c_devices))["c/ASSUMPTIONS-lika.md"]
-    found = {(row[0], int(row[1])): row for row in rows(page)}
-    assert {bits for poly, bits in found if poly == "x^6 + x + 1"} >= {25, 44, 45, 47}
+    row_by_frame = {(row[0], int(row[1])): row for row in rows(page)}
+    assert {bits for poly, bits in row_by_frame if poly == "x^6 + x + 1"} >= {25, 44, 45, 47}
     for bits in (25, 47):
-        row = found["x^6 + x + 1", bits]
+        row = row_by_frame["x^6 + x + 1", bits]
         assert "AMM5 BiSS C-mode: single cycle data" in row[2]
         assert row[3] == "3"
     # Two wrong bits at the same position in two of eleven bytes.
-    assert found["x^8 + 1", 88][2:] == ["AMM5 RS-485: complete reply", "2", f"{8 * 11 * 10 // 2} of {88 * 87 // 2}"]
+    assert row_by_frame["x^8 + 1", 88][2:] == [
+        "AMM5 RS-485: complete reply",
+        "2",
+        f"{8 * 11 * 10 // 2} of {88 * 87 // 2}",
+    ]
 
 
 @pytest.mark.slow

@@ -148,14 +148,14 @@ def ask(include: Path, made_once: MadeOnce) -> Iterator[Ask]:
         assert process.stdout is not None
         into, out = process.stdin, process.stdout
 
-        def asked(*items: object) -> list[int]:
-            into.write(" ".join(str(item) for item in items) + "\n")
+        def ask_program(*items: object) -> list[int]:
+            into.write(" ".join(str(word) for word in items) + "\n")
             into.flush()
             answer = out.readline()
             assert answer, "the program has stopped"
-            return [int(item, 16) if items[0] == "d" else int(item) for item in answer.split()]
+            return [int(word, 16) if items[0] == "d" else int(word) for word in answer.split()]
 
-        yield asked
+        yield ask_program
         into.close()
     assert process.returncode == 0
 
@@ -227,11 +227,12 @@ def build(ask: Ask, biss: Any) -> Build:
     ) -> Line:
         ask("i")
         master: Any = CMaster(ask) if languages[0] == "c" else PythonMaster(biss)
-        slaves = [
-            CSlave(ask, number, **allowed) if languages[1] == "c" else PythonSlave(biss, **allowed)
-            for number in range(chain)
-        ]
-        return Line(master, slaves, [Memory({address: address for address in range(128)}, delay) for _ in range(chain)])
+        slaves: list[Any] = []
+        memories = []
+        for number in range(chain):
+            slaves.append(CSlave(ask, number, **allowed) if languages[1] == "c" else PythonSlave(biss, **allowed))
+            memories.append(Memory({address: address for address in range(128)}, delay))
+        return Line(master, slaves, memories)
 
     return built
 
@@ -268,8 +269,8 @@ def test_words_and_bytes_on_paper(ask: Ask) -> None:
 
 
 def test_what_is_no_request(ask: Ask) -> None:
-    for wrong in ((8, 0, 0, 0), (0, 128, 0, 0), (255, 255, 1, 0), (0, 0, 0, 1)):
-        assert ask("e", *wrong) == [RESULTS.index("RANGE"), 0xA5A5A5A5]
+    for unencodable in ((8, 0, 0, 0), (0, 128, 0, 0), (255, 255, 1, 0), (0, 0, 0, 1)):
+        assert ask("e", *unencodable) == [RESULTS.index("RANGE"), 0xA5A5A5A5]
 
 
 @settings(deadline=None)
@@ -278,8 +279,8 @@ def test_any_word_as_in_python(ask: Ask, biss: Any, generated_python: tuple[Any,
     package = generated_python[1]
     for candidate in (word, word & 0xFFE00000 | biss.crc(word >> 21, 11) << 17 | word & 0x1FFFF):
         try:
-            found = biss.Request.decode(candidate)
-            expected = [0, found.slave_id, found.address, int(found.value is not None), found.value or 0]
+            request = biss.Request.decode(candidate)
+            expected = [0, request.slave_id, request.address, int(request.value is not None), request.value or 0]
         except package.CrcError:
             expected = [RESULTS.index("CRC"), 0x5A, 0x5A, 1, 0x5A]
         except package.ConstantError:
@@ -299,8 +300,8 @@ READ_40 = 0b1000000000000000_10_1_01000000_1000_0
     value=st.none() | st.integers(0, 255),
 )
 def test_any_answer_as_in_python(ask: Ask, biss: Any, cds: int, slave_id: int, value: int | None) -> None:
-    found = biss.Answer.decode(biss.Request(slave_id, 0x44, value), cds)
-    expected = [OUTCOMES.index(found.outcome.name), found.slaves, 0xA5 if found.value is None else found.value]
+    answer = biss.Answer.decode(biss.Request(slave_id, 0x44, value), cds)
+    expected = [OUTCOMES.index(answer.outcome.name), answer.slaves, 0xA5 if answer.value is None else answer.value]
     assert ask("A", slave_id, 0x44, int(value is not None), value or 0, cds) == expected
 
 
@@ -340,30 +341,30 @@ def test_a_sequence_of_writes_written_out(build: Build) -> None:
 def test_the_same_bits_in_both_languages(build: Build, languages: tuple[str, str]) -> None:
     """Reads, writes, refusals, waiting slaves and missing ones: every bit is as between two machines in Python."""
 
-    def story(pair: tuple[str, str]) -> list[object]:
+    def run_accesses(pair: tuple[str, str]) -> list[object]:
         line = build(pair, chain=3, readable=range(0x10, 0x60), writable=range(0x20, 0x50))
-        told: list[object] = []
+        outcomes: list[object] = []
         for delay in (0, 1, 4):
             for slave_id in (0, 2, 3):
                 for address, count in ((0x10, 1), (0x3D, 3), (0x1E, 4), (0x4E, 4), (0x5E, 3), (0x7F, 1)):
                     for memory in line.memories:
                         memory.delay = delay
                     line.master.read(address, count, slave_id, 3)
-                    told += [line.run(), line.master.data, line.master.done, line.master.slaves]
+                    outcomes += [line.run(), line.master.data, line.master.done, line.master.slaves]
                     line.master.write(address, bytes(range(count)), slave_id, 3)
-                    told += [line.run(), line.master.done, [slave.slave_id for slave in line.slaves]]
-        return [*told, line.cdm, line.cds, [memory.writes for memory in line.memories]]
+                    outcomes += [line.run(), line.master.done, [slave.slave_id for slave in line.slaves]]
+        return [*outcomes, line.cdm, line.cds, [memory.writes for memory in line.memories]]
 
-    python = story(("python", "python"))
-    assert {"DONE", "REFUSED", "NO_ANSWER", "BUSY"} <= {item for item in python if isinstance(item, str)}
-    assert story(languages) == python
+    python = run_accesses(("python", "python"))
+    assert {"DONE", "REFUSED", "NO_ANSWER", "BUSY"} <= {outcome for outcome in python if isinstance(outcome, str)}
+    assert run_accesses(languages) == python
 
 
 @pytest.mark.parametrize("languages", PAIRS, ids="-".join)
 def test_one_flipped_bit_as_in_python(build: Build, languages: tuple[str, str]) -> None:
     """Each flipped bit has the same effect as in the tests of the Python module."""
 
-    def story(pair: tuple[str, str], write: bool, frame: int, of_cds: bool) -> object:
+    def run_accesses(pair: tuple[str, str], write: bool, frame: int, of_cds: bool) -> object:
         line = build(pair, readable=[0x44, 0x45], writable=[0x44, 0x45])
         if of_cds:
             line.disturb_cds = lambda number, bit: bit ^ (number == frame)
@@ -378,7 +379,9 @@ def test_one_flipped_bit_as_in_python(build: Build, languages: tuple[str, str]) 
     for write in (False, True):
         for of_cds in (False, True):
             for frame in range(0, 62, 1 if languages == ("c", "c") else 5):
-                assert story(languages, write, frame, of_cds) == story(("python", "python"), write, frame, of_cds), (
+                assert run_accesses(languages, write, frame, of_cds) == run_accesses(
+                    ("python", "python"), write, frame, of_cds
+                ), (
                     write,
                     of_cds,
                     frame,
@@ -393,9 +396,8 @@ def test_id_lock(build: Build, chain: int) -> None:
         assert line.run() == ("DONE" if slave_id < chain else "NO_ANSWER")
         assert line.master.slaves == min(chain, 9)
     assert [slave.slave_id for slave in reversed(line.slaves)] == [*range(min(chain, 8)), *[None] * (chain - 8)]
-    assert [memory.writes for memory in reversed(line.memories)] == [
-        [(0x20, number)] if number < 8 else [] for number in range(chain)
-    ]
+    expected = [[(0x20, number)] if number < 8 else [] for number in range(chain)]
+    assert [memory.writes for memory in reversed(line.memories)] == expected
 
 
 def test_all_registers_at_once(build: Build) -> None:
@@ -432,9 +434,9 @@ def test_given_up_at_every_bit(build: Build) -> None:
         line.master.write(0x50, b"\x11\x22", 0, 0)
         for _ in range(frames):
             line.frame()
-        over = line.master.outcome != "RUNNING"
+        is_over = line.master.outcome != "RUNNING"
         line.master.abort()
-        assert line.master.outcome == ("DONE" if over else "ABORTED")
+        assert line.master.outcome == ("DONE" if is_over else "ABORTED")
         line.master.read(0x44, 1, 0, 0)
         assert line.run() == "DONE"
         assert line.master.data == b"\x44"
@@ -466,18 +468,18 @@ def test_what_a_slave_cannot_allow(ask: Ask) -> None:
 @given(data=st.data())
 def test_whatever_is_written_is_read_again(build: Build, data: st.DataObject) -> None:
     line = build(data.draw(st.sampled_from(PAIRS)))
-    held = dict(line.memories[0].registers)
+    registers = dict(line.memories[0].registers)
     for _ in range(data.draw(st.integers(1, 5), "accesses")):
         address = data.draw(st.integers(0, 127))
         content = data.draw(st.binary(min_size=1, max_size=min(4, 64 - address % 64)))
         line.memories[0].delay = data.draw(st.integers(0, 4))
         line.master.write(address, content, 0, 5)
         assert line.run() == "DONE"
-        held |= {address + index: byte for index, byte in enumerate(content)}
+        registers |= {address + index: byte for index, byte in enumerate(content)}
         line.master.read(address, len(content), 0, 5)
         assert line.run() == "DONE"
         assert line.master.data == content
-        assert line.memories[0].registers == held
+        assert line.memories[0].registers == registers
 
 
 # --------------------------------------------------------------------------------------------------------------- header

@@ -49,7 +49,7 @@ def test_20_000_accesses_without_a_loss(library: ctypes.CDLL, late: bool) -> Non
         chance = random.Random(seed)
         slave = model(chance, **times)
         accesses(Master(library, slave, late), slave, chance, ACCESSES // len(TIMES) + 1)
-        assert set(slave.wrong) <= (SEEN if late and times else set())
+        assert set(slave.violations) <= (SEEN if late and times else set())
 
 
 @pytest.mark.parametrize("late", [False, True], ids=["in the same frame", "a frame later"])
@@ -58,7 +58,7 @@ def test_accesses_without_a_loss(library: ctypes.CDLL, times: str, late: bool) -
     chance = random.Random(times)
     slave = model(chance, **TIMES[times])
     accesses(Master(library, slave, late), slave, chance, 150)
-    assert set(slave.wrong) <= (SEEN if late and TIMES[times] else set())
+    assert set(slave.violations) <= (SEEN if late and TIMES[times] else set())
 
 
 def test_a_bit_that_comes_late_needs_the_late_master(library: ctypes.CDLL) -> None:
@@ -69,8 +69,8 @@ def test_a_bit_that_comes_late_needs_the_late_master(library: ctypes.CDLL) -> No
     for _ in range(20):
         assert library.master_read(0x20, 1, 0) == 0
         for _ in range(200):
-            sent, line.waiting = line.waiting, library.master_next(line.cds, 0)
-            line.cds = line.slave.send(sent)
+            sent_bit, line.waiting = line.waiting, library.master_next(line.cds, 0)
+            line.cds = line.slave.send(sent_bit)
         assert OUTCOMES[library.master_outcome()] != "DONE"
 
 
@@ -91,7 +91,7 @@ def test_a_disturbed_answer_is_seen(library: ctypes.CDLL, writes: bool, late: bo
     for frame in range(33, 45):
         slave = model(random.Random(frame))
         line = Master(library, slave, late)
-        held = dict(slave.registers)
+        registers = dict(slave.registers)
         if writes:
             assert library.master_write(0x20, b"\x5a", 1, 0) == 0
         else:
@@ -102,22 +102,22 @@ def test_a_disturbed_answer_is_seen(library: ctypes.CDLL, writes: bool, late: bo
             line.run(1)
         assert OUTCOMES[library.master_outcome()] in (("BAD_ECHO",) if writes else ("BAD_CRC",)), frame
         assert library.master_done() == 0
-        assert slave.registers == (held | {0x20: 0x5A} if writes else held)
+        assert slave.registers == (registers | {0x20: 0x5A} if writes else registers)
 
 
 def test_a_slave_that_is_never_ready(library: ctypes.CDLL) -> None:
     """Exactly as many frames as allowed. If none is allowed, it ends at the first sign of a busy slave."""
-    for limit, most in ((0, 0), (1, 35), (100, 135), (1000, 1035)):
+    for limit, longest in ((0, 0), (1, 35), (100, 135), (1000, 1035)):
         slave = model(random.Random(7), fetch=(10**6, 10**6))
         line = Master(library, slave, late=True)
         assert line.read(0x20, 1, limit) == ("BUSY", b"")
-        assert 34 < line.frames <= 36 + most
+        assert 34 < line.frames <= 36 + longest
         slave = model(random.Random(8), store=(10**6, 10**6))
         line = Master(library, slave, late=True)
         assert line.write(0x20, b"\x12", 0) == "DONE"
         assert line.write(0x21, b"\x34", limit) == "BUSY"
         assert slave.stored == [(0x20, 0x12)]
-        assert slave.wrong == []
+        assert slave.violations == []
 
 
 @pytest.mark.slow

@@ -41,31 +41,31 @@ def uncalled(files: Mapping[str, str]) -> list[tuple[str, str]]:
     """Return each function that occurs only in its definition, without comments, and the stem of its header."""
     code = {path: re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL) for path, text in files.items()}
     words = Counter(word for text in code.values() for word in re.findall(r"\w+", text))
-    return [
-        (path.split("/")[-1].removesuffix(".h"), name)
-        for path, text in code.items()
-        if path.endswith(".h")
-        for name in re.findall(r"^static inline [\w *]*?(\w+)\(", text, re.MULTILINE)
-        if words[name] == 1
-    ]
+    functions: list[tuple[str, str]] = []
+    for path, text in code.items():
+        if path.endswith(".h"):
+            names = re.findall(r"^static inline [\w *]*?(\w+)\(", text, re.MULTILINE)
+            stem = path.split("/")[-1].removesuffix(".h")
+            functions += [(stem, name) for name in names if words[name] == 1]
+    return functions
 
 
-def for_nobody(devices: tuple[Device, ...], files: Mapping[str, str]) -> list[str]:
+def functions_for_nobody(devices: tuple[Device, ...], files: Mapping[str, str]) -> list[str]:
     """Return those that users do not call either."""
     families = {device.name: device for device in devices}
-    left = []
+    without_caller = []
     for header, name in uncalled(files):
         short = name.split("_", 1)[1]
-        family, _, rest = header.partition("_")
+        family, _, stem = header.partition("_")
         if family in families:
-            short = short.removeprefix(f"{family}_{rest.split('_')[0]}_")
+            short = short.removeprefix(f"{family}_{stem.split('_')[0]}_")
             device = families[family]
-            named = {item.name for item in (*device.procedures, *device.parameters)}
-            wanted = FAMILY.fullmatch(short) or short in named
+            named = {part.name for part in (*device.procedures, *device.parameters)}
+            expected = FAMILY.fullmatch(short) or short in named
         else:
-            wanted = any(short.endswith(item) for item in SHARED[header].split())
-        left += [] if wanted else [name]
-    return left
+            expected = any(short.endswith(ending) for ending in SHARED[header].split())
+        without_caller += [] if expected else [name]
+    return without_caller
 
 
 @pytest.fixture(scope="module")
@@ -79,7 +79,7 @@ def code() -> tuple[tuple[Device, ...], dict[str, str]]:
 def test_what_nothing_calls_is_for_users(code: tuple[tuple[Device, ...], dict[str, str]]) -> None:
     devices, files = code
     assert len(uncalled(files)) > 100
-    assert for_nobody(devices, files) == []
+    assert functions_for_nobody(devices, files) == []
 
 
 @pytest.mark.slow
@@ -87,4 +87,4 @@ def test_a_function_without_a_caller_is_found(code: tuple[tuple[Device, ...], di
     devices, files = code
     path = next(path for path in files if path.endswith("/amm5_biss.h"))
     planted = files[path] + "static inline uint32_t lika_amm5_biss_left_over(uint32_t value)\n{\n    return value;\n}\n"
-    assert for_nobody(devices, files | {path: planted}) == ["lika_amm5_biss_left_over"]
+    assert functions_for_nobody(devices, files | {path: planted}) == ["lika_amm5_biss_left_over"]

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from c_harness import FAMILIES, Run, codecs, compile_c, compile_programs, members, runner_over, short, write
+from c_harness import FAMILIES, Member, Run, codecs, compile_c, compile_programs, members, runner_over, short, write
 from codewheel.model import (
     Choice,
     CrcValue,
@@ -43,9 +43,9 @@ class Table:
 
     def __init__(self, device: Device) -> None:
         self.device = device
-        self.members = {short(view, item): members(item) for view in views_of(device) for item in codecs(view)}
+        self.members = {short(view, codec): members(codec) for view in views_of(device) for codec in codecs(view)}
         self.layouts = {layout.name: (interface.name, layout) for interface, layout in device.layouts()}
-        self.layouts |= {f"reg_{item.name}": (item.interface, item.layout) for item in device.registers}
+        self.layouts |= {f"reg_{register.name}": (register.interface, register.layout) for register in device.registers}
 
     def cases(self) -> Iterator[tuple[str, Variant, PlacedLayout]]:
         """Return every layout for every order code, and for some states of the registers at run time."""
@@ -60,27 +60,29 @@ class Table:
         """Return the expected output of the harness for a number without errors."""
         layout = placed.layout
         number = codec.from_gray(placed, number)
-        found: dict[str, int | str] = {}
+        values: dict[str, int | str] = {}
         for field in layout.fields:
-            item = placed.find_field(field.name)
-            raw = number >> item.low & item.mask if item is not None else 0
-            if isinstance(field.kind, Text) and item is not None:
-                found[field.name] = raw.to_bytes(item.width // 8, "big").hex().upper()
+            placed_field = placed.find_field(field.name)
+            raw = number >> placed_field.low & placed_field.mask if placed_field is not None else 0
+            if isinstance(field.kind, Text) and placed_field is not None:
+                values[field.name] = raw.to_bytes(placed_field.width // 8, "big").hex().upper()
             else:
-                found[field.name] = int(meant(field, item.width if item is not None else 1, raw))
+                values[field.name] = int(
+                    value_of_raw(field, placed_field.width if placed_field is not None else 1, raw)
+                )
             for run in field.runs:
-                found[run.name] = raw // run.divisor % run.modulus
-        found |= {join.name: codec.join_value(placed, join, number) for join in layout.joins}
-        found[codec.UNUSED] = codec.unused_bits(placed, number)
-        by_member = {c_name(key): value for key, value in found.items()}
+                values[run.name] = raw // run.divisor % run.modulus
+        values |= {join.name: codec.join_value(placed, join, number) for join in layout.joins}
+        values[codec.UNUSED] = codec.unused_bits(placed, number)
+        by_member = {c_name(key): value for key, value in values.items()}
         return " ".join(str(by_member[member.name]) for member in self.members[name])
 
-    def expected(self, name: str, placed: PlacedLayout, number: int) -> str:
+    def expected_answer(self, name: str, placed: PlacedLayout, number: int) -> str:
         problems = codec.decode(self.device, placed, number).problems
         return str(FAULTS[problems[0].fault.value]) if problems else f"0 {self.row(name, placed, number)}"
 
 
-def meant(field: Field, width: int, raw: int) -> int | bool:
+def value_of_raw(field: Field, width: int, raw: int) -> int | bool:
     """Return the meaning of the bits of a field."""
     if isinstance(field.kind, Flag):
         return bool(raw) != field.kind.active_low
@@ -92,29 +94,30 @@ def meant(field: Field, width: int, raw: int) -> int | bool:
 def run_time_variants(device: Device) -> list[Variant]:
     """Return order codes with registers that differ from their defaults. Their code sets the state of the program."""
     random_ = random.Random("run time")
-    found = []
-    held_by = {item.register for item in device.run_time_parameters}
+    variants = []
+    held_by = {parameter.register for parameter in device.run_time_parameters}
     kinds = {device.register(name).interface for name in held_by}
-    for variant in [item for item in device.variants if item.interface in kinds][:4]:
+    for variant in [variant for variant in device.variants if variant.interface in kinds][:4]:
         for _ in range(6):
-            held: dict[int, int] = {}
+            contents: dict[int, int] = {}
             code = variant.code
             for register in (device.register(name) for name in sorted(held_by)):
                 data = register_bytes(device, register, random_)
-                held |= {register.address + index: byte for index, byte in enumerate(data)}
+                contents |= {register.address + index: byte for index, byte in enumerate(data)}
                 code += f";{register.name}={data.hex()}"
-            found.append(replace(with_registers(device, variant, held), code=code))
-    return [*found, *answered(device)]
+            variants.append(replace(with_registers(device, variant, contents), code=code))
+    return [*variants, *with_other_answers(device)]
 
 
-def answered(device: Device) -> Iterator[Variant]:
+def with_other_answers(device: Device) -> Iterator[Variant]:
     """Return some order codes with other answers to the open questions of the manual. Others have the first answers."""
     for alternative in device.alternatives:
         if alternative.default:
-            kinds = {item.interface for item in device.parameters if item.name == alternative.parameter}
+            kinds = {parameter.interface for parameter in device.parameters if parameter.name == alternative.parameter}
         else:
-            kinds = {item.name for item, layout in device.layouts() if alternative in device.alternatives_of(layout)}
-        variants = [item for item in device.variants if item.interface in kinds]
+            layouts = device.layouts()
+            kinds = {kind.name for kind, layout in layouts if alternative in device.alternatives_of(layout)}
+        variants = [variant for variant in device.variants if variant.interface in kinds]
         for index, answer in enumerate(alternative.answers):
             state = f"{alternative.name}={index:02X}"
             if alternative.default:
@@ -127,17 +130,17 @@ def answered(device: Device) -> Iterator[Variant]:
 def register_bytes(device: Device, register: Register, random_: random.Random) -> bytes:
     """Set the parameters of the register to a boundary or to a random value."""
     number = register.default or 0
-    for item in device.run_time_parameters:
-        if item.register == register.name:
-            field = register.layout.field(item.field)
-            low, high = item.min or 0, item.max if item.max is not None else (1 << field.widest) - 1
+    for parameter in device.run_time_parameters:
+        if parameter.register == register.name:
+            field = register.layout.field(parameter.field)
+            low, high = parameter.min or 0, parameter.max if parameter.max is not None else (1 << field.widest) - 1
             value = random_.choice([low, high, random_.randint(low, high)])
-            if item.by_code:
-                value = random_.choice(item.by_code).code
+            if parameter.by_code:
+                value = random_.choice(parameter.by_code).code
             mask = (1 << field.widest) - 1
             number = (
                 number & ~(mask << field.low.constant)
-                | (0 if value == field.number.zero_means and not item.by_code else value) << field.low.constant
+                | (0 if value == field.number.zero_means and not parameter.by_code else value) << field.low.constant
             )
     return number_to_bytes(register.layout, number, 8 * register.length)
 
@@ -153,7 +156,7 @@ def samples(field: Field, width: int, layout: Layout, random_: random.Random) ->
     if field.name == layout.selector:
         return list(layout.selects)
     if isinstance(field.kind, Choice):
-        return [item.value for item in field.values]
+        return [value.value for value in field.values]
     if field.runs:
         limit = field.kind.limit
         return [0, 1, limit - 1, 183003630 % limit, random_.randrange(limit)]
@@ -165,25 +168,25 @@ def samples(field: Field, width: int, layout: Layout, random_: random.Random) ->
     return [0, 1, ones, 1 << (width - 1), *(random_.getrandbits(width) for _ in range(4))]
 
 
-def sound_numbers(device: Device, placed: PlacedLayout, random_: random.Random) -> Iterator[int]:
+def valid_numbers(device: Device, placed: PlacedLayout, random_: random.Random) -> Iterator[int]:
     """Return numbers that decode without errors: samples of one field at a time with random others, then all random."""
-    data = [item for item in placed.fields if item.field.carries_data]
-    choices = {item.name: samples(item.field, item.width, placed.layout, random_) for item in data}
-    for item in data:
-        for value in choices[item.name]:
-            yield made(device, placed, choices, {item.name: value}, random_)
+    data = [field for field in placed.fields if field.field.carries_data]
+    choices = {field.name: samples(field.field, field.width, placed.layout, random_) for field in data}
+    for field in data:
+        for value in choices[field.name]:
+            yield encoded_sample(device, placed, choices, {field.name: value}, random_)
     for _ in range(RANDOM_FRAMES):
-        yield made(device, placed, choices, {}, random_)
+        yield encoded_sample(device, placed, choices, {}, random_)
 
 
-def made(
+def encoded_sample(
     device: Device, placed: PlacedLayout, choices: dict[str, list[int]], fixed: dict[str, int], random_: random.Random
 ) -> int:
     values: dict[str, int | str | bool] = {}
     for name, possible in choices.items():
         raw = fixed.get(name, random_.choice(possible))
-        item = placed.field(name)
-        values[name] = meant(item.field, item.width, raw)
+        placed_field = placed.field(name)
+        values[name] = value_of_raw(placed_field.field, placed_field.width, raw)
         valid = device.range_in(placed.layout)
         if valid is not None and valid.field.name == name:
             lowest, highest = valid.lowest.value(placed.parameters), valid.highest.value(placed.parameters)
@@ -196,23 +199,22 @@ def made(
 def unused_mask(placed: PlacedLayout) -> int:
     """Return the bits that the number of the unused fields can have."""
     items = ((placed.find_field(field.name), place) for field, place in placed.layout.unused)
-    return sum(item.mask << place for item, place in items if item is not None)
+    return sum(unused_field.mask << place for unused_field, place in items if unused_field is not None)
 
 
 def check(run: Run, pairs: Sequence[tuple[str, str]]) -> None:
     answers = run(line for line, _ in pairs)
     assert len(answers) == len(pairs)
-    wrong = [
-        (line, expected, answer) for (line, expected), answer in zip(pairs, answers, strict=True) if expected != answer
-    ]
-    assert not wrong, wrong[:5]
+    rows = [(line, expected, answer) for (line, expected), answer in zip(pairs, answers, strict=True)]
+    differing = [row for row in rows if row[1] != row[2]]
+    assert not differing, differing[:5]
 
 
 def round_trips(table: Table) -> list[tuple[str, str]]:
     random_ = random.Random("round trips")
     pairs = []
     for name, variant, placed in table.cases():
-        for number in sound_numbers(table.device, placed, random_):
+        for number in valid_numbers(table.device, placed, random_):
             row = table.row(name, placed, number)
             wire = on_the_wire(placed, number)
             pairs.append((f"{variant.code} decode {name} {wire}", f"0 {row}"))
@@ -223,16 +225,18 @@ def round_trips(table: Table) -> list[tuple[str, str]]:
 
 def within_limits(device: Device, name: str, variant: Variant, placed: PlacedLayout, number: int) -> bool:
     """Return True if a value may be written to a register. Encoders refuse others."""
-    register = next((item for item in device.registers if f"reg_{item.name}" == name), None)
+    register = next((register for register in device.registers if f"reg_{register.name}" == name), None)
     if register is None:
         return True
-    join = next((item for item in placed.layout.joins if item.name == register.limits_of), None)
-    item = placed.find_field(register.limits_of) or (placed.fields[0] if len(placed.fields) == 1 else None)
+    join = next((join for join in placed.layout.joins if join.name == register.limits_of), None)
+    limited_field = placed.find_field(register.limits_of) or (placed.fields[0] if len(placed.fields) == 1 else None)
     value = number
     if join is not None:
         value = codec.join_value(placed, join, number)
-    elif item is not None:
-        value = int(meant(item.field, item.width, number >> item.low & item.mask))
+    elif limited_field is not None:
+        value = int(
+            value_of_raw(limited_field.field, limited_field.width, number >> limited_field.low & limited_field.mask)
+        )
     low = register.min.value(variant.parameters) if register.min is not None else 0
     return low <= value <= (register.max.value(variant.parameters) if register.max is not None else value)
 
@@ -282,7 +286,7 @@ def test_the_table_form_of_a_crc_gives_the_same(
 
 def test_disturbed_frames_have_the_same_fault_as_in_the_model(machine: tuple[Device, Run]) -> None:
     device, run = machine
-    pairs, kinds = disturbed(device)
+    pairs, kinds = disturbed_frames(device)
     check(run, pairs)
     assert kinds >= {
         "banks": {"0", "2"},
@@ -299,38 +303,70 @@ def test_disturbed_frames_have_the_same_fault_as_in_the_model(machine: tuple[Dev
     }.get(device.name, {"0", "2", "3"})
 
 
-def disturbed(device: Device) -> tuple[list[tuple[str, str]], set[str]]:
+def disturbed_frames(device: Device) -> tuple[list[tuple[str, str]], set[str]]:
     """Frames with flipped bits, the expected result of each, and the results that must occur."""
     random_ = random.Random("disturbed")
     table = Table(device)
     pairs, kinds = [], set()
     for name, variant, placed in table.cases():
-        sound = list(sound_numbers(device, placed, random_))
+        sound = list(valid_numbers(device, placed, random_))
         numbers = [random_.choice(sound) ^ 1 << bit for bit in range(placed.bits)]
         numbers += [random_.choice(sound) ^ random_.getrandbits(placed.bits) for _ in range(RANDOM_FRAMES)]
         numbers += [0, (1 << placed.bits) - 1]
         # Errors with a valid CRC: constants, parity, ranges.
         numbers += [with_crc(device, placed, number) for number in numbers]
         for number in numbers:
-            expected = table.expected(name, placed, number)
+            expected = table.expected_answer(name, placed, number)
             kinds.add(expected[0])
             pairs.append((f"{variant.code} decode {name} {on_the_wire(placed, number)}", expected))
         if placed.layout.carried_as == "bits":
             pairs += [(f"{variant.code} decode {name} {sound[0] | 1 << bit:X}", "1") for bit in range(placed.bits, 64)]
         else:
             data = on_the_wire(placed, sound[0])
-            pairs += [
-                (f"{variant.code} decode {name} {text}", "1") for text in (data[:-2], data + "00", data[:-2] + "0000")
-            ]
+            wrong_lengths = (data[:-2], data + "00", data[:-2] + "0000")
+            pairs += [(f"{variant.code} decode {name} {text}", "1") for text in wrong_lengths]
     return pairs, kinds
 
 
 def with_crc(device: Device, placed: PlacedLayout, number: int) -> int:
-    for item in placed.fields:
-        if isinstance(item.field.kind, CrcValue):
-            cleared = number & ~(item.mask << item.low)
-            return cleared | codec.compute(device.crc(item.field.kind.crc), placed, cleared) << item.low
+    for field in placed.fields:
+        if isinstance(field.field.kind, CrcValue):
+            cleared = number & ~(field.mask << field.low)
+            return cleared | codec.compute(device.crc(field.field.kind.crc), placed, cleared) << field.low
     return number
+
+
+#: Bits of a number without its sign.
+_NUMBER_BITS = {
+    "uint8_t": 8,
+    "uint16_t": 16,
+    "uint32_t": 32,
+    "uint64_t": 64,
+    "int8_t": 7,
+    "int16_t": 15,
+    "int32_t": 31,
+    "int64_t": 63,
+}
+
+
+def _takes_every_value(placed: PlacedLayout, member: Member) -> bool:
+    """Return True if no value of a member can be refused.
+
+    Every other member is either narrower in the layout than its type, so that all ones do not fit, or repeated by
+    another member that then disagrees.
+    """
+    if member.type == "bool" or member.characters:
+        return True
+    if member.name == codec.UNUSED and unused_mask(placed) == (1 << _NUMBER_BITS[member.type]) - 1:
+        return True
+    placed_field = next((field for field in placed.fields if c_name(field.name) == member.name), None)
+    repeated = {c_name(name) for join in placed.layout.joins for name in (join.name, *join.fields)}
+    has_runs = any(field.runs for field in placed.layout.fields)
+    if placed_field is None or member.name in repeated or has_runs:
+        return False
+    largest = (1 << _NUMBER_BITS.get(member.type, 31)) - 1
+    mask = placed_field.mask
+    return mask == largest or (placed_field.field.number.signed and mask >> 1 == largest)
 
 
 def test_encoders_refuse_what_does_not_fit(machine: tuple[Device, Run]) -> None:
@@ -339,45 +375,22 @@ def test_encoders_refuse_what_does_not_fit(machine: tuple[Device, Run]) -> None:
     table = Table(device)
     pairs = []
     for name, variant, placed in table.cases():
-        number = next(sound_numbers(device, placed, random_))
+        number = next(valid_numbers(device, placed, random_))
         row = table.row(name, placed, number).split(" ")
         for index, member in enumerate(table.members[name]):
-            sizes = {
-                "uint8_t": 8,
-                "uint16_t": 16,
-                "uint32_t": 32,
-                "uint64_t": 64,
-                "int8_t": 7,
-                "int16_t": 15,
-                "int32_t": 31,
-                "int64_t": 63,
-            }
-            if member.type == "bool" or member.characters:
+            if _takes_every_value(placed, member):
                 continue
-            if member.name == codec.UNUSED and unused_mask(placed) == (1 << sizes[member.type]) - 1:
-                continue
-            # Every member is either narrower in the layout than its type, so that all ones do not fit,
-            # or repeated by another member that then disagrees.
-            largest = (1 << sizes.get(member.type, 31)) - 1
-            item = next((item for item in placed.fields if c_name(item.name) == member.name), None)
-            repeated = any(
-                member.name in (c_name(join.name), *map(c_name, join.fields)) for join in placed.layout.joins
-            ) or any(field.runs for field in placed.layout.fields)
-            if (
-                item is not None
-                and (item.mask == largest or (item.field.number.signed and item.mask >> 1 == largest))
-                and not repeated
-            ):
-                continue
+            largest = (1 << _NUMBER_BITS.get(member.type, 31)) - 1
             changed = [*row[:index], str(largest if row[index] != str(largest) else largest - 1), *row[index + 1 :]]
             pairs.append((f"{variant.code} encode {name} {' '.join(changed)}", "4"))
     assert pairs
     answers = run(line for line, _ in pairs)
-    assert [
-        (line, answer)
-        for (line, _), answer in zip(pairs, answers, strict=True)
-        if answer.split()[0] != "4" or answer.split()[1].strip("0")
-    ] == []
+    accepted = []
+    for (line, _), answer in zip(pairs, answers, strict=True):
+        result, wire = answer.split()[:2]
+        if result != "4" or wire.strip("0"):
+            accepted.append((line, answer))
+    assert accepted == []
 
 
 def test_a_position_and_its_parts_have_to_agree(run: Run) -> None:
@@ -452,11 +465,8 @@ def test_manual_examples_by_hand(run: Run) -> None:
 
 def test_public_crc_rows(vectors: list[dict[str, Any]], run: Run) -> None:
     """CRC 6 of moteus. The CRC 4 of register accesses belongs to the runtime, see test_c_biss_control.py."""
-    lines = {
-        f"AMM5A17/1SC1 crc biss_6 {row['fields']['data']:X}": f"0 {row['fields']['CRC6_inverted']}"
-        for row in vectors
-        if "CRC6_raw" in row["fields"]
-    }
+    rows = [row["fields"] for row in vectors if "CRC6_raw" in row["fields"]]
+    lines = {f"AMM5A17/1SC1 crc biss_6 {row['data']:X}": f"0 {row['CRC6_inverted']}" for row in rows}
     assert lines
     check(run, list(lines.items()))
 
@@ -464,18 +474,11 @@ def test_public_crc_rows(vectors: list[dict[str, Any]], run: Run) -> None:
 def test_public_control_fields(vectors: list[dict[str, Any]], run: Run) -> None:
     """The rows of TI and of Panasonic's relatives. Those that AMM5 does not know have a range error."""
     rows = [row["fields"] for row in vectors if set(row["fields"]) == {"data_id", "CF"}]
-    known = {0, 1, 2, 3, 7, 8, 12}
+    known_ids = {0, 1, 2, 3, 7, 8, 12}
     assert len(rows) == 13
-    check(
-        run,
-        [
-            (
-                f"AMM5A17/1JP1 decode data_request {row['CF']:02X}",
-                f"0 {row['data_id']}" if row["data_id"] in known else "4",
-            )
-            for row in rows
-        ],
-    )
+    lines = [f"AMM5A17/1JP1 decode data_request {row['CF']:02X}" for row in rows]
+    expected = [f"0 {row['data_id']}" if row["data_id"] in known_ids else "4" for row in rows]
+    check(run, list(zip(lines, expected, strict=True)))
 
 
 def test_crc_over_bits_of_any_length(amm5: Device, run: Run) -> None:
@@ -483,13 +486,8 @@ def test_crc_over_bits_of_any_length(amm5: Device, run: Run) -> None:
     name = "biss_6"
     random_ = random.Random(name)
     numbers = [random_.getrandbits(bits) for bits in range(1, 42) for _ in range(8)] + [0, 2**41 - 1]
-    check(
-        run,
-        [
-            (f"AMM5A17/1SC1 crc {name} {number:X}", f"0 {compute_bits(amm5.crc(name), number, 64)}")
-            for number in numbers
-        ],
-    )
+    crc = amm5.crc(name)
+    check(run, [(f"AMM5A17/1SC1 crc {name} {number:X}", f"0 {compute_bits(crc, number, 64)}") for number in numbers])
 
 
 def test_crc_over_bytes(amm5: Device, run: Run) -> None:
@@ -505,21 +503,17 @@ def test_crcs_of_every_form(words: Device, run_words: Run) -> None:
     """With tables over bits and bytes, reflected or not, with start values. More than 16 bits are folded."""
     random_ = random.Random("forms")
     pairs = []
-    longest = {
-        codec.word_crc.crc.name: (codec.word_crc.bits - codec.word_crc.crc.width) // 8
-        for view in views_of(words)
-        for codec in view.interface.codecs
-        if codec.word_crc is not None
-    }
+    word_crcs = [codec.word_crc for view in views_of(words) for codec in view.interface.codecs]
+    longest = {function.crc.name: (function.bits - function.crc.width) // 8 for function in word_crcs if function}
     assert longest == {"dense_16": 4, "plain_20": 3}
-    for crc in (item for item in words.crcs if item.name != "twice_8"):  # in no frame, so that C has no function
+    for crc in (crc for crc in words.crcs if crc.name != "twice_8"):  # in no frame, so that C has no function
         for length in (1, 2, 3, 5, 7, 8):
             data = random_.randbytes(min(length, longest.get(crc.name, 8)))
             bits = crc.name in ("dense_16", "started_5", "plain_20")
-            made_ = compute_bits(crc, int.from_bytes(data, "big"), 8 * length) if bits else compute_bytes(crc, data)
-            pairs.append((f"{'WASC' if bits else 'WAJP'} crc {crc.name} {data.hex()}", f"0 {made_}"))
+            expected = compute_bits(crc, int.from_bytes(data, "big"), 8 * length) if bits else compute_bytes(crc, data)
+            pairs.append((f"{'WASC' if bits else 'WAJP'} crc {crc.name} {data.hex()}", f"0 {expected}"))
     check(run_words, pairs)
-    assert {item.crc.name: item.form.value for item in crc_functions(words)} == {
+    assert {function.crc.name: function.form.value for function in crc_functions(words)} == {
         "dense_16": "table",
         "started_5": "table",
         "ccitt": "table",
@@ -535,22 +529,16 @@ def test_control_bytes_tell_the_frame(amm5: Device, run: Run) -> None:
     assert interface is not None
     frames = [layout for layout in interface.layouts if layout.selector]
     pairs = []
-    for item in interface.data_ids:
+    for data_id in interface.data_ids:
         for sender, kind in (("master", "request"), ("encoder", "reply")):
-            index, layout = next(
-                (index, layout)
-                for index, layout in enumerate(frames)
-                if layout.sender == sender and item.id in layout.selects
-            )
-            pairs.append((f"AMM5A17/1JP1 select {kind} {item.control:02X}", f"0 {index} {layout.widest // 8}"))
+            of_sender = [(at, layout) for at, layout in enumerate(frames) if layout.sender == sender]
+            index, layout = next((at, layout) for at, layout in of_sender if data_id.id in layout.selects)
+            pairs.append((f"AMM5A17/1JP1 select {kind} {data_id.control:02X}", f"0 {index} {layout.widest // 8}"))
     pairs += [("AMM5A17/1JP1 select reply 22", "4 0 0"), ("AMM5A17/1JP1 select reply", "1 0 0")]
     check(run, pairs)
-    requests = [
-        f"AMM5A17/1JP1 encode data_request {item.id}"
-        for item in interface.data_ids
-        if item.purpose in ("capture", "reset")
-    ]
-    expected = [f"0 {item.control:02X}" for item in interface.data_ids if item.purpose in ("capture", "reset")]
+    actions = [data_id for data_id in interface.data_ids if data_id.purpose in ("capture", "reset")]
+    requests = [f"AMM5A17/1JP1 encode data_request {data_id.id}" for data_id in actions]
+    expected = [f"0 {data_id.control:02X}" for data_id in actions]
     assert run(requests) == expected
 
 
@@ -559,8 +547,8 @@ def test_public_single_cycles_of_22_bits(bits22: Device, vectors: list[dict[str,
     cycles = [row for row in vectors if row["fields"].get("position_bits") == 22]
     assert len(cycles) == 9
     for row in cycles:
-        given, word = row["fields"], int(row["frame_hex_or_bits"], 2)
-        values = f"{given['position']} {1 - given['nE']} {1 - given['nW']}"
+        fields, word = row["fields"], int(row["frame_hex_or_bits"], 2)
+        values = f"{fields['position']} {1 - fields['nE']} {1 - fields['nW']}"
         lines = [
             f"{code} decode single_cycle_data {word:X}",
             f"{code} encode single_cycle_data {values}",

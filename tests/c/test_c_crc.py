@@ -46,9 +46,8 @@ def test_check_values_of_the_catalogue(run_form: Run) -> None:
 
 def test_words_are_encoded_and_decoded(crcs: Device, run_form: Run) -> None:
     pairs = round_trips(Table(crcs))
-    assert {line.split()[2] for line, _ in pairs if " decode word_" in line} == {
-        layout.name for layout in crcs.interface("biss").layouts
-    }
+    names = {layout.name for layout in crcs.interface("biss").layouts}
+    assert {line.split()[2] for line, _ in pairs if " decode word_" in line} == names
     check(run_form, pairs)
 
 
@@ -59,7 +58,8 @@ def test_every_flipped_bit_is_noticed(crcs: Device, run_form: Run) -> None:
         if placed.layout.crc_field is None:
             continue
         for bit in range(placed.bits):
-            values = {item.name: random_.getrandbits(item.width) for item in placed.fields if item.field.carries_data}
+            data = [field for field in placed.fields if field.field.carries_data]
+            values = {field.name: random_.getrandbits(field.width) for field in data}
             number = codec.encode(crcs, placed, values) ^ 1 << bit
             pairs.append((f"{variant.code} decode {name} {on_the_wire(placed, number)}", "2"))
     check(run_form, pairs)
@@ -70,18 +70,18 @@ def test_any_number_of_bits(crcs: Device, run_form: Run, name: str) -> None:
     """The harness uses whole hexadecimal digits: 4 to 64 bits, or the bits before the CRC of the longest frame."""
     random_ = random.Random(name)
     pairs = []
-    (view,) = (item for item in views_of(crcs) if item.context.interface.name == "biss")
+    (view,) = (view for view in views_of(crcs) if view.context.interface.name == "biss")
     word = next(
-        (item.word_crc for item in view.interface.codecs if item.word_crc and item.word_crc.crc.name == name), None
+        (codec.word_crc for codec in view.interface.codecs if codec.word_crc and codec.word_crc.crc.name == name), None
     )
     longest = 64 if word is None else word.bits - word.crc.width
     assert longest >= 31
     for digits in range(1, longest // 4 + 1):
         bits = 4 * digits
-        pairs += [
-            (f"CASC crc {name} {number:0{digits}X}", f"0 {compute_bits(crcs.crc(name), number, bits)}")
-            for number in (0, (1 << bits) - 1, *(random_.getrandbits(bits) for _ in range(4)))
-        ]
+        numbers = [0, (1 << bits) - 1, *(random_.getrandbits(bits) for _ in range(4))]
+        for number in numbers:
+            expected = compute_bits(crcs.crc(name), number, bits)
+            pairs.append((f"CASC crc {name} {number:0{digits}X}", f"0 {expected}"))
     check(run_form, pairs)
 
 

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Literal
 
 import pytest
 from c_harness import Run, functions
 from codewheel.loading.examples import decode_example, example_variant
 from codewheel.model import (
+    CodePart,
     CrcExample,
     CrcValue,
     Device,
@@ -55,7 +56,8 @@ def test_every_worked_example(family: Family) -> None:
     table = Table(device)
     pairs = [pair for example in device.examples for pair in example_lines(table, example)]
     check(run, pairs)
-    unused = [item for item in device.examples if isinstance(item, CrcExample) and not [*crc_users(device, item.crc)]]
+    crcs = [example.crc for example in device.examples if isinstance(example, CrcExample)]
+    unused = [crc for crc in crcs if not [*crc_users(device, crc)]]
     assert len(pairs) >= len(device.examples) - len(unused)
     assert len(unused) <= 1, "the CRC of BiSS register accesses, which the runtime computes"
 
@@ -65,8 +67,8 @@ def example_lines(table: Table, example: Example) -> Iterable[tuple[str, str]]:
     variant = example_variant(device, example)
     match example:
         case CrcExample():
-            users = {item.name: item for item in crc_users(device, example.crc)}
-            for code in [item.code for item in device.variants if item.interface in users][:1]:
+            users = {interface.name: interface for interface in crc_users(device, example.crc)}
+            for code in [variant.code for variant in device.variants if variant.interface in users][:1]:
                 yield f"{code} crc {example.crc} {example.bytes.hex().upper()}", f"0 {example.check}"
         case MeasureExample():
             yield (
@@ -75,9 +77,9 @@ def example_lines(table: Table, example: Example) -> Iterable[tuple[str, str]]:
             )
         case ProcedureExample():
             procedure = device.procedure(example.procedure)
-            given = [example.arguments[item.name] for item in procedure.arguments]
+            values = [example.arguments[argument.name] for argument in procedure.arguments]
             yield (
-                f"{variant.code} steps {procedure.name} {' '.join(f'{value:X}' for value in given)}",
+                f"{variant.code} steps {procedure.name} {' '.join(f'{value:X}' for value in values)}",
                 steps_text(device, procedure, variant, example.arguments),
             )
         case RegisterExample():
@@ -91,7 +93,7 @@ def example_lines(table: Table, example: Example) -> Iterable[tuple[str, str]]:
 def crc_users(device: Device, crc: str) -> Iterable[Interface]:
     """Return the interfaces with a frame that ends in this CRC. If there are none, C has no function for it."""
     for interface, layout in device.layouts():
-        if any(isinstance(item.kind, CrcValue) and item.kind.crc == crc for item in layout.fields):
+        if any(isinstance(field.kind, CrcValue) and field.kind.crc == crc for field in layout.fields):
             yield interface
 
 
@@ -115,19 +117,20 @@ def frame_line(table: Table, variant: Variant, example: FrameExample) -> tuple[s
     decoded = decode_example(table.device, example, variant)
     name = decoded.layout.name if decoded.layout is not None else ""
     wire = f"{int(example.bits, 2):X}" if example.bits else example.bytes.hex().upper()
-    told = variant.code + "".join(f";{item}={answer:02X}" for item, answer in answers(table.device, example))
+    state = [f";{question}={answer:02X}" for question, answer in answers(table.device, example)]
+    label = "".join([variant.code, *state])
     if example.refused:
-        return f"{told} decode {name} {wire}", str(FAULTS[example.refused])
+        return f"{label} decode {name} {wire}", str(FAULTS[example.refused])
     assert decoded.layout is not None
-    return f"{told} decode {name} {wire}", f"0 {table.row(name, decoded.layout, decoded.number)}"
+    return f"{label} decode {name} {wire}", f"0 {table.row(name, decoded.layout, decoded.number)}"
 
 
 def answers(device: Device, example: FrameExample) -> Iterable[tuple[str, int]]:
     """Return the answers that an example takes, each as its index among those of its alternative."""
-    for item in device.alternatives:
-        if item.name in example.alternatives:
-            names = [answer.name for answer in item.answers]
-            yield item.name, names.index(example.alternatives[item.name])
+    for alternative in device.alternatives:
+        if alternative.name in example.alternatives:
+            names = [answer.name for answer in alternative.answers]
+            yield alternative.name, names.index(example.alternatives[alternative.name])
 
 
 def test_an_offset_takes_the_whole_position_field(family: Family) -> None:
@@ -139,12 +142,10 @@ def test_an_offset_takes_the_whole_position_field(family: Family) -> None:
     if device.name != "sma21":
         return
     frame = "F0007BE4"
-    given = [
-        f"SMA21-SC1-0050{state} decode single_cycle_data {frame}"
-        for state in ("", ";configuration=20", ";configuration=22")
-    ]
-    assert run(given)[:2] == [str(FAULTS["constant"])] * 2
-    assert run(given)[2] == f"0 {0xF0007B} 0 0"
+    states = ("", ";configuration=20", ";configuration=22")
+    lines = [f"SMA21-SC1-0050{state} decode single_cycle_data {frame}" for state in states]
+    assert run(lines)[:2] == [str(FAULTS["constant"])] * 2
+    assert run(lines)[2] == f"0 {0xF0007B} 0 0"
 
 
 def test_an_encoder_id_is_held_against_the_one_that_the_manual_states(family: Family) -> None:
@@ -159,8 +160,8 @@ def test_an_encoder_id_is_held_against_the_one_that_the_manual_states(family: Fa
         "complete_reply 1A00A5A500238888000039",
         "complete_reply 1A01A5A500238888000038",
     )
-    said = list(run(f"AMM5A23/65KJP1 expected {reply}" for reply in replies))
-    assert said == ["0 1", "0 0", "0 0", "0 0", "0 1", "0 0"]
+    printed = list(run(f"AMM5A23/65KJP1 expected {reply}" for reply in replies))
+    assert printed == ["0 1", "0 0", "0 0", "0 0", "0 1", "0 0"]
 
 
 # -- procedures
@@ -172,55 +173,54 @@ def test_procedures_take_the_steps_of_the_model(family: Family) -> None:
     for procedure in device.procedures:
         for variant in device.variants:
             if variant.interface == procedure.interface:
-                for given in arguments(device, procedure, variant):
-                    numbers = " ".join(f"{given[item.name]:X}" for item in procedure.arguments)
+                for values in arguments(device, procedure, variant):
+                    numbers = " ".join(f"{values[argument.name]:X}" for argument in procedure.arguments)
                     pairs.append(
                         (
                             f"{variant.code} steps {procedure.name} {numbers}".rstrip(),
-                            steps_text(device, procedure, variant, given),
+                            steps_text(device, procedure, variant, values),
                         )
                     )
     check(run, pairs)
     answers = {expected.split(" ")[0] for _, expected in pairs}
-    possible = {"0", "4"} if any(item.arguments for item in device.procedures) else {"0"}
+    possible = {"0", "4"} if any(procedure.arguments for procedure in device.procedures) else {"0"}
     assert answers == (possible if device.procedures else set())
 
 
 def arguments(device: Device, procedure: Procedure, variant: Variant) -> Iterable[Mapping[str, int]]:
     """Each argument at its limits and beyond them, with allowed values for the others."""
     possible = {}
-    for item in procedure.arguments:
-        register = device.register(item.of)
-        low, high = (
-            bound.value(variant.parameters) if bound is not None else None
-            for bound in device.limits(register, item.meant_as)
-        )
+    for argument in procedure.arguments:
+        register = device.register(argument.of)
+        bounds = device.limits(register, argument.meant_as)
+        low, high = [bound.value(variant.parameters) if bound is not None else None for bound in bounds]
         power = register.layout.fields[0].number.power_of_two
         high = high if high is not None else (1 << 8 * register.length) - 1
         inside = [low or 1, high] if power else [low or 0, (low or 0) + 1, high, high // 3]
-        possible[item.name] = (
+        possible[argument.name] = (
             [value for value in inside if value <= high],
             [value for value in ((low or 0) - 1, high + 1, 3 if power else -1) if 0 <= value < 1 << 64],
         )
+    registers = {argument.name: device.register(argument.of) for argument in procedure.arguments}
     yield {name: inside[0] for name, (inside, _) in possible.items()}
     for name, (inside, outside) in possible.items():
-        sizes = 8 * device.register(next(item.of for item in procedure.arguments if item.name == name)).length
+        sizes = 8 * registers[name].length
         for value in (*inside, *(value for value in outside if value < 1 << sizes)):
-            yield {other: value if other == name else choices[0][0] for other, choices in possible.items()}
+            yield {argument: value if argument == name else choices[0][0] for argument, choices in possible.items()}
 
 
 #: Number of bytes of the reply to each request of a procedure: AMM5 7.3.2, SMA21 7.3.2.
 REPLIES = {"amm5": 6, "sma21": 7}
 
 
-def steps_text(device: Device, procedure: Procedure, variant: Variant, given: Mapping[str, int]) -> str:
+def steps_text(device: Device, procedure: Procedure, variant: Variant, values: Mapping[str, int]) -> str:
     """Return kind, address, mask, value, times, microseconds of each step, or the error.
 
     Readable registers are read back before a write to a write-only register (a command, or one that closes), and
     before the same register is written again as a whole.
     """
     try:
-        writes = list(register_writes(device, procedure, variant, given))
+        writes = list(register_writes(device, procedure, variant, values))
     except codec.EncodeError:
         return str(FAULTS["range"])
     rows: list[tuple[int, ...]] = []
@@ -242,17 +242,21 @@ def steps_text(device: Device, procedure: Procedure, variant: Variant, given: Ma
                 register = device.register(step.register)
                 mask = register_mask(register, step.field if isinstance(step, ModifyStep) else "")
                 closes = (step.register, step.value) == ("preset_setting_enable", 0)
-                made = list(byte_rows(6 if closes else 1, register, mask, writes_number(writes, register)))
-                again = isinstance(step, WriteStep) and bool({row[1] for row in made} & {row[1] for row in written})
+                step_rows = list(byte_rows(6 if closes else 1, register, mask, writes_number(writes, register)))
+                again = isinstance(step, WriteStep) and bool(_addresses(step_rows) & _addresses(written))
                 if register.access == "write_only" or again:
                     rows += [(7, *row[1:]) for row in written]
                     written = []
                 if register.access != "write_only":
-                    written += made
-                rows += made
+                    written += step_rows
+                rows += step_rows
             case _:
                 assert_never(step)
     return " ".join(["0", *(",".join(map(str, row)) for row in rows)])
+
+
+def _addresses(rows: Iterable[tuple[int, ...]]) -> set[int]:
+    return {row[1] for row in rows}
 
 
 def byte_rows(kind: int, register: Register, mask: int, number: int) -> Iterable[tuple[int, ...]]:
@@ -276,8 +280,8 @@ def register_mask(register: Register, name: str) -> int:
 
 def writes_number(writes: list[Write], register: Register) -> int:
     """Return the next bytes that the model writes, as the register's number."""
-    taken = [writes.pop(0) for _ in range(register.length)]
-    return int.from_bytes(bytes(item.value for item in taken), order(register))
+    next_writes = [writes.pop(0) for _ in range(register.length)]
+    return int.from_bytes(bytes(write.value for write in next_writes), order(register))
 
 
 # -- order codes
@@ -303,10 +307,7 @@ def labels(device: Device, random_: random.Random) -> Iterable[str]:
             yield code[:index] + random_.choice("0123456789ABCX/-") + code[index + 1 :]
     parts = device.order_code.parts
     for _ in range(400):
-        chosen = {
-            part.name: random_.choice([*(value.text for value in part.values), *samples_of(part.open, random_)])
-            for part in parts
-        }
+        chosen = {part.name: random_.choice(_texts(part, random_)) for part in parts}
         text = device.order_code.pattern
         for name, value in chosen.items():
             text = text.replace("{" + name + "}", value)
@@ -315,22 +316,24 @@ def labels(device: Device, random_: random.Random) -> Iterable[str]:
         for _ in range(200):
             text = spelling.pattern
             for part in parts:
-                own = [item.text for item in spelling.values if item.part == part.name] or [
-                    *(value.text for value in part.values),
-                    *samples_of(part.open, random_),
-                ]
-                text = text.replace("{" + part.name + "}", random_.choice(own))
+                spelled = [value.text for value in spelling.values if value.part == part.name]
+                text = text.replace("{" + part.name + "}", random_.choice(spelled or _texts(part, random_)))
             yield text + random_.choice(["", "1", "2", "12", "-abc", "3-abc", "X"])
+
+
+def _texts(part: CodePart, random_: random.Random) -> list[str]:
+    """Return the texts that a part of an order code can have."""
+    return [*(value.text for value in part.values), *samples_of(part.open, random_)]
 
 
 def samples_of(expression: str, random_: random.Random) -> list[str]:
     """Return texts that an expression describes: digits for ``#``, and one digit or none for ``~``."""
     choices = {"#": [*"0123456789"], "~": ["", *"0123456789"]}
-    return [
-        "".join(random_.choice(choices.get(letter, [letter])) for letter in pattern)
-        for pattern in (written_out(expression) if expression else ())
-        for _ in range(3)
-    ]
+    texts = []
+    for pattern in written_out(expression) if expression else ():
+        letters = [choices.get(letter, [letter]) for letter in pattern]
+        texts += ["".join(map(random_.choice, letters)) for _ in range(3)]
+    return texts
 
 
 def test_order_codes_are_found_as_in_the_model(family: Family) -> None:
@@ -345,19 +348,16 @@ def test_order_codes_are_found_as_in_the_model(family: Family) -> None:
             pairs.append((f"{label} find", "-"))
             continue
         listed = {name: text for name, text in match.variant.parts.items() if name not in match.unlisted}
-        stands_for = next(
-            item for item in device.variants if all(item.parts[name] == text for name, text in listed.items())
-        )
+        stands_for = next(variant for variant in device.variants if listed.items() <= variant.parts.items())
         pairs.append((f"{label} find", f"{stands_for.code} {sum(1 << names.index(name) for name in match.unlisted)}"))
         assert stands_for.parameters == match.variant.parameters
         assert stands_for.interface == match.variant.interface
     answers = run(line for line, _ in pairs)
-    wrong = [
-        (line, expected, answer)
-        for (line, expected), answer in zip(pairs, answers, strict=True)
-        if answer.removesuffix(" 0" if expected == "-" else "\0") != expected
-    ]
-    assert not wrong, wrong[:5]
+    differing = []
+    for (line, expected), answer in zip(pairs, answers, strict=True):
+        if answer.removesuffix(" 0" if expected == "-" else "\0") != expected:
+            differing.append((line, expected, answer))
+    assert not differing, differing[:5]
     assert bool(names) == any(not expected.endswith((" 0", "-")) for _, expected in pairs)
 
 
@@ -384,8 +384,8 @@ def test_open_parts_are_written_out(expression: str, patterns: tuple[str, ...]) 
 # -- positions
 
 
-def formula(item: Measurement) -> tuple[Expression | None, ...]:
-    return item.counts_per_turn, item.turns, item.step_um, item.modulus
+def formula(measurement: Measurement) -> tuple[Expression | None, ...]:
+    return measurement.counts_per_turn, measurement.turns, measurement.step_um, measurement.modulus
 
 
 def test_positions_mean_what_the_model_says(family: Family) -> None:
@@ -398,15 +398,13 @@ def test_positions_mean_what_the_model_says(family: Family) -> None:
             assert device.name == "icmu"
             continue
         start = f"{variant.code} measure "
-        parts = {
-            name: item.value(variant.parameters)
-            for name, item in zip(("per_turn", "turns", "um", "steps"), formula(measurement), strict=True)
-            if item is not None
-        }
+        expressions = dict(zip(("per_turn", "turns", "um", "steps"), formula(measurement), strict=True))
+        given_sizes = {name: size for name, size in expressions.items() if size is not None}
+        parts = {name: size.value(variant.parameters) for name, size in given_sizes.items()}
         modulus = parts["steps"] if "steps" in parts else parts["per_turn"] * parts["turns"]
         # The replies of one family have different ranges.
-        of = "position_reply_" if (device.name, variant.interface) == ("sma21", "rs485") else ""
-        pairs.append((f"{start}{of}modulus", f"0 {modulus}"))
+        range_prefix = "position_reply_" if (device.name, variant.interface) == ("sma21", "rs485") else ""
+        pairs.append((f"{start}{range_prefix}modulus", f"0 {modulus}"))
         for position in (0, 1, modulus - 1, modulus // 2, random_.randrange(modulus)):
             if "um" in parts:
                 pairs.append((f"{start}micrometres {position}", f"0 {position * parts['um']}"))
@@ -425,7 +423,7 @@ def test_positions_mean_what_the_model_says(family: Family) -> None:
                 random_.randrange(modulus),
             ):
                 nearest = (position - before + modulus // 2) % modulus - modulus // 2
-                pairs.append((f"{start}{of}position_difference {position} {before}", f"0 {nearest}"))
+                pairs.append((f"{start}{range_prefix}position_difference {position} {before}", f"0 {nearest}"))
     check(run, pairs)
 
 
@@ -453,7 +451,7 @@ def test_a_turn_has_two_to_the_n_counts(programs: Mapping[str, Run]) -> None:
 def test_revolutions_that_are_no_power_of_two_roll_over_where_they_end(
     programs: Mapping[str, Run], every_device: Mapping[str, Device]
 ) -> None:
-    ssi = next(item.code for item in every_device["am36"].variants if item.interface == "ssi")
+    ssi = next(variant.code for variant in every_device["am36"].variants if variant.interface == "ssi")
     state = "AM3616/4096-I7;number_of_revolutions=07d0;singleturn_bits_used=0d"
     lines = [
         f"{state} measure modulus",
@@ -473,7 +471,8 @@ def test_small_functions_agree_with_their_expressions(family: Family) -> None:
 
 def small_functions_agree(view: DeviceView, run: Run) -> None:
     device = view.device
-    wanted: dict[str, Expression] = {item.name: item.equals for item in device.parameters if item.equals is not None}
+    formulas = {parameter.name: parameter.equals for parameter in device.parameters}
+    wanted: dict[str, Expression] = {name: formula for name, formula in formulas.items() if formula is not None}
     for register in device.registers:
         bounds = {f"reg_{register.name}_min": register.min, f"reg_{register.name}_max": register.max}
         for meaning in register.meanings:
@@ -482,43 +481,41 @@ def small_functions_agree(view: DeviceView, run: Run) -> None:
                 f"reg_{register.name}_{meaning.name}_max": meaning.max,
             }
         wanted |= {name: bound for name, bound in bounds.items() if bound is not None and not bound.is_constant}
-    assert set(wanted) <= {item.name.removeprefix(view.prefix + "_") for item in functions(view)}
-    variants = (*device.variants, *run_time_variants(device))
-    check(
-        run,
-        [
-            (f"{variant.code} measure {name}", f"0 {item.value(variant.parameters)}")
-            for variant in variants
-            for name, item in wanted.items()
-        ],
-    )
+    assert set(wanted) <= {function.name.removeprefix(view.prefix + "_") for function in functions(view)}
+    pairs: list[tuple[str, str]] = []
+    for variant in (*device.variants, *run_time_variants(device)):
+        parameters = variant.parameters
+        pairs += [(f"{variant.code} measure {name}", f"0 {size.value(parameters)}") for name, size in wanted.items()]
+    check(run, pairs)
 
 
 # -- identification
 
 
+def _read_identity(registers: Sequence[Register], variant: Variant) -> list[bytes]:
+    return [identity_bytes(register, variant) for register in registers]
+
+
 def test_candidates_are_the_order_codes_that_read_so(family: Family) -> None:
     device, run = family
-    identities = [item for view in views_of(device) for item in view.identities]
+    identities = [identity for view in views_of(device) for identity in view.identities]
     if device.name == "icmu":  # Its registers do not tell order codes apart.
         assert identities == []
         return
     (identity,) = identities
-    registers = [item.register for item in identity.compared]
+    registers = [part.register for part in identity.compared]
     pairs = []
-    variants = [item for item in device.variants if item.interface == registers[0].interface]
+    variants = [variant for variant in device.variants if variant.interface == registers[0].interface]
     for variant in variants:
-        read = [identity_bytes(register, variant) for register in registers]
-        same = [
-            item.code
-            for item in variants
-            if all(identity_bytes(register, item) == data for register, data in zip(registers, read, strict=True))
-        ]
-        assert variant.code in same
-        pairs.append((f"{variant.code} candidates of {' '.join(data.hex() for data in read)}", " ".join(["0", *same])))
+        read = _read_identity(registers, variant)
+        same_identity = [listed.code for listed in variants if _read_identity(registers, listed) == read]
+        assert variant.code in same_identity
+        pairs.append(
+            (f"{variant.code} candidates of {' '.join(data.hex() for data in read)}", " ".join(["0", *same_identity]))
+        )
         for index in range(len(registers)):
-            wrong = [*read[:index], bytes([read[index][0] ^ 1, *read[index][1:]]), *read[index + 1 :]]
-            pairs.append((f"{variant.code} candidates of {' '.join(data.hex() for data in wrong)}", "0"))
+            changed = [*read[:index], bytes([read[index][0] ^ 1, *read[index][1:]]), *read[index + 1 :]]
+            pairs.append((f"{variant.code} candidates of {' '.join(data.hex() for data in changed)}", "0"))
     check(run, pairs)
 
 
@@ -552,11 +549,10 @@ def test_registers_are_taken_over_as_in_the_model(
         device = every_device[name]
         random_ = random.Random(name)
         pairs = []
-        held_by = {item.register for item in device.run_time_parameters}
+        held_by = {parameter.register for parameter in device.run_time_parameters}
         assert held_by
-        variant = next(
-            item for item in device.variants if item.interface == device.register(next(iter(held_by))).interface
-        )
+        interface = device.register(next(iter(held_by))).interface
+        variant = next(variant for variant in device.variants if variant.interface == interface)
         for register in map(device.register, sorted(held_by)):
             texts = (
                 [random_.randbytes(register.length) for _ in range(40)]
@@ -578,11 +574,11 @@ def test_a_shorter_frame_after_a_new_resolution(programs: Mapping[str, Run]) -> 
     """The BiSS frame of 13 + 4 bits, in Gray code and in binary."""
     run = programs["am36"]
     position = 5 << 13 | 77
-    for configuration, sent in (("00", codec.binary_to_gray(position)), ("20", position)):
+    for configuration, sent_position in (("00", codec.binary_to_gray(position)), ("20", position)):
         state = f"AM3616/4096-I7;configuration={configuration};singleturn_bits_used=0d;multiturn_bits_used=04"
         (encoded,) = run([f"{state} encode single_cycle_data 5 77 {position} 0"])
         word = int(encoded.split()[1], 16)
-        assert word >> 8 == sent
+        assert word >> 8 == sent_position
         assert word >> 6 & 3 == 3
         assert run(
             [f"{state} decode single_cycle_data {word:X}", f"{state} decode single_cycle_data {word | 1 << 25:X}"]
@@ -593,9 +589,8 @@ def test_a_shorter_frame_after_a_new_resolution(programs: Mapping[str, Run]) -> 
 
 
 def test_only_powers_of_two_are_encoded(programs: Mapping[str, Run]) -> None:
-    lines = [
-        f"AM3616/4096-I7 encode reg_information_per_revolution {value}" for value in (0, 1, 3, 4096, 0x100000, 0x200000)
-    ]
+    values = (0, 1, 3, 4096, 0x100000, 0x200000)
+    lines = [f"AM3616/4096-I7 encode reg_information_per_revolution {value}" for value in values]
     assert [answer.split()[0] for answer in programs["am36"](lines)] == ["4", "0", "4", "0", "0", "4"]
 
 
@@ -610,17 +605,15 @@ def test_zero_stands_for_65536_revolutions(programs: Mapping[str, Run]) -> None:
 
 def test_preset_and_offset_have_limits_of_their_own(programs: Mapping[str, Run]) -> None:
     """0FFFFFh and F00000h at 50 um, 01FFFFFFh and 0 at 1 um."""
-    lines = [
-        f"SMA21-SC1-{code} steps {name} {value:X}"
-        for code, name, value in (
-            ("0050", "set_preset", 0xFFFFF),
-            ("0050", "set_preset", 0x100000),
-            ("0050", "set_offset", 0xF00000),
-            ("0050", "set_offset", 0xF00001),
-            ("0001", "set_preset", 0x1FFFFFF),
-            ("0001", "set_preset", 0x2000000),
-            ("0001", "set_offset", 0),
-            ("0001", "set_offset", 1),
-        )
-    ]
+    attempts = (
+        ("0050", "set_preset", 0xFFFFF),
+        ("0050", "set_preset", 0x100000),
+        ("0050", "set_offset", 0xF00000),
+        ("0050", "set_offset", 0xF00001),
+        ("0001", "set_preset", 0x1FFFFFF),
+        ("0001", "set_preset", 0x2000000),
+        ("0001", "set_offset", 0),
+        ("0001", "set_offset", 1),
+    )
+    lines = [f"SMA21-SC1-{code} steps {name} {value:X}" for code, name, value in attempts]
     assert [answer[0] for answer in programs["sma21"](lines)] == ["0", "4", "0", "4", "0", "4", "0", "4"]

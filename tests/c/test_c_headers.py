@@ -101,14 +101,14 @@ def test_a_header_alone_and_unused_has_no_warning(
 
 @pytest.mark.slow
 def test_only_the_three_headers_of_the_standard_are_used(include: Path) -> None:
-    used = {
-        line for path in include.rglob("*.h") for line in path.read_text().splitlines() if line.startswith("#include")
-    }
+    lines = [line for path in include.rglob("*.h") for line in path.read_text().splitlines()]
+    used = {line for line in lines if line.startswith("#include")}
     assert {line for line in used if "<" in line} == {f"#include <std{name}.h>" for name in ("bool", "def", "int")}
     shared = {f'#include "codewheel/{name}.h"' for name in SHARED}
     runtime = {f'#include "{path.name}"' for path in (include / "codewheel").iterdir()}
-    own = {f'#include "{name}/{path.name}"' for name in FAMILIES.values() for path in (include / name).iterdir()}
-    assert {line for line in used if "<" not in line} <= shared | runtime | own
+    makers = sorted(set(FAMILIES.values()))
+    family_headers = {f'#include "{name}/{path.name}"' for name in makers for path in (include / name).iterdir()}
+    assert {line for line in used if "<" not in line} <= shared | runtime | family_headers
 
 
 @pytest.mark.parametrize("family", FAMILIES)
@@ -138,9 +138,9 @@ def names_have_their_prefix(prefix: str, header: str) -> None:
 def test_nothing_runs_over_the_page_or_ends_in_a_space(include: Path) -> None:
     for path in include.rglob("*.h"):
         lines = path.read_text(encoding="ascii").splitlines()
-        assert [
-            line for line in lines if (len(line) > 100 and "http" not in line) or line != line.rstrip() or "\t" in line
-        ] == []
+        too_long = [line for line in lines if len(line) > 100 and "http" not in line]
+        assert too_long == []
+        assert [line for line in lines if line != line.rstrip() or "\t" in line] == []
         assert "\n\n\n" not in path.read_text()
 
 
@@ -152,12 +152,7 @@ def test_no_version_date_or_path(include: Path, c_devices: tuple[Device, ...]) -
             assert set(re.findall(r"20[23]\d-\d\d-\d\d", path.read_text())) <= dates
 
 
-@pytest.mark.slow
-def test_the_readme_compiles_and_prints(include: Path, tmp_path: Path) -> None:
-    readme = (include.parent / "README.md").read_text()
-    code = re.findall(r"```c\n(.*?)```", readme, re.DOTALL)
-    assert len(code) == 6
-    main = """#include <stdio.h>
+_README_MAIN = """#include <stdio.h>
 #include <string.h>
 static uint8_t memory[0x80];
 int32_t bus_read(void *context, uint16_t address, uint8_t *bytes, size_t length)
@@ -215,19 +210,27 @@ int main(void)
     return 0;
 }
 """
+
+
+@pytest.mark.slow
+def test_the_readme_compiles_and_prints(include: Path, tmp_path: Path) -> None:
+    readme = (include.parent / "README.md").read_text()
+    code = re.findall(r"```c\n(.*?)```", readme, re.DOTALL)
+    assert len(code) == 6
     # The 1 before an SSI word, 39 bits, and zeros. A reply of AMM5 7.3 after a foreign byte: turn 1, ENID 23h, XOR.
-    sent = {"ssi": (1 << 39 | 42 << 23 | 6016277) << 8, "biss": 0x55BCD15E2}
+    sent_words = {"ssi": (1 << 39 | 42 << 23 | 6016277) << 8, "biss": 0x55BCD15E2}
     reply = bytes((0x1A, 0x00, *(7000519).to_bytes(3, "little"), 0x23, 1, 0, 0, 0))
     reply = b"\xff" + reply + bytes([reduce(xor, reply)])
-    main = main.replace("@ssi@", ", ".join(map(str, sent["ssi"].to_bytes(6, "big")))).replace(
-        "@biss@", hex(sent["biss"])
+    main = _README_MAIN.replace("@ssi@", ", ".join(map(str, sent_words["ssi"].to_bytes(6, "big")))).replace(
+        "@biss@", hex(sent_words["biss"])
     )
     main = main.replace("@reply@", ", ".join(map(str, reply)))
-    assert f"word `0x{sent['biss']:X}` of that program, `read_encoder` stores {42 << 21 | 1821973}." in readme
+    assert f"word `0x{sent_words['biss']:X}` of that program, `read_encoder` stores {42 << 21 | 1821973}." in readme
     program = compile_c(["gcc", "-std=c99"], "".join(code) + main, tmp_path, include)
     written = ("11 00", "12 30", "13 24", "14 F4", "15 00", "16 00", "17 00")
     read = [f"r {line[:2]} 1" for line in written]
-    preset = "".join(f"{line}\n" for line in ("w 40 01", *(f"w {x}" for x in written), *read, "w 40 00", "w 77 01"))
+    accesses = ["w 40 01", *(f"w {line}" for line in written), *read, "w 40 00", "w 77 01"]
+    preset = "".join(f"{access}\n" for access in accesses)
     snippets = f"1 {42 << 21 | 1821973}\n0 1 {42 << 23 | 6016277} 0\n0 1 {'0 ' * 11}1 {1 << 23 | 7000519}\n"
     # The serial number is read, the manual's preset is written and read back, and the command fails in step 16 with
     # -5, the bus's own error.
@@ -258,7 +261,7 @@ uint64_t position(uint64_t word)
     assert "call" not in listing
 
 
-def alone(text: str) -> str:
+def code_without_spaces(text: str) -> str:
     """Return the code of a header, with normalised spaces and joined string literals."""
     return re.sub(r'""(?: "")+', '""', " ".join(without_texts(text).split()))
 
@@ -279,25 +282,25 @@ def test_text_of_a_spec_stays_text(
     hostile = spoilt(every_device[name], HOSTILE, (TEXTS | MORE_TEXTS) - {"only"})  # It narrows the headers.
     assert isinstance(hostile, Device)
     assert hostile.title == HOSTILE
-    assert HOSTILE in {source.section for item in hostile.registers for source in item.layout.source}
+    assert HOSTILE in {source.section for register in hostile.registers for source in register.layout.source}
     folder = write(tmp_path, (hostile,))
-    assert alone(text_of(name, folder)) == alone(text_of(name, include))
-    every = "".join(f'#include "{FAMILIES[name]}/{path.name}"\n' for path in headers_of(name, folder))
+    assert code_without_spaces(text_of(name, folder)) == code_without_spaces(text_of(name, include))
+    includes = "".join(f'#include "{FAMILIES[name]}/{path.name}"\n' for path in headers_of(name, folder))
     for standard in ("-std=c99", "-std=c17"):
-        compile_c(["gcc", standard, "-trigraphs"], f"{every}int main(void) {{ return 0; }}\n", tmp_path, folder)
+        compile_c(["gcc", standard, "-trigraphs"], f"{includes}int main(void) {{ return 0; }}\n", tmp_path, folder)
 
 
 @pytest.mark.parametrize(
     "text", ["*/", "/*", "*/*", "/*/", "**//", "??/", "???/", "a\\", "\\*/", "*\\/", "a\nb */ c", "\u202e*/"]
 )
 def test_no_text_ends_a_comment(text: str) -> None:
-    for made in (
+    for printed in (
         comment(text),
         comment([("lead */", text)]),
         break_lines(f"int x;{end_comment(text)}\n"),
         comment(text + " " + "word " * 40 + text),
     ):
-        inner = made.replace("int x;", "").strip()
+        inner = printed.replace("int x;", "").strip()
         assert inner.startswith("/*")
         assert inner.endswith("*/")
         assert not re.search(r"\*/|/\*", inner[2:-2])
@@ -387,10 +390,7 @@ def test_every_register_alarm_and_limit_is_there(
             assert label in comments, erratum.name
 
 
-@pytest.mark.slow
-def test_constants_and_small_functions(include: Path, tmp_path: Path) -> None:
-    """A compiled program checks time-outs, cable lengths, masks that depend on an order code, and expected texts."""
-    code = """#include "lika/amm5_biss.h"
+_CONSTANTS_C = """#include "lika/amm5_biss.h"
 #include "lika/amm5_biss_registers.h"
 #include "lika/amm5_rs485.h"
 #include "lika/amm5_rs485_reports.h"
@@ -426,7 +426,13 @@ int main(void)
     return 0;
 }
 """
-    program = compile_c(["gcc", "-std=c99", "-fsanitize=undefined", "-fno-sanitize-recover"], code, tmp_path, include)
+
+
+@pytest.mark.slow
+def test_constants_and_small_functions(include: Path, tmp_path: Path) -> None:
+    """A compiled program checks time-outs, cable lengths, masks that depend on an order code, and expected texts."""
+    command = ["gcc", "-std=c99", "-fsanitize=undefined", "-fno-sanitize-recover"]
+    program = compile_c(command, _CONSTANTS_C, tmp_path, include)
     printed = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout.split()
     assert printed == [
         "30000",
@@ -485,16 +491,15 @@ int main(void)
 @pytest.mark.slow
 def test_labels_of_edition_1_1_are_found(include: Path, tmp_path: Path) -> None:
     """AM36 manual, edition 1.1 p.21: AMx36xx/4096SCx-...; SMA21 cover: SMA21 -BGx-..., with a blank."""
-    wanted = {
+    expected = {
         "AM3616/4096SC1": "AM3616/4096-I7", "amc3619/4096-SC-x": "AMC3619/4096-I7", "AM3616/4096BG2": "AM3616/4096-BG",
         "AM3616/4096SCX": "-", "AM3616/4096I7": "-",
     }  # fmt: skip
-    calls = "".join(
-        f'    code = lika_am36_biss_find_order_code("{label}", &unlisted);\n'
-        f'    other = lika_am36_ssi_find_order_code("{label}", &unlisted);\n'
-        '    puts(code != NULL ? code->text : other != NULL ? other->text : "-");\n'
-        for label in wanted
-    )
+    calls = ""
+    for label in expected:
+        calls += f'    code = lika_am36_biss_find_order_code("{label}", &unlisted);\n'
+        calls += f'    other = lika_am36_ssi_find_order_code("{label}", &unlisted);\n'
+        calls += '    puts(code != NULL ? code->text : other != NULL ? other->text : "-");\n'
     code = f"""#include "lika/am36_biss_labels.h"
 #include "lika/am36_ssi_labels.h"
 #include "lika/sma21_ssi_labels.h"
@@ -512,7 +517,7 @@ int main(void)
 """
     program = compile_c(["gcc", "-std=c99", "-fsanitize=undefined", "-fno-sanitize-recover"], code, tmp_path, include)
     printed = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout.split()
-    assert printed == [*wanted.values(), "SMA21-BG1-0050"]
+    assert printed == [*expected.values(), "SMA21-BG1-0050"]
 
 
 @pytest.mark.slow
@@ -530,19 +535,16 @@ def test_what_c_cannot_express_has_its_place_and_stops_no_other_target(
     (tmp_path / "words.yaml").write_text(text)
     shutil.copy(ROOT / "tests" / "specs" / "manufacturer.yaml", tmp_path)
     assert main(["generate", str(tmp_path), "--target", "c", "-o", str(tmp_path / "out")]) == 1
-    line = next(
-        number
-        for number, row in enumerate((tmp_path / "words.yaml").read_text().splitlines(), 1)
-        if "{name: text, at: 91:4" in row
-    )
-    wrong = (
+    rows = (tmp_path / "words.yaml").read_text().splitlines()
+    line = next(number for number, row in enumerate(rows, 1) if "{name: text, at: 91:4" in row)
+    message = (
         f"words.yaml:{line}:9: c-target: the text 'text' does not begin at a byte boundary, which the C target does not"
         " support; "
         "use 'generate --target' to write the other outputs\n"
     )
-    assert wrong in capsys.readouterr().err
+    assert message in capsys.readouterr().err
     assert main(["check", str(tmp_path)]) == 1
-    assert wrong in capsys.readouterr().out
+    assert message in capsys.readouterr().out
     assert main(["generate", str(tmp_path), "-o", str(tmp_path / "out")]) == 1
     assert not (tmp_path / "out").exists()
     assert main(["generate", str(tmp_path), "--target", "python", "-o", str(tmp_path / "out")]) == 0
@@ -564,10 +566,10 @@ def test_no_result_can_be_dropped_unseen(include: Path) -> None:
     plain, marked = set(), set()
     for path in include.rglob("*.h"):
         text = without_texts(path.read_text(encoding="ascii"))
-        for found in re.finditer(
+        for match in re.finditer(
             r"^(CW_NODISCARD\n)?(?:CW_CONSTEXPR\n)?static inline cw_result\s+(\w+)\(", text, re.MULTILINE
         ):
-            (marked if found[1] else plain).add(found[2])
+            (marked if match[1] else plain).add(match[2])
     assert plain == MAY_BE_LEFT
     assert len(marked) > 100
 

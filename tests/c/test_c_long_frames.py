@@ -8,7 +8,7 @@ from __future__ import annotations
 import random
 import shutil
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 
 import pytest
@@ -95,10 +95,10 @@ def with_crc(code: str, word: int) -> int:
     """Append the CRC, if there is one, by long division."""
     polynomial, inverted = CRCS.get(code, (1, 0))
     width = polynomial.bit_length() - 1
-    rest = word << width
-    while width and rest >> width:
-        rest ^= polynomial << (rest.bit_length() - 1 - width)
-    return word << width | (rest ^ inverted if width else 0)
+    remainder = word << width
+    while width and remainder >> width:
+        remainder ^= polynomial << (remainder.bit_length() - 1 - width)
+    return word << width | (remainder ^ inverted if width else 0)
 
 
 def bits_of(number: int, width: int) -> list[int]:
@@ -121,7 +121,7 @@ def case(code: str) -> str:
         stem=f"{name.upper()}_{code}",
         length=LENGTHS[code],
         forms=" ".join(["%lld"] * len(fields)),
-        members=", ".join(f"(long long)frame.{item}" for item in fields),
+        members=", ".join(f"(long long)frame.{field}" for field in fields),
     )
 
 
@@ -136,11 +136,11 @@ def hexadecimal(code: str, line: list[int]) -> str:
     return f"{code} {int(''.join(map(str, whole)), 2):0{2 * size_of(code)}X}"
 
 
-def drawn(code: str, frame: list[int], rest: int = 3, acknowledge: int = 7, after: int = 0) -> list[int]:
+def line_bits(code: str, frame: list[int], rest_bits: int = 3, acknowledge: int = 7, after: int = 0) -> list[int]:
     """Return the data line: high, then for BiSS the acknowledge, start bit and CDS, then the frame and a 0."""
     if FIELDS[code][0] == "ssi":
         return [1, *frame, after]
-    return [*[1] * rest, *[0] * acknowledge, 1, 0, *frame, after]
+    return [*[1] * rest_bits, *[0] * acknowledge, 1, 0, *frame, after]
 
 
 def frames_of(code: str, count: int) -> Iterator[tuple[dict[str, int], list[int]]]:
@@ -156,7 +156,7 @@ def frames_of(code: str, count: int) -> Iterator[tuple[dict[str, int], list[int]
 
 @pytest.fixture(scope="module")
 def include(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return write(tmp_path_factory.mktemp("long"), devices_of(*(SPECS / f"{item}.yaml" for item in FAMILIES)))
+    return write(tmp_path_factory.mktemp("long"), devices_of(*(SPECS / f"{family}.yaml" for family in FAMILIES)))
 
 
 @pytest.fixture(
@@ -168,56 +168,64 @@ def program(request: pytest.FixtureRequest, include: Path, tmp_path_factory: pyt
     headers = "".join(f'#include "test/{family}_{kind}.h"\n' for family in FAMILIES for kind in ("biss", "ssi"))
     source = folder / "program.c"
     source.write_text(PROGRAM.format(includes=headers, cases="".join(map(case, FIELDS))))
-    made = folder / "program"
-    command = [*request.param.split(), "-O1", *WARNINGS, *SANITIZED, f"-I{include}", str(source), "-o", str(made)]
+    executable = folder / "program"
+    command = [*request.param.split(), "-O1", *WARNINGS, *SANITIZED, f"-I{include}", str(source), "-o", str(executable)]
     require(command)
     subprocess.run(command, check=True)
-    return made
+    return executable
 
 
 def answers(program: Path, lines: list[str]) -> list[list[int]]:
-    done = subprocess.run([str(program)], input="\n".join(lines), capture_output=True, text=True, check=True)
-    return [[int(item) for item in line.split()] for line in done.stdout.splitlines()]
+    completed = subprocess.run([str(program)], input="\n".join(lines), capture_output=True, text=True, check=True)
+    return [[*map(int, line.split())] for line in completed.stdout.splitlines()]
+
+
+def _expected_verdict(values: Mapping[str, int]) -> int:
+    if "error" not in values:
+        return 1
+    if values["error"]:
+        return 0
+    return 2 if values["warning"] else 3
 
 
 @pytest.mark.parametrize("code", FIELDS)
 def test_a_frame_from_the_line(code: str, program: Path) -> None:
     chance = random.Random(code)
     frames = list(frames_of(code, 200))
-    lines = [drawn(code, sent, chance.randint(1, 5), chance.randint(1, 37)) for _, sent in frames]
-    for (raw, _), got in zip(frames, answers(program, [hexadecimal(code, line) for line in lines]), strict=True):
+    lines = [line_bits(code, frame_bits, chance.randint(1, 5), chance.randint(1, 37)) for _, frame_bits in frames]
+    for (raw, _), answer in zip(frames, answers(program, [hexadecimal(code, line) for line in lines]), strict=True):
         values = dict(raw)
         if "error" in values:
             values |= {"error": 1 - raw["error"], "warning": 1 - raw["warning"]}
         if "speed" in values:
             values["speed"] -= (raw["speed"] >> 32) << 33
-        verdict = 1 if "error" not in values else 0 if values["error"] else 2 if values["warning"] else 3
+        verdict = _expected_verdict(values)
         position = 0 if verdict == 0 else raw["multiturn"] << 32 | raw["singleturn"]
-        assert got == [OK, OK, verdict, position, *values.values()]
+        assert answer == [OK, OK, verdict, position, *values.values()]
 
 
 @pytest.mark.parametrize("code", FIELDS)
 def test_each_fault_of_a_line(code: str, program: Path) -> None:
-    (*_, (_, sent)) = frames_of(code, 5)
+    (*_, (_, frame_bits)) = frames_of(code, 5)
     lines = {
         LINE_HIGH: [[1] * 8 * size_of(code)],
-        LINE_LOW: [[0, *drawn(code, sent)[:-1]]],
-        CONSTANT: [drawn(code, sent, after=1)],
+        LINE_LOW: [[0, *line_bits(code, frame_bits)[:-1]]],
+        CONSTANT: [line_bits(code, frame_bits, after=1)],
     }
     if FIELDS[code][0] == "biss":
         lines[NO_START] = [[1, *[0] * 8 * size_of(code)]]
-        lines[LENGTH] = [drawn(code, sent, 1, 8 * size_of(code) - BITS[code] - 2)]
-    asked = [(result, hexadecimal(code, line)) for result, these in lines.items() for line in these]
-    assert answers(program, [text for _, text in asked]) == [[result] for result, _ in asked]
+        lines[LENGTH] = [line_bits(code, frame_bits, 1, 8 * size_of(code) - BITS[code] - 2)]
+    requests = [(result, hexadecimal(code, line)) for result, fault_lines in lines.items() for line in fault_lines]
+    assert answers(program, [text for _, text in requests]) == [[result] for result, _ in requests]
 
 
 @pytest.mark.parametrize("code", CRCS)
 def test_each_wrong_bit_is_a_wrong_crc(code: str, program: Path) -> None:
-    (*_, (_, sent)) = frames_of(code, 5)
+    (*_, (_, frame_bits)) = frames_of(code, 5)
     lines = []
     for place in range(BITS[code]):
-        wrong = [bit ^ (place == at) for at, bit in enumerate(sent)]
-        lines.append(hexadecimal(code, drawn(code, wrong)))
+        flipped = [bit ^ (place == at) for at, bit in enumerate(frame_bits)]
+        lines.append(hexadecimal(code, line_bits(code, flipped)))
     assert answers(program, lines) == [[OK, CRC]] * BITS[code]
 
 

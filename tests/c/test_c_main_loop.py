@@ -148,44 +148,44 @@ def loop(made_once: MadeOnce) -> Path:
     return made_once("main_loop", built) / "program"
 
 
-def said(loop: Path, lost_of: int, presets: int, cut_us: int = 0, for_us: int = 0) -> list[str]:
+def printed_lines(loop: Path, lost_of: int, presets: int, cut_us: int = 0, for_us: int = 0) -> list[str]:
     command = [str(loop), *map(str, (lost_of, presets, cut_us, for_us))]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stderr
-    return done.stdout.splitlines()
+    completed = subprocess.run(command, capture_output=True, text=True, timeout=300)
+    assert completed.returncode == 0, completed.stderr
+    return completed.stdout.splitlines()
 
 
 def test_a_preset_of_the_manual(loop: Path) -> None:
-    lines = said(loop, 0, 1)
+    lines = printed_lines(loop, 0, 1)
     assert lines == [*(f"w {line}" for line in PRESET), "0 0", "1 ends, 1 well, 0 open, 0 elsewhere, 0 moves"]
 
 
 def test_frames_that_are_lost_cost_time_alone(loop: Path) -> None:
     """Each access takes 47 frames. Without a second try, nearly all presets would fail."""
-    assert said(loop, 300, 200) == ["200 ends, 200 well, 0 open, 0 elsewhere, 0 moves"]
+    assert printed_lines(loop, 300, 200) == ["200 ends, 200 well, 0 open, 0 elsewhere, 0 moves"]
 
 
 def test_nothing_stays_open_on_a_bad_line(loop: Path) -> None:
     """If one frame in 30 is lost, almost no access succeeds."""
-    (line,) = said(loop, 30, 200)
-    found = re.fullmatch(r"200 ends, (\d+) well, 0 open, 0 elsewhere, 0 moves", line)
-    assert found is not None, line
-    assert int(found[1]) < 100
+    (line,) = printed_lines(loop, 30, 200)
+    counts = re.fullmatch(r"200 ends, (\d+) well, 0 open, 0 elsewhere, 0 moves", line)
+    assert counts is not None, line
+    assert int(counts[1]) < 100
 
 
 def test_a_line_that_comes_back_is_waited_for(loop: Path) -> None:
     """The line is cut for 90 ms once 40h is open."""
-    assert said(loop, 0, 1, 40_000, 90_000)[-2:] == ["0 0", "1 ends, 1 well, 0 open, 0 elsewhere, 0 moves"]
+    assert printed_lines(loop, 0, 1, 40_000, 90_000)[-2:] == ["0 0", "1 ends, 1 well, 0 open, 0 elsewhere, 0 moves"]
 
 
 def test_what_is_open_is_closed_when_the_line_is_back(loop: Path) -> None:
     """The line is cut for three seconds. By then the procedure has failed, and only closes."""
-    lines = said(loop, 0, 1, 40_000, 3_000_000)
+    lines = printed_lines(loop, 0, 1, 40_000, 3_000_000)
     assert lines[0] == "w 40 01"
     assert lines[-3:] == ["w 40 00", "5 0", "1 ends, 0 well, 0 open, 0 elsewhere, 0 moves"]
     assert "w 77 01" not in lines
 
 
 def test_what_cannot_be_closed_is_told(loop: Path) -> None:
-    lines = said(loop, 0, 1, 40_000, 1_000_000_000)
+    lines = printed_lines(loop, 0, 1, 40_000, 1_000_000_000)
     assert lines[-2:] == ["5 1", "1 ends, 0 well, 1 open, 0 elsewhere, 0 moves"]

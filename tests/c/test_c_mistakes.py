@@ -71,12 +71,12 @@ def compiled(
     require(command.split())
     source = tmp_path / "program.c"
     source.write_text(PROGRAM.replace("@statement@", statement).replace("@type@", kind), encoding="utf-8")
-    done = subprocess.run(
+    completed = subprocess.run(
         [*command.split(), f"-I{include}", "-c", str(source), "-o", str(tmp_path / "program.o")],
         capture_output=True,
         text=True,
     )
-    return done.returncode, done.stderr
+    return completed.returncode, completed.stderr
 
 
 @pytest.mark.parametrize("command", COMPILERS)
@@ -88,9 +88,9 @@ def test_what_is_right_compiles_silently(command: str, include: Path, tmp_path: 
 @pytest.mark.parametrize("command", COMPILERS)
 def test_a_mistake_does_not_compile(command: str, mistake: str, include: Path, tmp_path: Path) -> None:
     kind = "lika_asc85_biss" if mistake.startswith("initial") else "lika_amm5_biss"
-    status, said = compiled(command, include, tmp_path, f"if ({MISTAKES[mistake]}) {{ position = word; }}", kind)
+    status, output = compiled(command, include, tmp_path, f"if ({MISTAKES[mistake]}) {{ position = word; }}", kind)
     assert status != 0
-    assert "error:" in said
+    assert "error:" in output
 
 
 @pytest.mark.parametrize("command", COMPILERS)
@@ -101,17 +101,17 @@ def test_a_verdict_that_is_not_looked_at_is_a_warning(command: str, include: Pat
         "(void)lika_amm5_biss_decode(amm5, word, &frame);",
         f"if ({RIGHT}) {{ lika_amm5_biss_verdict(amm5, &frame); }}",
     ):
-        status, said = compiled(command, include, tmp_path, statement)
+        status, output = compiled(command, include, tmp_path, statement)
         assert status == 0
         # With clang a cast to void is enough, as in C++.
-        assert "warning:" in said or ("clang" in command and statement.startswith("(void)"))
+        assert "warning:" in output or ("clang" in command and statement.startswith("(void)"))
 
 
-@pytest.mark.parametrize("command", [item for item in COMPILERS if "++" not in item])
+@pytest.mark.parametrize("command", [compiler for compiler in COMPILERS if "++" not in compiler])
 def test_a_program_with_such_pointers_of_its_own_can_still_be_compiled(
     command: str, include: Path, tmp_path: Path
 ) -> None:
     statement = f"if ({MISTAKES['order code of another encoder']}) {{ position = word; }}"
-    status, said = compiled(f"{command} -DCW_POINTERS_UNCHECKED", include, tmp_path, statement)
+    status, output = compiled(f"{command} -DCW_POINTERS_UNCHECKED", include, tmp_path, statement)
     assert status == 0
-    assert "warning:" in said
+    assert "warning:" in output

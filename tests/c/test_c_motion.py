@@ -31,7 +31,7 @@ def motion(include: Path, made_once: MadeOnce) -> ctypes.CDLL:
     return motion_of(made_once("motion", lambda folder: compile_motion(include, folder)))
 
 
-def started(
+def started_tracker(
     motion: ctypes.CDLL,
     modulus: int,
     max_speed: int = 0xFFFFFFFF,
@@ -64,22 +64,22 @@ def members(tracker: Tracker) -> tuple[int, ...]:
 
 def test_a_turn_forward_and_back(motion: ctypes.CDLL) -> None:
     """With 17 bits, the step from 131,071 to 0 is one count forwards, and from 0 to 131,071 one count backwards."""
-    tracker = started(motion, 1 << 17)
-    told = []
+    tracker = started_tracker(motion, 1 << 17)
+    steps = []
     for now, position in enumerate((131_070, 131_071, 0, 1, 0, 131_071)):
         assert add(motion, tracker, position, 1000 * now) == OK
-        told.append((tracker.position, tracker.moved))
-    assert told == [(131070, 0), (131071, 1), (131072, 1), (131073, 1), (131072, -1), (131071, -1)]
+        steps.append((tracker.position, tracker.moved))
+    assert steps == [(131070, 0), (131071, 1), (131072, 1), (131073, 1), (131072, -1), (131071, -1)]
 
 
 def test_a_turn_that_is_no_power_of_two(motion: ctypes.CDLL) -> None:
     """With 36,000 counts, the step from 35,990 to 20 is 30 forwards, and half a turn counts as backwards."""
-    tracker = started(motion, 36_000)
-    told = []
+    tracker = started_tracker(motion, 36_000)
+    positions = []
     for now, position in enumerate((35_990, 20, 35_990, 17_990, 35_990)):
         assert add(motion, tracker, position, 1_000_000 * now) == OK
-        told.append(tracker.position)
-    assert told == [35_990, 36_020, 35_990, 17_990, -10]
+        positions.append(tracker.position)
+    assert positions == [35_990, 36_020, 35_990, 17_990, -10]
 
 
 def shorter(counts: int, modulus: int) -> int:
@@ -111,7 +111,7 @@ def test_no_turn_is_lost_or_gained(modulus: int, motion: ctypes.CDLL) -> None:
     for now, true, max_speed in walk("sound", modulus, 20_000):
         raw = true % modulus if modulus else true % (1 << 64)
         if first:
-            tracker = started(motion, modulus, max_speed, 0, now)
+            tracker = started_tracker(motion, modulus, max_speed, 0, now)
             offset, first, before = raw - true, False, (now, true)
         assert add(motion, tracker, raw, now) == OK
         assert tracker.position == true + offset
@@ -120,7 +120,7 @@ def test_no_turn_is_lost_or_gained(modulus: int, motion: ctypes.CDLL) -> None:
         before = now, true
 
 
-@pytest.mark.parametrize("modulus", [item for item in MODULI if not 0 < item < 1000])
+@pytest.mark.parametrize("modulus", [modulus for modulus in MODULI if not 0 < modulus < 1000])
 def test_a_frame_that_is_too_far_changes_nothing(modulus: int, motion: ctypes.CDLL) -> None:
     """Each valid frame is followed by some that are farther than 1.3 percent and 16 us allow."""
     random_ = random.Random(modulus)
@@ -128,24 +128,24 @@ def test_a_frame_that_is_too_far_changes_nothing(modulus: int, motion: ctypes.CD
     for index, (now, true, max_speed) in enumerate(walk("faults", modulus, 3_000)):
         raw = true % modulus if modulus else true % (1 << 64)
         if not index:
-            tracker = started(motion, modulus, max_speed, 0, now)
+            tracker = started_tracker(motion, modulus, max_speed, 0, now)
         assert add(motion, tracker, raw, now) == OK
         for count in range(1, random_.randint(1, 3) + 1):
             after = random_.randrange(500)
-            most = math.ceil(max_speed * 1.0133 * (after + 16) / 1_000_000)
-            wrong = random_.choice([random_.randrange(modulus or 1 << 63), raw ^ 1 << random_.randrange(40), 0])
-            if abs(shorter(wrong - raw, modulus)) <= most or wrong >= (modulus or 1 << 63):
+            farthest = math.ceil(max_speed * 1.0133 * (after + 16) / 1_000_000)
+            outlier = random_.choice([random_.randrange(modulus or 1 << 63), raw ^ 1 << random_.randrange(40), 0])
+            if abs(shorter(outlier - raw, modulus)) <= farthest or outlier >= (modulus or 1 << 63):
                 break
-            held = members(tracker)
-            assert add(motion, tracker, wrong, now + after) == RANGE
+            state = members(tracker)
+            assert add(motion, tracker, outlier, now + after) == RANGE
             assert tracker.refused == count
-            assert members(tracker) == held
+            assert members(tracker) == state
             refused += 1
     assert refused > 50
 
 
 def test_an_absurd_position_is_not_believed(motion: ctypes.CDLL) -> None:
-    tracker = started(motion, 36_000, 1_000_000)
+    tracker = started_tracker(motion, 36_000, 1_000_000)
     assert add(motion, tracker, 5, 0) == OK
     for position in (1 << 40, (1 << 63) + 5, 1 << 63, 72_000 + 17_000):
         assert add(motion, tracker, position, 100) == RANGE
@@ -162,7 +162,7 @@ def test_the_limit_is_the_speed_and_a_little_more(max_speed: int, elapsed: int, 
     at_least = max_speed * elapsed // 1_000_000
     at_most = math.ceil(Fraction(max_speed * 10133 * (elapsed + 16), 10_000 * 1_000_000))
     for sign in (1, -1):
-        tracker = started(motion, 0, max_speed)
+        tracker = started_tracker(motion, 0, max_speed)
         assert add(motion, tracker, 1 << 40, 0) == OK
         assert add(motion, tracker, (1 << 40) + sign * (at_most + 1), elapsed) == RANGE
         assert add(motion, tracker, (1 << 40) + sign * at_least, elapsed) == OK
@@ -171,7 +171,7 @@ def test_the_limit_is_the_speed_and_a_little_more(max_speed: int, elapsed: int, 
 def test_without_a_speed_the_limit_does_not_start_again(motion: ctypes.CDLL) -> None:
     """4,294,967,295 counts per second and 1/16 more do not fit into 32 bits."""
     for max_speed in (0xFFFFFFFF, 0xF0F0F0F1, 0xF0F0F0F0):
-        tracker = started(motion, 0, max_speed)
+        tracker = started_tracker(motion, 0, max_speed)
         assert tracker.limit >= 0xFFFFFFFE
 
 
@@ -182,12 +182,12 @@ def test_time_alone_never_makes_a_refused_position_plausible(modulus: int, motio
     The limit grows for 2^19 us. After an hour of zeros, half a second before the time wraps around, they are still
     refused.
     """
-    tracker = started(motion, modulus, 1_000_000, 100_000, 7)
+    tracker = started_tracker(motion, modulus, 1_000_000, 100_000, 7)
     assert add(motion, tracker, 1_000_000_000, 7) == OK
-    held = members(tracker)
+    state = members(tracker)
     for now in (*range(107, 2_000_000, 100_000), 524_294, 524_295, 524_296, 60_000_000, (1 << 32) - 500_000):
         assert add(motion, tracker, 0, 7 + now) == RANGE
-    assert members(tracker) == held
+    assert members(tracker) == state
     # A position within the limit, which grows for half a second, is accepted.
     assert add(motion, tracker, 1_000_500_000, 60_000_000) == OK
     assert (tracker.position, tracker.moved, tracker.elapsed_us) == (1_000_500_000, 500_000, 59_999_993)
@@ -196,38 +196,38 @@ def test_time_alone_never_makes_a_refused_position_plausible(modulus: int, motio
 @pytest.mark.parametrize("silence", [1, 2_000, 524_288, 3_000_000_000])
 def test_lost_after_a_silence(silence: int, motion: ctypes.CDLL) -> None:
     """No position is accepted for longer than this time. A plausible one does not end the loss, nor does time."""
-    tracker = started(motion, 1 << 23, 1000, 0, 0xFFFFFF00, (silence, 0))
+    tracker = started_tracker(motion, 1 << 23, 1000, 0, 0xFFFFFF00, (silence, 0))
     assert add(motion, tracker, 100, 0xFFFFFF00 + 5_000_000) == OK, "nothing is lost before the first"
     at = 0xFFFFFF00 + 5_000_000
     assert add(motion, tracker, 100, at + silence) == OK, "just in time"
     assert add(motion, tracker, 100, at + 2 * silence + 1) == LOST
     assert (tracker.known, tracker.lost, tracker.position, tracker.refused) == (0, 1, 100, 1)
-    held = members(tracker)
+    state = members(tracker)
     assert [add(motion, tracker, 100, at + 2 * silence + later) for later in (1, 2, 1_000_000, 1 << 31)] == [LOST] * 4
-    assert (members(tracker), tracker.refused) == (held, 5)
+    assert (members(tracker), tracker.refused) == (state, 5)
     restart(motion, tracker, at)
     assert (tracker.known, tracker.lost, tracker.refused) == (0, 0, 0)
     assert add(motion, tracker, 4_000_000, at + 10_000_000) == OK
     assert (tracker.known, tracker.position) == (1, 4_000_000)
 
 
-@pytest.mark.parametrize("most", [1, 2, 7])
-def test_lost_after_so_many_refused(most: int, motion: ctypes.CDLL) -> None:
+@pytest.mark.parametrize("limit", [1, 2, 7])
+def test_lost_after_so_many_refused(limit: int, motion: ctypes.CDLL) -> None:
     """Only refusals in a row count, and an accepted position resets the number. Zeros during start-up do not count."""
-    tracker = started(motion, 1 << 23, 1000, 5_000, 0, (0, most))
+    tracker = started_tracker(motion, 1 << 23, 1000, 5_000, 0, (0, limit))
     assert [add(motion, tracker, 0, now) for now in range(20)] == [RANGE] * 20
     assert add(motion, tracker, 100, 20) == OK
     for _ in range(3):
-        assert [add(motion, tracker, 4_000_000, 21) for _ in range(most - 1)] == [RANGE] * (most - 1)
+        assert [add(motion, tracker, 4_000_000, 21) for _ in range(limit - 1)] == [RANGE] * (limit - 1)
         assert add(motion, tracker, 100, 22) == OK
-    assert [add(motion, tracker, 4_000_000, 23) for _ in range(most)] == [RANGE] * (most - 1) + [LOST]
-    assert (tracker.known, tracker.lost, tracker.position, tracker.refused) == (0, 1, 100, most)
+    assert [add(motion, tracker, 4_000_000, 23) for _ in range(limit)] == [RANGE] * (limit - 1) + [LOST]
+    assert (tracker.known, tracker.lost, tracker.position, tracker.refused) == (0, 1, 100, limit)
     assert [add(motion, tracker, 100, now) for now in (24, 1_000_000)] == [LOST] * 2
 
 
 def test_the_gate_of_the_start_holds_after_a_restart(motion: ctypes.CDLL) -> None:
     """The encoder loses its supply: zeros until the axis is lost, a restart, and then more zeros."""
-    tracker = started(motion, 1 << 39, FAST, 2_000, 0, (0, 3))
+    tracker = started_tracker(motion, 1 << 39, FAST, 2_000, 0, (0, 3))
     assert [add(motion, tracker, 77 << 30, now) for now in (0, 100)] == [OK, OK]
     assert [add(motion, tracker, 0, now) for now in (200, 300, 400, 500)] == [RANGE, RANGE, LOST, LOST]
     restart(motion, tracker, 600)
@@ -238,7 +238,7 @@ def test_the_gate_of_the_start_holds_after_a_restart(motion: ctypes.CDLL) -> Non
 
 def test_a_preset_lets_the_count_begin_anew(motion: ctypes.CDLL) -> None:
     """The value of the preset is the first position. Without the restart, it would be refused."""
-    tracker = started(motion, 1 << 23, 1000, boot=10_000)
+    tracker = started_tracker(motion, 1 << 23, 1000, boot=10_000)
     assert add(motion, tracker, 4_000_000, 0) == OK
     assert add(motion, tracker, 5, 100) == RANGE
     restart(motion, tracker, 200)
@@ -255,16 +255,16 @@ def test_a_preset_lets_the_count_begin_anew(motion: ctypes.CDLL) -> None:
 
 def test_zeros_at_the_start_are_not_believed(motion: ctypes.CDLL) -> None:
     """AMM5 7.4.3: while BUSY, all position data are 0. The start is 100 us before the time wraps around."""
-    tracker = started(motion, 1 << 39, FAST, 2000, 0xFFFFFF9C)
+    tracker = started_tracker(motion, 1 << 39, FAST, 2000, 0xFFFFFF9C)
     assert [add(motion, tracker, 0, now) for now in (0xFFFFFF9C, 0, 1000, 1899)] == [RANGE] * 4
     assert (tracker.known, tracker.refused, tracker.position) == (0, 4, 0)
     assert add(motion, tracker, 77, 1899) == OK
     assert (tracker.known, tracker.refused, tracker.position) == (1, 0, 77)
     assert add(motion, tracker, 0, 1999) == OK, "once a position is known, 0 is one as any"
-    late = started(motion, 1 << 39, FAST, 2000, 0xFFFFFF9C)
+    late = started_tracker(motion, 1 << 39, FAST, 2000, 0xFFFFFF9C)
     assert [add(motion, late, 0, now) for now in (1899, 1900)] == [RANGE, OK], "a shaft may stand at 0"
-    assert started(motion, 8).boot_us == 0
-    assert add(motion, started(motion, 8), 0, 0) == OK
+    assert started_tracker(motion, 8).boot_us == 0
+    assert add(motion, started_tracker(motion, 8), 0, 0) == OK
 
 
 # -- speed
@@ -275,8 +275,8 @@ def test_zeros_at_the_start_are_not_believed(motion: ctypes.CDLL) -> None:
     [(0, 5, 0), (1, 1, 1_000_000), (-1, 3, -333_333), (FAST, 1_000_000, FAST), (-7, 0, 0), (1 << 43, 1, 10**6 << 43)],
 )
 def test_a_speed_by_hand(counts: int, elapsed: int, speed: int, motion: ctypes.CDLL) -> None:
-    wanted = speed if abs(speed) < 1 << 63 else speed - (1 << 64)
-    assert motion.counts_per_second(counts, elapsed) == motion.counts_per_second_divided(counts, elapsed) == wanted
+    expected = speed if abs(speed) < 1 << 63 else speed - (1 << 64)
+    assert motion.counts_per_second(counts, elapsed) == motion.counts_per_second_divided(counts, elapsed) == expected
 
 
 def test_speeds(motion: ctypes.CDLL) -> None:
@@ -284,13 +284,13 @@ def test_speeds(motion: ctypes.CDLL) -> None:
     for _ in range(5_000):
         counts = random_.randint(-(1 << random_.randrange(43)), 1 << random_.randrange(43))
         elapsed = random_.randint(1, (1 << random_.randint(1, 32)) - 1)
-        wanted = abs(counts) * 1_000_000 // elapsed * (1 if counts >= 0 else -1)
-        assert motion.counts_per_second(counts, elapsed) == wanted
-        assert motion.counts_per_second_divided(counts, elapsed) == wanted
+        expected = abs(counts) * 1_000_000 // elapsed * (1 if counts >= 0 else -1)
+        assert motion.counts_per_second(counts, elapsed) == expected
+        assert motion.counts_per_second_divided(counts, elapsed) == expected
 
 
 def test_the_speed_of_an_axis(motion: ctypes.CDLL) -> None:
-    tracker = started(motion, 1 << 17)
+    tracker = started_tracker(motion, 1 << 17)
     for position, now in ((131_000, 5), (60, 1005)):
         assert add(motion, tracker, position, now) == OK
     assert motion.tracker_speed(ctypes.byref(tracker)) == 132_000
@@ -351,9 +351,9 @@ def test_the_field_of_a_motor(steps: int, motion: ctypes.CDLL) -> None:
     random_ = random.Random(steps)
     for _ in range(1_000):
         position, offset = random_.randrange(steps), random_.getrandbits(32)
-        found = motion.angle_electrical(motion.angle(position, steps), 7, offset)
-        wanted = Fraction(7 * position, steps) - Fraction(offset, 1 << 32)
-        difference = (wanted - Fraction(found, 1 << 32)) % 1
+        angle = motion.angle_electrical(motion.angle(position, steps), 7, offset)
+        expected = Fraction(7 * position, steps) - Fraction(offset, 1 << 32)
+        difference = (expected - Fraction(angle, 1 << 32)) % 1
         assert difference < Fraction(7, 1 << 32)
 
 
@@ -393,7 +393,7 @@ def test_a_fault_is_seen(fault: str, include: Path, tmp_path: Path) -> None:
     assert text.count(sound) == 1
     path.write_text(text.replace(sound, planted), encoding="ascii")
     compile_motion(tmp_path / "include", tmp_path)
-    broken, seen = motion_of(tmp_path), 0
+    broken, failed_checks = motion_of(tmp_path), 0
     for check in (
         lambda: test_a_turn_forward_and_back(broken),
         lambda: [test_no_turn_is_lost_or_gained(modulus, broken) for modulus in (1 << 17, 36_000)],
@@ -411,8 +411,8 @@ def test_a_fault_is_seen(fault: str, include: Path, tmp_path: Path) -> None:
         try:
             check()
         except AssertionError:
-            seen += 1
-    assert seen
+            failed_checks += 1
+    assert failed_checks
 
 
 @pytest.mark.slow

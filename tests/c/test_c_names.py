@@ -35,28 +35,28 @@ def test_every_name_is_given_out_once(name: str, every_device: Mapping[str, Devi
     device = every_device[name]
     files = generate(Library((device,)))
     for view in views_of(device):
-        found = Counter(declared(files[f"c/include/{header}"] for header in view.headers).names)
-        assert set(found) == {item for item in view.names.paths if not item.endswith(("_H", "_HPP"))}
-        assert max(found.values()) == 1
+        names = Counter(declared(files[f"c/include/{header}"] for header in view.headers).names)
+        assert set(names) == {path for path in view.names.paths if not path.endswith(("_H", "_HPP"))}
+        assert max(names.values()) == 1
         assert view.names.clashes == []
         begins = (f"{view.prefix}_", f"{view.PREFIX}_")
-        assert all(item.startswith(begins) and not item.endswith("_") for item in found if item != view.prefix)
+        assert all(name.startswith(begins) and not name.endswith("_") for name in names if name != view.prefix)
 
 
 @pytest.mark.parametrize("path", sorted((RUNTIME / "codewheel").glob("*.h")), ids=lambda path: path.name)
 def test_names_of_the_runtime_have_its_prefix(path: Path) -> None:
     """Therefore none of them can be a name of a family, and no list of them is needed."""
-    found = declared([path.read_text(encoding="ascii")]).names
-    assert [name for name in found if not name.startswith(("cw_", "CW_", "CODEWHEEL_"))] == []
+    names = declared([path.read_text(encoding="ascii")]).names
+    assert [name for name in names if not name.startswith(("cw_", "CW_", "CODEWHEEL_"))] == []
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["cw", "codewheel"])
 def test_no_manufacturer_has_a_name_of_the_runtime(name: str, every_device: Mapping[str, Device]) -> None:
     device = every_device["amm5"]
-    other = replace(device, manufacturer=replace(device.manufacturer, name=name))
+    renamed = replace(device, manufacturer=replace(device.manufacturer, name=name))
     with pytest.raises(TargetError, match=f"its C name {name} is already used by the headers; rename it"):
-        generate(Library((other,)))
+        generate(Library((renamed,)))
 
 
 def test_a_member_that_begins_like_the_runtime_gets_an_underscore() -> None:
@@ -71,27 +71,24 @@ def test_two_families_whose_names_meet(tmp_path: Path, capsys: pytest.CaptureFix
     layout = text.index("      - name: single_cycle_data\n")
     for device, name in (("a", "biss_c"), ("a_biss", "c")):
         again = text[layout:].replace("single_cycle_data\n", "another\n        channel: 2\n", 1)
-        made = (
+        spec_text = (
             (text + again)
             .replace("device: bits22", f"device: {device}")
             .replace("- name: single_cycle_data\n", f"- name: {name}\n")
         )
         (tmp_path / f"{device}.yaml").write_text(
-            re.sub(r"(pattern: \W*)", rf"\1{device.upper().replace('_', '')}X", made)
+            re.sub(r"(pattern: \W*)", rf"\1{device.upper().replace('_', '')}X", spec_text)
         )
     assert main(["check", str(tmp_path)]) == 1
-    said = [line for line in capsys.readouterr().out.splitlines() if "c-name" in line]
-    line = next(
-        number
-        for number, row in enumerate((tmp_path / "a_biss.yaml").read_text().splitlines(), 1)
-        if "- name: c" in row
-    )
+    problems = [line for line in capsys.readouterr().out.splitlines() if "c-name" in line]
+    rows = (tmp_path / "a_biss.yaml").read_text().splitlines()
+    line = next(number for number, row in enumerate(rows, 1) if "- name: c" in row)
     for ending in ("", "_bits", "_crc", "_decode", "_encode"):
-        wanted = (
+        expected = (
             f"a_biss.yaml:{line}:9: c-name: its C name test_a_biss_biss_c{ending} "
             "is also that of the family 'a'; rename one of the two"
         )
-        assert any(row.endswith(wanted) for row in said), said
+        assert any(row.endswith(expected) for row in problems), problems
 
 
 # -- reserved words
@@ -99,8 +96,8 @@ def test_two_families_whose_names_meet(tmp_path: Path, capsys: pytest.CaptureFix
 
 def macros(command: list[str], code: str) -> set[str]:
     """Return the macros without arguments that are defined after this text."""
-    done = subprocess.run([*command, "-dM", "-E", "-"], input=code, capture_output=True, text=True)
-    return set(re.findall(r"^#define (\w+) ", done.stdout, re.MULTILINE))
+    completed = subprocess.run([*command, "-dM", "-E", "-"], input=code, capture_output=True, text=True)
+    return set(re.findall(r"^#define (\w+) ", completed.stdout, re.MULTILINE))
 
 
 #: All headers of C but stdatomic.h, whose functions are macros without arguments in clang.
@@ -122,10 +119,10 @@ def test_macros_of_compilers_and_of_standard_headers_are_reserved(compiler: str)
     A macro with arguments is harmless, because no name of a spec is followed by a parenthesis.
     """
     require([compiler])
-    found = macros([compiler, "-std=gnu11"], "")
+    macro_names = macros([compiler, "-std=gnu11"], "")
     for header in HEADERS:
-        found |= macros([compiler, "-std=c11", "-DF_CPU=1000000UL"], f"#include <{header}.h>\n")
-    lower = {name for name in found if NAME.fullmatch(name)}
+        macro_names |= macros([compiler, "-std=c11", "-DF_CPU=1000000UL"], f"#include <{header}.h>\n")
+    lower = {name for name in macro_names if NAME.fullmatch(name)}
     assert {"bool", "true", "and_eq"} <= lower
     assert sorted(lower - RESERVED) == []
 
@@ -152,11 +149,8 @@ def test_no_reserved_word_is_a_name_with_an_underscore() -> None:
 def own_words(header: str) -> set[str]:
     """Return the names of arguments, locals and members in a header, with which a name of a spec could clash."""
     code = re.sub(r'/\*.*?\*/|"(?:[^"\\]|\\.)*"', " ", header, flags=re.DOTALL)
-    return {
-        word
-        for word in re.findall(r"\b[a-z]\w*", code)
-        if NAME.fullmatch(word) and not word.startswith(("lika_", "ichaus_", "cw_", "uint64_c"))
-    }
+    words = [word for word in re.findall(r"\b[a-z]\w*", code) if NAME.fullmatch(word)]
+    return {word for word in words if not word.startswith(("lika_", "ichaus_", "cw_", "uint64_c"))}
 
 
 def hostile(words: list[str]) -> Item:
@@ -164,7 +158,7 @@ def hostile(words: list[str]) -> Item:
 
     At file scope all names have a prefix; there they meet each other only.
     """
-    held, set_by_code = words[:24], words[24:]
+    read_words, set_by_code = words[:24], words[24:]
     sizes = {str(size): {"sets": {"width_of_it": size, **dict.fromkeys(set_by_code, size)}} for size in (2, 3)}
     kinds = {"SC": {"interface": "biss"}, "JP": {"interface": "rs485"}}
     return {
@@ -172,7 +166,7 @@ def hostile(words: list[str]) -> Item:
         "parameters": {
             "width_of_it": {"meaning": "Width"},
             **{word: {"meaning": "A word"} for word in set_by_code},
-            **{word: {"meaning": "A word", "read_from": f"{word}.{word}", "min": 0, "max": 15} for word in held},
+            **{word: {"meaning": "A word", "read_from": f"{word}.{word}", "min": 0, "max": 15} for word in read_words},
         },
         "order_code": {
             "pattern": "H{size}{kind}",
@@ -185,18 +179,19 @@ def hostile(words: list[str]) -> Item:
         "crcs": [*(crc(word, width=6, poly=3, xorout=0x3F) for word in words), crc("sum_8", width=8, poly=1, xorout=0)],
         "interfaces": {"biss": _biss(words), "rs485": _rs485(words)},
         "registers": _registers(words),
-        "procedures": [
-            {
-                "name": f"p_{word}",
-                "title": "Procedure",
-                "interface": "biss",
-                "source": "1",
-                "arguments": [{"name": word, "of": word, "meaning": "A value"}],
-                "steps": [{"do": "write", "register": word, "value": word}],
-            }
-            for word in set_by_code
-        ],
+        "procedures": [*map(_procedure, set_by_code)],
         "timings": [{"name": word, "meaning": "Time", "at_least_us": 5, "source": "1"} for word in words],
+    }
+
+
+def _procedure(word: str) -> Item:
+    return {
+        "name": f"p_{word}",
+        "title": "Procedure",
+        "interface": "biss",
+        "source": "1",
+        "arguments": [{"name": word, "of": word, "meaning": "A value"}],
+        "steps": [{"do": "write", "register": word, "value": word}],
     }
 
 
@@ -238,28 +233,20 @@ def _rs485(words: list[str]) -> Item:
 def _registers(words: list[str]) -> list[Item]:
     """Registers of one byte that hold parameters, of two bytes with a limit, and one that identifies the encoder."""
     values = {value: {"value": at} for at, value in enumerate(words[1:5])}
-    one = {"length": 1, "access": "read_write", "default": 0x30, "source": "1"}
+    one_byte = {"length": 1, "access": "read_write", "default": 0x30, "source": "1"}
     two = {"length": 2, "byte_order": "low_byte_first", "source": "1"}
-    rest = {"name": "rest_of_it", "at": "7:4", "equals": 3}
+    rest_of_byte = {"name": "rest_of_it", "at": "7:4", "equals": 3}
     bits = [{"name": word, "at": str(15 - index), "active": "high"} for index, word in enumerate(words[:16])]
-    return [
-        *(
-            {"name": word, "address": index, **one, "fields": [rest, {"name": word, "at": "3:0", "values": values}]}
-            for index, word in enumerate(words[:24])
-        ),
-        *(
-            {
-                "name": word,
-                "address": 0x20 + 2 * index,
-                **two,
-                "access": "read_write",
-                "max": "2^width_of_it",
-                "fields": [{"name": word, "at": "15:0"}],
-            }
-            for index, word in enumerate(words[24:])
-        ),
-        {"name": "r_identity", "address": 0x60, **two, "access": "read_only", "fields": bits},
-    ]
+    registers: list[Item] = []
+    for index, word in enumerate(words[:24]):
+        fields = [rest_of_byte, {"name": word, "at": "3:0", "values": values}]
+        registers.append({"name": word, "address": index, **one_byte, "fields": fields})
+    limited = {"access": "read_write", "max": "2^width_of_it"}
+    for index, word in enumerate(words[24:]):
+        field = {"name": word, "at": "15:0"}
+        registers.append({"name": word, "address": 0x20 + 2 * index, **two, **limited, "fields": [field]})
+    identity = {"name": "r_identity", "address": 0x60, **two, "access": "read_only", "fields": bits}
+    return [*registers, identity]
 
 
 def groups(every: Iterable[str], size: int) -> Iterator[list[str]]:
@@ -269,8 +256,8 @@ def groups(every: Iterable[str], size: int) -> Iterator[list[str]]:
         yield [*words[start : start + size], *words[: max(0, size - len(words) + start)]]
 
 
-@pytest.mark.slow
-def test_no_name_of_a_spec_is_one_that_c_or_a_header_has(include: Path, tmp_path: Path) -> None:
+def _words_of_c(include: Path) -> set[str]:
+    """Return the words of C and of the headers that a spec may use as a name."""
     words = set(RESERVED).union(
         *(own_words(text_of(name, include)) for name in FAMILIES),
         *(own_words((include / "codewheel" / f"{name}.h").read_text()) for name in SHARED),
@@ -295,14 +282,17 @@ def test_no_name_of_a_spec_is_one_that_c_or_a_header_has(include: Path, tmp_path
     #: BiSS defines the meaning of error and warning.
     words -= {"variant", "error", "warning", "frame"} | {word for word in words if len(word) > 30}
     #: BiSS itself defines addresses for the registers with these names.
-    words = {
-        f"{word}s" if word in ("device_id", "manufacturer_id", "profile_id", "serial_number") else word
-        for word in words
-    }
+    of_biss = {"device_id", "manufacturer_id", "profile_id", "serial_number"} & words
+    return words - of_biss | {f"{word}s" for word in of_biss}
+
+
+@pytest.mark.slow
+def test_no_name_of_a_spec_is_one_that_c_or_a_header_has(include: Path, tmp_path: Path) -> None:
+    words = _words_of_c(include)
     # The first word is also the field that distinguishes frames. The second round uses the other words for registers,
     # parameters and procedures.
-    every = [sorted(group, key=lambda word: word not in ("frame", "bytes", "int")) for group in groups(words, 40)]
-    for index, group in enumerate([*every, *([*group[20:], *group[:20]] for group in every)]):
+    word_groups = [sorted(group, key=lambda word: word not in ("frame", "bytes", "int")) for group in groups(words, 40)]
+    for index, group in enumerate([*word_groups, *([*group[20:], *group[:20]] for group in word_groups)]):
         folder = tmp_path / str(index)
         folder.mkdir()
         shutil.copy(ROOT / "tests" / "specs" / "manufacturer.yaml", folder)
@@ -310,43 +300,28 @@ def test_no_name_of_a_spec_is_one_that_c_or_a_header_has(include: Path, tmp_path
         devices, report = load_library([folder / "hostile.yaml"])
         assert [problem.format() for problem in report.problems] == []
         headers = write(folder, devices)
-        every = [header for view in views_of(devices[0]) for header in view.headers]
-        (folder / "unit.c").write_text(use_everything(every, headers))
+        names = [header for view in views_of(devices[0]) for header in view.headers]
+        (folder / "unit.c").write_text(use_everything(names, headers))
         for command in (["gcc", "-std=gnu2x"], ["g++", "-x", "c++", "-std=gnu++2b"]):
-            shown = subprocess.run(
-                [
-                    *command,
-                    "-Wall",
-                    "-Wextra",
-                    "-Wshadow",
-                    "-Werror",
-                    "-fsyntax-only",
-                    f"-I{headers}",
-                    str(folder / "unit.c"),
-                ],
-                capture_output=True,
-                text=True,
-            )
-            assert shown.returncode == 0, shown.stderr[:3000]
+            strict = ["-Wall", "-Wextra", "-Wshadow", "-Werror", "-fsyntax-only"]
+            arguments = [*command, *strict, f"-I{headers}", str(folder / "unit.c")]
+            compilation = subprocess.run(arguments, capture_output=True, text=True)
+            assert compilation.returncode == 0, compilation.stderr[:3000]
 
 
 @pytest.mark.slow
 def test_no_register_is_called_like_a_function_of_the_example(tmp_path: Path) -> None:
     """The program reads and prints each register with a worked example in a function of its own."""
     words = ["frame", "registers", "procedure", "main", "encoder", "transport", "register", "sizeof"]
-    text = (ROOT / "tests" / "specs" / "bits22.yaml").read_text() + "registers:\n"
-    text += (
-        "".join(
-            f'  - {{name: {word}, address: {index}, length: 1, access: read_only, source: "1"}}\n'
-            for index, word in enumerate(words)
+    text = (ROOT / "tests" / "specs" / "bits22.yaml").read_text()
+    registers = examples = ""
+    for index, word in enumerate(words):
+        registers += f'  - {{name: {word}, address: {index}, length: 1, access: read_only, source: "1"}}\n'
+        examples += (
+            f'  - {{name: e_{word}, kind: register, register: {word}, source: "1",'
+            f' bytes: "0{index}", values: {{{word}: {index}}}}}\n'
         )
-        + "examples:\n"
-    )
-    text += "".join(
-        f'  - {{name: e_{word}, kind: register, register: {word}, source: "1",'
-        f' bytes: "0{index}", values: {{{word}: {index}}}}}\n'
-        for index, word in enumerate(words)
-    )
+    text += f"registers:\n{registers}examples:\n{examples}"
     (tmp_path / "bits22.yaml").write_text(text)
     shutil.copy(ROOT / "tests" / "specs" / "manufacturer.yaml", tmp_path)
     devices, report = load_library([tmp_path])
@@ -354,7 +329,7 @@ def test_no_register_is_called_like_a_function_of_the_example(tmp_path: Path) ->
     include = write(tmp_path, devices)
     for command in (["gcc", "-std=c99"], ["g++", "-x", "c++", "-std=c++11"]):
         program = str(tmp_path / command[0])
-        shown = subprocess.run(
+        compilation = subprocess.run(
             [
                 *command,
                 "-Wall",
@@ -368,6 +343,6 @@ def test_no_register_is_called_like_a_function_of_the_example(tmp_path: Path) ->
             capture_output=True,
             text=True,
         )
-        assert shown.returncode == 0, shown.stderr[:3000]
+        assert compilation.returncode == 0, compilation.stderr[:3000]
         printed = subprocess.run([program], capture_output=True, text=True, check=True).stdout
         assert all(f"value: {index}\n" in printed for index in range(len(words)))

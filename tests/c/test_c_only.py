@@ -14,8 +14,8 @@ from codewheel.targets.c.files import generate
 def headers(devices: tuple[Device, ...], only: str) -> dict[str, str]:
     """Headers for reading positions, by their stems."""
     files = generate(Library(devices), {"only": only})
-    found = {path.removeprefix("c/include/lika/").removesuffix(".h"): text for path, text in files.items()}
-    return {stem: text for stem, text in found.items() if stem.count("_") == 1 and not {*"/."} & {*stem}}
+    text_by_stem = {path.removeprefix("c/include/lika/").removesuffix(".h"): text for path, text in files.items()}
+    return {stem: text for stem, text in text_by_stem.items() if stem.count("_") == 1 and not {*"/."} & {*stem}}
 
 
 @pytest.mark.slow

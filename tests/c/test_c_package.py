@@ -78,7 +78,7 @@ def written(folder: Path, devices: tuple[Device, ...]) -> Path:
     return folder / "c"
 
 
-def ran(root: Path, name: str) -> tuple[int, str]:
+def compile_and_run(root: Path, name: str) -> tuple[int, str]:
     """Compile an example with warnings as errors, and detect undefined behaviour. Return its exit status and output."""
     program = root / name
     command = [
@@ -91,12 +91,12 @@ def ran(root: Path, name: str) -> tuple[int, str]:
         f"-I{root}/include",
     ]
     require(command)
-    made = subprocess.run(
+    compilation = subprocess.run(
         [*command, str(root / "examples" / f"{name}.c"), "-o", str(program)], capture_output=True, text=True
     )
-    assert made.returncode == 0, made.stderr[:3000]
-    done = subprocess.run([str(program)], capture_output=True, text=True, timeout=60)
-    return done.returncode, done.stdout + done.stderr
+    assert compilation.returncode == 0, compilation.stderr[:3000]
+    completed = subprocess.run([str(program)], capture_output=True, text=True, timeout=60)
+    return completed.returncode, completed.stdout + completed.stderr
 
 
 @pytest.fixture(scope="module")
@@ -112,7 +112,7 @@ def test_there_is_a_program_for_every_interface(package: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", PRINTED)
 def test_a_program_prints_what_the_manual_prints(name: str, package: Path) -> None:
-    status, text = ran(package, name)
+    status, text = compile_and_run(package, name)
     assert status == 0
     for part in PRINTED[name]:
         assert part in text
@@ -128,10 +128,10 @@ def test_a_program_names_a_driver_that_is_released_too_late(package: Path, tmp_p
         assert text.count(whole) == 1
         text = text.replace(whole, cut)
     path.write_text(text, encoding="ascii")
-    status, said = ran(tmp_path / "c", "amm5_rs485")
+    status, output = compile_and_run(tmp_path / "c", "amm5_rs485")
     assert status == 1
     # The third poll is the one that the simulated line loses completely.
-    whys = re.findall(r"us: (first byte of the reply missing: is the driver released too late\?|no reply)", said)
+    whys = re.findall(r"us: (first byte of the reply missing: is the driver released too late\?|no reply)", output)
     assert [why[:2] for why in whys[:4]] == ["fi", "fi", "no", "fi"]
 
 
@@ -140,14 +140,14 @@ def test_a_program_looks_at_the_error_bit(package: Path) -> None:
     """Convert the position of a made-up frame of AMM5 to degrees, but not if its error bit is 0."""
     path = package / "examples" / "amm5_biss.c"
     text = path.read_text(encoding="ascii")
-    assert f"that is {1821973 / 2**21 * 360:.3f} degrees" in ran(package, "amm5_biss")[1]
+    assert f"that is {1821973 / 2**21 * 360:.3f} degrees" in compile_and_run(package, "amm5_biss")[1]
     (made_up,) = re.findall(r"return UINT64_C\((0x[0-9A-F]+)\);", text)
     faulty = package / "examples" / "amm5_biss_faulty.c"
     # Both bits are 0, and the 6-bit CRC matches these 39 bits.
     data = int(made_up, 16) >> 8 << 2
     faulty.write_text(text.replace(made_up, f"0x{data << 6 | crc_of(data, 39):X}"), encoding="ascii")
     try:
-        status, printed = ran(package, "amm5_biss_faulty")
+        status, printed = compile_and_run(package, "amm5_biss_faulty")
     finally:
         faulty.unlink()
     assert status == 0
@@ -157,11 +157,11 @@ def test_a_program_looks_at_the_error_bit(package: Path) -> None:
 
 def crc_of(data: int, bits: int) -> int:
     """Return the CRC x^6 + x + 1, sent inverted, bit by bit."""
-    found = 0
+    crc = 0
     for bit in range(bits - 1, -1, -1):
-        found ^= (data >> bit & 1) << 5
-        found = (found << 1 ^ (0x03 if found & 0x20 else 0)) & 0x3F
-    return found ^ 0x3F
+        crc ^= (data >> bit & 1) << 5
+        crc = (crc << 1 ^ (0x03 if crc & 0x20 else 0)) & 0x3F
+    return crc ^ 0x3F
 
 
 @pytest.mark.slow
@@ -171,25 +171,23 @@ def test_programs_of_other_devices_run(name: str, every_device: Mapping[str, Dev
     programs = [path.stem for path in (root / "examples").glob("*.c")]
     assert len(programs) == len(every_device[name].interfaces)
     for program in programs:
-        assert ran(root, program)[0] == 0
+        assert compile_and_run(root, program)[0] == 0
 
 
 def test_the_lines_fit_and_are_ascii(package: Path) -> None:
     for path in package.rglob("*"):
         if path.is_file() and path.suffix in (".c", ".txt", ".cmake", ".pc", ".yml", ".json"):
             lines = path.read_text(encoding="ascii").splitlines()
-            assert [
-                line
-                for line in lines
-                if line != line.rstrip() or (path.suffix == ".c" and len(line) > 100 and "http" not in line)
-            ] == []
+            too_long = [line for line in lines if path.suffix == ".c" and len(line) > 100 and "http" not in line]
+            assert too_long == []
+            assert [line for line in lines if line != line.rstrip()] == []
 
 
 def poisoned(device: Device) -> Device:
     """A device whose texts are hostile."""
     maker = replace(device.manufacturer, title=HOSTILE, trademarks=(HOSTILE,))
-    registers = tuple(replace(item, printed_name=HOSTILE) for item in device.registers)
-    procedures = tuple(replace(item, title=HOSTILE) for item in device.procedures)
+    registers = tuple(replace(register, printed_name=HOSTILE) for register in device.registers)
+    procedures = tuple(replace(procedure, title=HOSTILE) for procedure in device.procedures)
     return replace(device, title=HOSTILE, manufacturer=maker, registers=registers, procedures=procedures)
 
 
@@ -206,12 +204,12 @@ def test_the_manifests_are_what_their_readers_expect(
     assert all((root / "include" / name).is_file() for name in library["headers"])
     include = root / "include"
     assert {path.name for path in include.iterdir()} == {"codewheel", "ichaus", "lika"}
-    assert {path.name for path in (RUNTIME / "codewheel").iterdir()} == {
-        path.name for path in (include / "codewheel").iterdir()
-    }
+    shared = {path.name for path in (include / "codewheel").iterdir()}
+    assert {path.name for path in (RUNTIME / "codewheel").iterdir()} == shared
     assert {*library["headers"]} == {path.relative_to(include).as_posix() for path in include.glob("*/*")}
     assert {f"lika/{name}.h" for name in ("amm5_biss", "amm5_ssi", "amm5_rs485", "asc85_biss")} < {*library["headers"]}
-    assert all((root / item["base"] / name).is_file() for item in library["examples"] for name in item["files"])
+    files = [root / example["base"] / name for example in library["examples"] for name in example["files"]]
+    assert all(path.is_file() for path in files)
     module = yaml.safe_load((root / "zephyr" / "module.yml").read_text())
     assert module == {"name": "lika-encoders", "build": {"cmake": "zephyr", "kconfig": "zephyr/Kconfig"}}
     assert (root / module["build"]["cmake"] / "CMakeLists.txt").is_file()
@@ -220,13 +218,13 @@ def test_the_manifests_are_what_their_readers_expect(
     assert re.fullmatch(r'config LIKA_ENCODERS\n\tbool "[A-Za-z0-9 .,:/+&-]+"\n\thelp\n(\t  .+\n)+', kconfig)
     assert "CONFIG_LIKA_ENCODERS" in (root / "zephyr" / "CMakeLists.txt").read_text()
     if hostile:
-        assert ran(root, "amm5_biss")[0] == 0
+        assert compile_and_run(root, "amm5_biss")[0] == 0
 
 
 @pytest.mark.slow
 def test_several_manufacturers_share_a_package(every_device: Mapping[str, Device], tmp_path: Path) -> None:
     root = written(tmp_path, (every_device["amm5"], every_device["tv62"]))
-    assert ran(root, "amm5_biss")[0] == ran(root, "tv62_ssi")[0] == 0
+    assert compile_and_run(root, "amm5_biss")[0] == compile_and_run(root, "tv62_ssi")[0] == 0
 
 
 @pytest.mark.slow
@@ -239,15 +237,11 @@ def test_names_of_a_package_of_several(main: tuple[str, ...], folder: str, every
     files = generate(Library((replace(amm5, manufacturer=lika), replace(tv62, manufacturer=acme))))
     assert json.loads(files["c/library.json"])["name"] == f"{folder}-encoders"
     names = {folder, "acme", "lika"}
-    assert {path for path in files if path.startswith("c/share")} == {
-        path
-        for name in names
-        for path in (
-            f"c/share/pkgconfig/{name}-encoders.pc",
-            f"c/share/cmake/{name}-encoders/{name}-encoders-config.cmake",
-            f"c/share/cmake/{name}-encoders/{name}-encoders-config-version.cmake",
-        )
-    }
+    paths = set()
+    for name in names:
+        cmake = f"c/share/cmake/{name}-encoders/{name}-encoders-config"
+        paths |= {f"c/share/pkgconfig/{name}-encoders.pc", f"{cmake}.cmake", f"{cmake}-version.cmake"}
+    assert {path for path in files if path.startswith("c/share")} == paths
     assert "Description: Headers for encoders by Acme\nVersion: 2.0.0\n" in files["c/share/pkgconfig/acme-encoders.pc"]
     for name in names:
         assert f"add_library({name}::encoders ALIAS {folder}-encoders)" in files["c/CMakeLists.txt"]

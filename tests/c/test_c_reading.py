@@ -102,22 +102,21 @@ PRINTED = {
 }
 
 
-def near(text: str, name: str) -> list[str]:
+def lines_around(text: str, name: str) -> list[str]:
     """Return each place of a name with the lines around it."""
     lines = text.splitlines()
-    return [
-        "\n".join(lines[max(index - _NEAR, 0) : index + _NEAR])
-        for index, line in enumerate(lines)
-        if name.lower() in line.lower()
-    ]
+    places = [index for index, line in enumerate(lines) if name.lower() in line.lower()]
+    return ["\n".join(lines[max(index - _NEAR, 0) : index + _NEAR]) for index in places]
+
+
+def _is_near(text: str, name: str, value: str) -> bool:
+    return any(value in place for place in lines_around(text, name))
 
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_the_manuals_own_name_leads_to_the_value(family: str, include: Path) -> None:
     text = text_of(family, include)
-    missing = {
-        name: value for name, value in PRINTED[family].items() if not any(value in place for place in near(text, name))
-    }
+    missing = {name: value for name, value in PRINTED[family].items() if not _is_near(text, name, value)}
     assert missing == {}
 
 
@@ -163,17 +162,17 @@ def test_a_step_names_the_bit_that_it_looks_at(include: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("names", "there", "absent"), [
+@pytest.mark.parametrize(("names", "present", "absent"), [
     (["amm5"], ["`LIKA_CRC_TABLE`"], ["_CRC_BITWISE"]),
     (["words"], ["`TEST_CRC_TABLE`", "`TEST_CRC_BITWISE`"], ["LIKA_"]),
     (["amm5", "words"], ["`LIKA_CRC_TABLE` or `TEST_CRC_TABLE`", "`TEST_CRC_BITWISE`"], ["LIKA_CRC_BITWISE"]),
 ])  # fmt: skip
 def test_the_readme_names_the_macros_that_there_are(
-    names: list[str], there: list[str], absent: list[str], every_device: Mapping[str, Device]
+    names: list[str], present: list[str], absent: list[str], every_device: Mapping[str, Device]
 ) -> None:
     files = generate(Library(tuple(every_device[name] for name in names)))
     readme = files["c/README.md"]
-    assert [name for name in there if name not in readme] == []
+    assert [name for name in present if name not in readme] == []
     assert [name for name in absent if name in readme] == []
     headers = "".join(text for path, text in files.items() if path.endswith(".h"))
     assert all(macro in headers for macro in re.findall(r"`(\w+_CRC_\w+)`", readme))
@@ -191,16 +190,15 @@ def test_an_erratum_is_one_line(c_devices: tuple[Device, ...]) -> None:
     """The whole text is on the page of the encoder. If wrong data could be sent, the line has the value used."""
     files = generate(Library(c_devices))
     for device in c_devices:
-        text = "".join(
-            text for path, text in files.items() if path.startswith(f"c/include/{FAMILIES[device.name]}/{device.name}_")
-        )
+        stem = f"c/include/{FAMILIES[device.name]}/{device.name}_"
+        text = "".join(text for path, text in files.items() if path.startswith(stem))
         header = " ".join(text.replace("\n *", "\n").split())
-        told = [item for item in device.errata if f"Erratum {item.name} (" in header]
-        assert len(told) > (5 if device.evidence.grade == "manual" else 0)
-        for item in told:
-            assert in_comment(item.printed) not in header
-            risky = item.severity == "wrong_data" and item.status == "open"
-            assert (f"Used: {in_comment(item.used)}"[:60] in header) == risky, item.name
+        mentioned = [erratum for erratum in device.errata if f"Erratum {erratum.name} (" in header]
+        assert len(mentioned) > (5 if device.evidence.grade == "manual" else 0)
+        for erratum in mentioned:
+            assert in_comment(erratum.printed) not in header
+            risky = erratum.severity == "wrong_data" and erratum.status == "open"
+            assert (f"Used: {in_comment(erratum.used)}"[:60] in header) == risky, erratum.name
 
 
 @pytest.mark.slow

@@ -165,7 +165,7 @@ Ask = Callable[[str], list[int]]
 
 @pytest.fixture(scope="session")
 def ask(run: Run) -> Ask:
-    return lambda line: [int(item) for item in run([line])[0].split()]
+    return lambda line: [int(number) for number in run([line])[0].split()]
 
 
 # --------------------------------------------------------------------------------------------------------- drawn lines
@@ -177,13 +177,13 @@ def in_bytes(bits: Sequence[int], then: int = 0) -> str:
     return "".join(f"{int(''.join(map(str, whole[at : at + 8])), 2):02X}" for at in range(0, len(whole), 8)) or "-"
 
 
-def of(number: int, width: int) -> list[int]:
+def bits_of(number: int, width: int) -> list[int]:
     return [number >> place & 1 for place in range(width - 1, -1, -1)]
 
 
-def biss_line(data: Sequence[int], rest: int = 2, acknowledge: int = 1, cds: int = 0, stop: int = 0) -> list[int]:
+def biss_line(data: Sequence[int], rest_bits: int = 2, acknowledge: int = 1, cds: int = 0, stop: int = 0) -> list[int]:
     """Return SLO at each rising edge of MA: rest, acknowledge, start, CDS, data and stop bit (PROT p. 3)."""
-    return [*[1] * rest, *[0] * acknowledge, 1, cds, *data, stop]
+    return [*[1] * rest_bits, *[0] * acknowledge, 1, cds, *data, stop]
 
 
 def test_a_line_on_paper(ask: Ask) -> None:
@@ -200,50 +200,50 @@ def test_a_line_on_paper(ask: Ask) -> None:
 def test_a_word_after_every_rest_and_acknowledge(run: Run) -> None:
     """Widths from 0 to 64, a rest of 1 to 9 bits, an acknowledge of 1 to 40 bits: every position within a byte."""
     chance = random.Random(1)
-    asked, expected = [], []
+    lines, expected = [], []
     for width in range(65):
         for _ in range(60):
             word, cds = chance.getrandbits(width), chance.getrandbits(1)
-            line = biss_line(of(word, width), chance.randint(1, 9), chance.randint(1, 40), cds)
+            line = biss_line(bits_of(word, width), chance.randint(1, 9), chance.randint(1, 40), cds)
             received = in_bytes(line, chance.getrandbits(1))
-            asked += [f"b {received} {width}", f"c {received}"]
+            lines += [f"b {received} {width}", f"c {received}"]
             expected += [f"0 {word}", f"0 {cds}"]
     # No data bits in a long buffer: 1, the acknowledge, the start bit, CDS, and zeros to the end.
-    assert run([*asked, "b B000000000000000 0"]) == [*expected, "0 0"]
+    assert run([*lines, "b B000000000000000 0"]) == [*expected, "0 0"]
 
 
 def test_each_fault_of_a_biss_line(ask: Ask) -> None:
-    word = of(0x5A3C, 16)
-    kept = 0xA5A5A5A5A5A5A5A5
-    assert ask("b FFFFFFFFFFFF 16") == [LINE_HIGH, kept]
-    assert ask("b - 16") == [LINE_HIGH, kept], "nothing received, nothing low"
-    assert ask("b 000000000000 16") == [LINE_LOW, kept]
+    word = bits_of(0x5A3C, 16)
+    untouched = 0xA5A5A5A5A5A5A5A5
+    assert ask("b FFFFFFFFFFFF 16") == [LINE_HIGH, untouched]
+    assert ask("b - 16") == [LINE_HIGH, untouched], "nothing received, nothing low"
+    assert ask("b 000000000000 16") == [LINE_LOW, untouched]
     # The line is still in the time-out of the previous frame, so the next bits may be the end of anything.
-    assert ask(f"b {in_bytes([0, *biss_line(word)])} 16") == [LINE_LOW, kept]
-    assert ask("b C00000000000 16") == [NO_START, kept]
-    assert ask(f"b {in_bytes(biss_line(word, stop=1))} 16") == [CONSTANT, kept]
+    assert ask(f"b {in_bytes([0, *biss_line(word)])} 16") == [LINE_LOW, untouched]
+    assert ask("b C00000000000 16") == [NO_START, untouched]
+    assert ask(f"b {in_bytes(biss_line(word, stop=1))} 16") == [CONSTANT, untouched]
     for missing in range(1, 20):
         # Rest and start end at a whole byte. Then whole bytes are missing, or the start comes too late.
         line = [1, *[0] * 6, 1, 0, *word, 0, *[0] * 6][: 32 - 8]
-        assert ask(f"b {in_bytes(line[:24])} 16") == [LENGTH, kept]
+        assert ask(f"b {in_bytes(line[:24])} 16") == [LENGTH, untouched]
         late = biss_line(word, 2, 13 + missing)[:32]
         assert ask(f"b {in_bytes(late)} 16")[0] in (LENGTH, NO_START)
-    assert ask(f"b {in_bytes(biss_line(of(0, 70)))} 65") == [LENGTH, kept]
-    assert ask(f"b {in_bytes(biss_line(word))} 4294967295") == [LENGTH, kept]
+    assert ask(f"b {in_bytes(biss_line(bits_of(0, 70)))} 65") == [LENGTH, untouched]
+    assert ask(f"b {in_bytes(biss_line(word))} 4294967295") == [LENGTH, untouched]
     assert ask("c FFFF") == ask("c C000") == ask("c C001") == [LENGTH, 0]
 
 
 def test_the_stop_bit_is_checked_where_it_was_received(ask: Ask) -> None:
     """Some receivers clock in no stop bit, so the last bit of the word may be the last one of the buffer."""
-    line = biss_line(of(0x2B5, 10), 2, 1)  # 2 + 1 + 2 + 10 bits, and the stop bit: 16
+    line = biss_line(bits_of(0x2B5, 10), 2, 1)  # 2 + 1 + 2 + 10 bits, and the stop bit: 16
     assert ask(f"b {in_bytes(line)} 10") == [OK, 0x2B5]
-    assert ask(f"b {in_bytes(biss_line(of(0x2B5, 10), 2, 1, stop=1))} 10") == [CONSTANT, 0xA5A5A5A5A5A5A5A5]
-    line = biss_line(of(0x2B5, 10), 2, 2)[:16]
+    assert ask(f"b {in_bytes(biss_line(bits_of(0x2B5, 10), 2, 1, stop=1))} 10") == [CONSTANT, 0xA5A5A5A5A5A5A5A5]
+    line = biss_line(bits_of(0x2B5, 10), 2, 2)[:16]
     assert ask(f"b {in_bytes(line)} 10") == [OK, 0x2B5]
-    line = biss_line(of(0x2B5, 10), 2, 3)[:16]
+    line = biss_line(bits_of(0x2B5, 10), 2, 3)[:16]
     assert ask(f"b {in_bytes(line)} 10") == [LENGTH, 0xA5A5A5A5A5A5A5A5]
     # The stop bit reveals a frame that is one bit longer, if there is a stop bit.
-    line = biss_line(of(0x56B, 11), 2, 1)[:16]
+    line = biss_line(bits_of(0x56B, 11), 2, 1)[:16]
     assert ask(f"b {in_bytes(line)} 10") == [CONSTANT, 0xA5A5A5A5A5A5A5A5]
 
 
@@ -252,30 +252,32 @@ def test_a_frame_in_any_number_of_samples(run: Run) -> None:
     chance = random.Random(5)
     packing, counts, expected = [], [], []
     for count in range(60, 76):
-        for rest, acknowledge in product((1, 2, 5), range(1, 20)):
+        for rest_bits, acknowledge in product((1, 2, 5), range(1, 20)):
             word, cds = chance.getrandbits(47), chance.getrandbits(1)
-            line = (biss_line(of(word, 47), rest, acknowledge, cds) + [1] * count)[:count]
+            line = (biss_line(bits_of(word, 47), rest_bits, acknowledge, cds) + [1] * count)[:count]
             packing.append(f"S {bytes(bit << 3 | chance.getrandbits(8) & 0xF7 for bit in line).hex()} 8")
             counts.append(count)
-            whole = rest + acknowledge + 2 + 47 <= count
+            whole = rest_bits + acknowledge + 2 + 47 <= count
             expected += [f"0 {word}" if whole else f"{LENGTH} {0xA5A5A5A5A5A5A5A5}", f"0 {cds}"]
     packed = run(packing)
     assert [len(line) // 2 for line in packed] == [(count + 7) // 8 for count in counts]
     pairs = zip(packed, counts, strict=True)
-    assert run(item for line, count in pairs for item in (f"B {line} {count} 47", f"C {line} {count}")) == expected
+    assert (
+        run(request for line, count in pairs for request in (f"B {line} {count} 47", f"C {line} {count}")) == expected
+    )
 
 
 def test_what_fills_up_the_last_byte_is_no_part_of_a_frame(run: Run) -> None:
     """Samples that end within a word are an error, also in the form for whole bytes. SSI has no CRC to detect it."""
     chance = random.Random(6)
-    lines = [
-        (bits, bytes([1, *of(chance.getrandbits(bits), bits), 0][:count]).hex())
-        for bits in range(1, 40)
-        for count in range(1, bits + 2)
-    ]
+    lines = []
+    for bits in range(1, 40):
+        for count in range(1, bits + 2):
+            samples = [1, *bits_of(chance.getrandbits(bits), bits), 0][:count]
+            lines.append((bits, bytes(samples).hex()))
     packed = run(f"S {samples} 1" for _, samples in lines)
     answers = run(f"s {line} {bits}" for line, (bits, _) in zip(packed, lines, strict=True))
-    assert {answer.split()[0] for answer in answers} == {str(item) for item in (LENGTH, CONSTANT, LINE_HIGH)}
+    assert {answer.split()[0] for answer in answers} == {str(fault) for fault in (LENGTH, CONSTANT, LINE_HIGH)}
     # The acknowledge lasts until the last sample, or only the start bit is present.
     for line in ([1, *[0] * 18], [1, *[0] * 18, 1]):
         (filled,) = run([f"S {bytes(line).hex()} 1"])
@@ -288,7 +290,7 @@ def test_words_of_16_and_32_bits_and_samples(run: Run) -> None:
     chance = random.Random(2)
     data = bytes(chance.randrange(256) for _ in range(24))
     assert run([f"W {data.hex()}", f"X {data.hex()}"]) == [data.hex().upper()] * 2
-    bits = [bit for byte in data for bit in of(byte, 8)]
+    bits = [bit for byte in data for bit in bits_of(byte, 8)]
     for mask in (0x01, 0x10, 0x80):
         # The other pins of the port can have any level.
         samples = [chance.randrange(256) & ~mask | (mask if bit else 0) for bit in bits]
@@ -306,22 +308,22 @@ def test_words_of_16_and_32_bits_and_samples(run: Run) -> None:
 def test_a_frame_of_any_length_as_bytes(run: Run) -> None:
     """From 0 to 128 bits, at every position within a byte, in as many bytes as it needs or in more."""
     chance = random.Random(8)
-    asked, expected = [], []
+    lines, expected = [], []
     for width in range(129):
         for length in ((width + 7) // 8, 16):
             word = chance.getrandbits(width)
-            line = biss_line(of(word, width), chance.randint(1, 9), chance.randint(1, 40), chance.getrandbits(1))
-            asked.append(f"f {in_bytes(line)} {width} {length}")
-            asked.append(f"F {in_bytes(line)} {len(line) - chance.getrandbits(1)} {width} {length}")
-            asked.append(f"g {in_bytes([1, *of(word, width), 0])} {width} {length}")
+            line = biss_line(bits_of(word, width), chance.randint(1, 9), chance.randint(1, 40), chance.getrandbits(1))
+            lines.append(f"f {in_bytes(line)} {width} {length}")
+            lines.append(f"F {in_bytes(line)} {len(line) - chance.getrandbits(1)} {width} {length}")
+            lines.append(f"g {in_bytes([1, *bits_of(word, width), 0])} {width} {length}")
             expected += [f"0 {word:0{2 * length}X}" if length else "0 "] * 3
-    assert run(asked) == expected
+    assert run(lines) == expected
 
 
 def test_each_fault_of_a_frame_as_bytes(run: Run) -> None:
-    word, kept = of(0x5A3C << 64 | 1, 80), "A5" * 10
+    word, untouched = bits_of(0x5A3C << 64 | 1, 80), "A5" * 10
     biss, ssi = biss_line(word), [1, *word, 0]
-    asked = {
+    fault_by_line = {
         f"f {'FF' * 12} 80 10": LINE_HIGH,
         "f - 80 10": LINE_HIGH,
         f"f {'00' * 12} 80 10": LINE_LOW,
@@ -340,7 +342,7 @@ def test_each_fault_of_a_frame_as_bytes(run: Run) -> None:
         "g - 1 10": LENGTH,
         "g 80 4294967295 10": LENGTH,
     }
-    assert run(asked) == [f"{result} {kept}" for result in asked.values()]
+    assert run(fault_by_line) == [f"{result} {untouched}" for result in fault_by_line.values()]
     assert run([f"F {in_bytes(biss)} {len(biss) - 1} 80 10"]) == [f"0 {0x5A3C << 64 | 1:020X}"], "no stop bit"
 
 
@@ -355,7 +357,7 @@ class SsiEncoder:
     """
 
     def __init__(self, word: int, bits: int) -> None:
-        self.left, self.data = of(word, bits), 1
+        self.left, self.data = bits_of(word, bits), 1
 
     def rise(self) -> None:
         self.data = self.left.pop(0) if self.left else 0
@@ -364,7 +366,7 @@ class SsiEncoder:
 @pytest.mark.parametrize("mode", [2, 3])
 def test_an_ssi_word_as_each_spi_mode_samples_it(mode: int, run: Run) -> None:
     chance = random.Random(3)
-    asked, expected = [], []
+    lines, expected = [], []
     for width in range(1, 65):
         for _ in range(20):
             word = chance.getrandbits(width)
@@ -375,22 +377,22 @@ def test_an_ssi_word_as_each_spi_mode_samples_it(mode: int, run: Run) -> None:
                 at_the_rising_edge = encoder.data
                 encoder.rise()
                 line.append(at_the_falling_edge if mode == 2 else at_the_rising_edge)
-            asked.append(f"s {in_bytes(line)} {width}")
+            lines.append(f"s {in_bytes(line)} {width}")
             expected.append(f"0 {word}")
-    assert run(asked) == expected
+    assert run(lines) == expected
 
 
 def test_each_fault_of_an_ssi_line(ask: Ask) -> None:
-    kept = 0xA5A5A5A5A5A5A5A5
-    assert ask("s FFFFFF 20") == [LINE_HIGH, kept], "not plugged in"
-    assert ask("s 000000 20") == [LINE_LOW, kept], "a short"
-    assert ask(f"s {in_bytes([0, *of(0x12345, 20), 0])} 20") == [LINE_LOW, kept], "the pause was too short"
-    assert ask(f"s {in_bytes([1, *of(0x12345, 20), 1])} 20") == [CONSTANT, kept], "a word of 21 bits"
-    assert ask(f"s {in_bytes([1, *of(0xFFFFF, 20), 0])} 20") == [OK, 0xFFFFF], "all ones can be a position"
-    assert ask(f"s {in_bytes([1, *of(0, 20), 0])} 20") == [OK, 0]
-    assert ask("s 800000 23") == [LENGTH, kept]
+    untouched = 0xA5A5A5A5A5A5A5A5
+    assert ask("s FFFFFF 20") == [LINE_HIGH, untouched], "not plugged in"
+    assert ask("s 000000 20") == [LINE_LOW, untouched], "a short"
+    assert ask(f"s {in_bytes([0, *bits_of(0x12345, 20), 0])} 20") == [LINE_LOW, untouched], "the pause was too short"
+    assert ask(f"s {in_bytes([1, *bits_of(0x12345, 20), 1])} 20") == [CONSTANT, untouched], "a word of 21 bits"
+    assert ask(f"s {in_bytes([1, *bits_of(0xFFFFF, 20), 0])} 20") == [OK, 0xFFFFF], "all ones can be a position"
+    assert ask(f"s {in_bytes([1, *bits_of(0, 20), 0])} 20") == [OK, 0]
+    assert ask("s 800000 23") == [LENGTH, untouched]
     assert ask("s 800000 22") == [OK, 0]
-    assert ask("s FFFFFFFFFFFFFFFFFFFFFFFF 65") == ask("s - 1") == ask("s 80 4294967295") == [LENGTH, kept]
+    assert ask("s FFFFFFFFFFFFFFFFFFFFFFFF 65") == ask("s - 1") == ask("s 80 4294967295") == [LENGTH, untouched]
 
 
 @pytest.mark.parametrize(
@@ -425,7 +427,7 @@ REPLY = [0x1A, 0x00, 0xC7, 0xD1, 0x6A, 0x23, 0x02, 0x00, 0x00, 0x00]
 REPLY = [*REPLY, 0x1A ^ 0xC7 ^ 0xD1 ^ 0x6A ^ 0x23 ^ 0x02]
 
 
-def taken(
+def received_replies(
     ask_many: Run, control: int, length: int, stream: Iterable[int], echo: int = 0
 ) -> tuple[list[int], list[str]]:
     """Return the result of a receiver for these bytes: the bytes that end a reply, and the replies whose XOR is 0.
@@ -433,24 +435,24 @@ def taken(
     The others are refused, as a decoder would refuse them.
     """
     state = [f"a {control} {length} {echo} 0 100"]
-    ends, found = [], []
+    ends, replies = [], []
     for index, byte in enumerate(stream):
         state.append(f"t {byte}")
         if ask_many(state)[-1] == "1":
             data = ask_many([*state, "d"])[-1]
             xor = 0
-            for item in bytes.fromhex(data):
-                xor ^= item
+            for data_byte in bytes.fromhex(data):
+                xor ^= data_byte
             if xor == 0:
                 ends.append(index)
-                found.append(data)
+                replies.append(data)
             else:
                 state.append("u")
-    return ends, found
+    return ends, replies
 
 
 def test_a_reply_byte_by_byte(run: Run) -> None:
-    assert taken(run, 0x1A, 11, REPLY) == ([10], [bytes(REPLY).hex().upper()])
+    assert received_replies(run, 0x1A, 11, REPLY) == ([10], [bytes(REPLY).hex().upper()])
     # Bytes after a complete reply are dropped, and nothing is late.
     assert run(["a 26 11 0 0 100", *(f"t {byte}" for byte in [*REPLY, 0x1A]), "d", "l 4000000000"])[-2:] == [
         bytes(REPLY).hex().upper(),
@@ -460,12 +462,12 @@ def test_a_reply_byte_by_byte(run: Run) -> None:
 
 @pytest.mark.parametrize("noise", [[0x00], [0xFF, 0x7E], [0x1A], [0x1A, 0x1A], [0x1A, 0x02, 0x1A]])
 def test_noise_before_a_reply_costs_nothing(noise: list[int], run: Run) -> None:
-    assert taken(run, 0x1A, 11, [*noise, *REPLY])[1] == [bytes(REPLY).hex().upper()]
+    assert received_replies(run, 0x1A, 11, [*noise, *REPLY])[1] == [bytes(REPLY).hex().upper()]
 
 
 def test_the_echo_of_a_request(run: Run) -> None:
-    assert taken(run, 0x1A, 11, [0x1A, *REPLY], echo=1) == ([11], [bytes(REPLY).hex().upper()])
-    assert taken(run, 0xEA, 4, [0xEA, 0x0A, 0xE0, 0xEA, 0x0A, 0x55, 0xB5], echo=3) == ([6], ["EA0A55B5"])
+    assert received_replies(run, 0x1A, 11, [0x1A, *REPLY], echo=1) == ([11], [bytes(REPLY).hex().upper()])
+    assert received_replies(run, 0xEA, 4, [0xEA, 0x0A, 0xE0, 0xEA, 0x0A, 0x55, 0xB5], echo=3) == ([6], ["EA0A55B5"])
 
 
 def test_a_reply_that_can_begin_with_any_byte(run: Run) -> None:
@@ -497,10 +499,10 @@ def test_a_first_byte_that_is_always_lost_has_a_reason_of_its_own(run: Run) -> N
         data = [chance.choice([0x00, 0x10, 0x20]), *(chance.randrange(256) for _ in range(9))]
         among += 0x1A in data
         lines += ["a 26 11 0 0 100", *(f"t {byte}" for byte in data), "l 101", "y"]
-    told = run(lines)
-    assert set(told[11::13]) == {"1"}
-    assert {line.split()[0] for line in told[12::13]} == {str(HEAD_MISSING)}
-    assert {line for line in told[12::13] if line.endswith(" 10")}, "all ten dropped"
+    answers = run(lines)
+    assert set(answers[11::13]) == {"1"}
+    assert {line.split()[0] for line in answers[12::13]} == {str(HEAD_MISSING)}
+    assert {line for line in answers[12::13] if line.endswith(" 10")}, "all ten dropped"
     assert among > 10
 
     def reason(*stream: int) -> str:
@@ -563,16 +565,18 @@ def test_lengths_are_constants(
         ]
     lines.append("int main(void) { return " + " + ".join(f"rx_{name.lower()}[0]" for name in LENGTHS[family]) + "; }")
     language = "c++" if compiler == "g++" else "c"
-    made = str(tmp_path / "made.o")
-    command = [compiler, f"-std={standard}", "-x", language, *WARNINGS, f"-I{include}", "-c", "-o", made, "-"]
-    done = subprocess.run(command, input="\n".join(lines) + "\n", capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[:3000]
-    wrong = "\n".join(lines).replace("_BITS == ", "_BITS == 1U + ") + "\n"
-    assert subprocess.run(command, input=wrong, capture_output=True, text=True).returncode != 0
+    object_file = str(tmp_path / "made.o")
+    command = [compiler, f"-std={standard}", "-x", language, *WARNINGS, f"-I{include}", "-c", "-o", object_file, "-"]
+    completed = subprocess.run(command, input="\n".join(lines) + "\n", capture_output=True, text=True)
+    assert completed.returncode == 0, completed.stderr[:3000]
+    mistaken = "\n".join(lines).replace("_BITS == ", "_BITS == 1U + ") + "\n"
+    assert subprocess.run(command, input=mistaken, capture_output=True, text=True).returncode != 0
 
 
-def answered(device: Device, item: FrameSize) -> list[tuple[Alternative, Answer]]:
-    return [(asked, answer) for asked in device.alternatives for answer in item.answers if answer in asked.answers]
+def decided(device: Device, reception: FrameSize) -> list[tuple[Alternative, Answer]]:
+    """Return the answers that a receiver depends on, each with its question."""
+    pairs = [(question, answer) for question in device.alternatives for answer in reception.answers]
+    return [(question, answer) for question, answer in pairs if answer in question.answers]
 
 
 @pytest.mark.slow
@@ -586,17 +590,17 @@ def test_the_constants_are_what_the_functions_say(
     count = 0
     for view in views:
         rows = {row.variant.code: row.macro for row in view.variants.rows}
-        for item in received(view.device, view.context.interface):
-            macro = rows[item.variant.code]
+        for reception in received(view.device, view.context.interface):
+            macro = rows[reception.variant.code]
             # The user's decision is the last argument of the function, and the end of the name.
-            told = answered(view.device, item)
-            given = [f", {view.PREFIX}_{asked.name}_{answer.name}".upper() for asked, answer in told]
-            stem = "_".join((macro, *(answer.name for answer in item.answers))).upper()
-            lines.append(f"    wrong += {view.prefix}_bits(&{macro}{''.join(given)}) != {stem}_BITS;")
+            decisions = decided(view.device, reception)
+            arguments = [f", {view.PREFIX}_{question.name}_{answer.name}".upper() for question, answer in decisions]
+            stem = "_".join((macro, *(answer.name for answer in reception.answers))).upper()
+            lines.append(f"    wrong += {view.prefix}_bits(&{macro}{''.join(arguments)}) != {stem}_BITS;")
             count += 1
     lines += ["    return wrong;", "}"]
     program = compile_c(GCC, "\n".join(lines) + "\n", tmp_path, include)
     # Each order code of ASC85 with BiSS has two lengths.
-    again = sum(item.interface == "biss" for item in device.variants) if family == "asc85" else 0
-    assert count == sum(item.interface in ("ssi", "biss") for item in device.variants) + again
+    again = sum(variant.interface == "biss" for variant in device.variants) if family == "asc85" else 0
+    assert count == sum(variant.interface in ("ssi", "biss") for variant in device.variants) + again
     assert subprocess.run([str(program)]).returncode == 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 import re
 import subprocess
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -23,11 +23,11 @@ FRAMES = 100_000
 
 def crc_6(data: int, bits: int) -> int:
     """Return the CRC x^6 + x + 1 with start value 0, inverted, bit by bit, as in PROT p. 7-8."""
-    rest = 0
+    remainder = 0
     for place in range(bits - 1, -1, -1):
-        top = rest >> 5 ^ data >> place & 1
-        rest = rest << 1 & 0x3F ^ (0x03 if top else 0)
-    return rest ^ 0x3F
+        top = remainder >> 5 ^ data >> place & 1
+        remainder = remainder << 1 & 0x3F ^ (0x03 if top else 0)
+    return remainder ^ 0x3F
 
 
 def word(position: int, error: bool = False, warning: bool = False) -> int:
@@ -101,8 +101,8 @@ def never_ready(line: Line) -> None:
 
 def too_late(line: Line) -> None:
     """The frame begins too late to fit."""
-    rest = line.chance.randrange(60, line.BITS)
-    line.bits = (line.bits[:2] + [0] * (rest - 2) + line.bits[line.start :])[: line.BITS]
+    rest_bits = line.chance.randrange(60, line.BITS)
+    line.bits = (line.bits[:2] + [0] * (rest_bits - 2) + line.bits[line.start :])[: line.BITS]
 
 
 def still_in_the_time_out(line: Line) -> None:
@@ -134,9 +134,9 @@ def story(seed: int) -> Iterator[tuple[str, int, bool, bytes]]:
         error = chance.random() < 0.02
         # The warning of a multiturn model may concern its revolutions, so the position is not usable.
         warning = chance.random() < 0.02
-        sent = word(position % (1 << POSITION_BITS), error, warning)
+        sent_word = word(position % (1 << POSITION_BITS), error, warning)
         error = error or warning
-        line = Line(chance, sent, chance.randint(1, 38), chance.randint(0, 3))
+        line = Line(chance, sent_word, chance.randint(1, 38), chance.randint(0, 3))
         fault = chance.choices((nothing, chance.choice(CERTAIN), moved), (80, 18, 2))[0]
         before = list(line.bits)
         fault(line)
@@ -158,38 +158,38 @@ def program(made_once: MadeOnce) -> Path:
 SAID = re.compile(r"(\d+) us: (?:no position yet|(-?\d+) counts at (\d+) us, (-?\d+) counts/s)")
 
 
-class Told(NamedTuple):
-    """The event of a frame, and whether the tracker ``took`` it. ``wrong`` lists the wrong statements that followed."""
+class FrameOutcome(NamedTuple):
+    """The event of a frame, whether the tracker ``took`` it, and the first wrong statement that followed, if any."""
 
     name: str
     took: bool
-    wrong: str
+    problem: str
 
 
-def judged(rows: Sequence[tuple[str, int, bool, bytes]], said: Sequence[str]) -> Iterator[Told]:
+def frame_outcomes(rows: Sequence[tuple[str, int, bool, bytes]], lines: Sequence[str]) -> Iterator[FrameOutcome]:
     """Compare each line of the program with the shaft.
 
     The position must be that of the shaft at the printed time, and the speed must follow from the frame accepted
     before.
     """
     last: tuple[int, int] | None = None
-    for index, ((name, _, error, _), line) in enumerate(zip(rows, said, strict=True)):
-        found = SAID.fullmatch(line)
-        assert found, line
-        assert int(found[1]) == 100 * index
-        if found[2] is None:
-            yield Told(name, False, "" if last is None else f"{line}: forgotten")
+    for index, ((name, _, error, _), line) in enumerate(zip(rows, lines, strict=True)):
+        match = SAID.fullmatch(line)
+        assert match, line
+        assert int(match[1]) == 100 * index
+        if match[2] is None:
+            yield FrameOutcome(name, False, "" if last is None else f"{line}: forgotten")
             continue
-        position, at_us, speed = map(int, found.groups()[1:])
+        position, at_us, speed = map(int, match.groups()[1:])
         before = last or (position, at_us)
         took = at_us == 100 * index
         last = (position, at_us) if took else before
         if position != rows[at_us // 100][1] or (took and error) or (not took and at_us != before[1]):
-            yield Told(name, took, f"{line}: the shaft is elsewhere")
+            yield FrameOutcome(name, took, f"{line}: the shaft is elsewhere")
         elif took and at_us > before[1] and speed != int((position - before[0]) * 1e6 / (at_us - before[1])):
-            yield Told(name, took, f"{line}: not its speed")
+            yield FrameOutcome(name, took, f"{line}: not its speed")
         else:
-            yield Told(name, took, "")
+            yield FrameOutcome(name, took, "")
 
 
 @pytest.fixture(scope="module")
@@ -197,30 +197,32 @@ def rows() -> list[tuple[str, int, bool, bytes]]:
     return list(story(14))
 
 
-def said_by(program: Path, rows: Sequence[tuple[str, int, bool, bytes]]) -> list[str]:
-    done = subprocess.run([str(program)], input=b"".join(row[3] for row in rows), capture_output=True, timeout=300)
-    assert done.returncode == 0, done.stderr
-    return done.stdout.decode().splitlines()
+def printed_lines(program: Path, rows: Sequence[tuple[str, int, bool, bytes]]) -> list[str]:
+    completed = subprocess.run([str(program)], input=b"".join(row[3] for row in rows), capture_output=True, timeout=300)
+    assert completed.returncode == 0, completed.stderr
+    return completed.stdout.decode().splitlines()
 
 
 @pytest.fixture(scope="module")
-def told(program: Path, rows: Sequence[tuple[str, int, bool, bytes]]) -> list[Told]:
-    return list(judged(rows, said_by(program, rows)))
+def outcomes(program: Path, rows: Sequence[tuple[str, int, bool, bytes]]) -> list[FrameOutcome]:
+    return list(frame_outcomes(rows, printed_lines(program, rows)))
 
 
-def test_100_000_buffers_without_a_wrong_position(told: Sequence[Told]) -> None:
-    assert len(told) == FRAMES
-    assert [item.wrong for item in told if item.wrong] == []
+def test_100_000_buffers_without_a_wrong_position(outcomes: Sequence[FrameOutcome]) -> None:
+    assert len(outcomes) == FRAMES
+    assert [outcome.problem for outcome in outcomes if outcome.problem] == []
 
 
-def test_what_is_taken_and_what_is_not(told: Sequence[Told]) -> None:
-    taken = {name: Counter(item.took for item in told if item.name == name) for name in {item.name for item in told}}
-    assert taken["nothing"][True] > 70_000
-    assert set(taken["nothing"]) == {True}, "no sound frame is lost"
-    assert set(taken["error"]) == {False}, "an encoder that reports an error has no position"
-    assert all(taken[item.__name__][False] > 1500 and not taken[item.__name__][True] for item in CERTAIN)
+def test_what_is_taken_and_what_is_not(outcomes: Sequence[FrameOutcome]) -> None:
+    counts: dict[str, Counter[bool]] = defaultdict(Counter)
+    for outcome in outcomes:
+        counts[outcome.name][outcome.took] += 1
+    assert counts["nothing"][True] > 70_000
+    assert set(counts["nothing"]) == {True}, "no sound frame is lost"
+    assert set(counts["error"]) == {False}, "an encoder that reports an error has no position"
+    assert all(counts[fault.__name__][False] > 1500 and not counts[fault.__name__][True] for fault in CERTAIN)
     # One of 64 moved words has a matching CRC, and only the limit of the tracker detects those.
-    assert taken["moved"][False] > 1500
+    assert counts["moved"][False] > 1500
 
 
 def test_the_axis_goes_past_the_end_of_its_positions(rows: Sequence[tuple[str, int, bool, bytes]]) -> None:
@@ -235,8 +237,8 @@ def test_what_the_limit_is_for(program: Path, rows: Sequence[tuple[str, int, boo
     added = "cw_tracker_add(&axis"
     assert text.count(added) == 1
     compile_c([*GCC, "-O2"], text.replace(added, f"axis.known = 0U; {added}"), tmp_path, folder / "include")
-    believing = list(judged(rows, said_by(tmp_path / "program", rows)))
-    assert any(item.took and item.wrong for item in believing if item.name == "moved")
+    believing = list(frame_outcomes(rows, printed_lines(tmp_path / "program", rows)))
+    assert any(outcome.took and outcome.problem for outcome in believing if outcome.name == "moved")
 
 
 def test_the_constants_of_the_program() -> None:

@@ -17,7 +17,7 @@ from codewheel.reference import codec
 from codewheel.reference.findings import Report, findings
 from codewheel.say.report import alarm_of, meaning
 from codewheel.targets.c.device import views_of
-from test_c_codec import Table, check, made, on_the_wire, samples
+from test_c_codec import Table, check, encoded_sample, on_the_wire, samples
 
 pytestmark = pytest.mark.slow
 
@@ -34,13 +34,13 @@ def frames(device: Device) -> Iterator[tuple[str, Variant, PlacedLayout, int]]:
     for name, variant, placed in table.cases():
         if placed.layout.sender != "encoder":
             continue
-        data = [item for item in placed.fields if item.field.carries_data]
-        choices = {item.name: samples(item.field, item.width, placed.layout, random_) for item in data}
-        flags = [item for item in data if isinstance(item.field.kind, Flag)]
-        quiet = {item.name: int(item.field.kind.active_low) for item in flags if isinstance(item.field.kind, Flag)}
-        sets = [quiet, *({**quiet, item.name: 1 - quiet[item.name]} for item in flags)]
+        data = [field for field in placed.fields if field.field.carries_data]
+        choices = {field.name: samples(field.field, field.width, placed.layout, random_) for field in data}
+        flags = [field for field in data if isinstance(field.field.kind, Flag)]
+        quiet = {flag.name: int(flag.field.kind.active_low) for flag in flags if isinstance(flag.field.kind, Flag)}
+        sets = [quiet, *({**quiet, flag.name: 1 - quiet[flag.name]} for flag in flags)]
         for fixed in (*sets, *({} for _ in range(FRAMES))):
-            yield name, variant, placed, made(device, placed, choices, fixed, random_)
+            yield name, variant, placed, encoded_sample(device, placed, choices, fixed, random_)
 
 
 def by_interface(device: Device) -> list[Device]:
@@ -48,20 +48,20 @@ def by_interface(device: Device) -> list[Device]:
     return [view.device for view in views_of(device)]
 
 
-def said_by(device: Device, told: ReportCause) -> tuple[str, str]:
+def report_key(device: Device, cause: ReportCause) -> tuple[str, str]:
     """Return the field and the text of a report. A flag can have another meaning for other order codes."""
-    return told.by.field.name, meaning(told.made_of, alarm_of(device, told.made_of))
+    return cause.by.field.name, meaning(cause.made_of, alarm_of(device, cause.made_of))
 
 
-class Telling:
+class ExpectedReports:
     """Expected reports of the frames of a device, from the reference. C numbers the reports of each interface."""
 
     def __init__(self, device: Device) -> None:
         self.device = device
-        self._bits = {
-            item.codec.layout.name: {said_by(device, told): 1 << told.report.number for told in item.causes}
-            for item in reportings(device)
-        }
+        self._bits = {}
+        for reporting in reportings(device):
+            bits = {report_key(device, cause): 1 << cause.report.number for cause in reporting.causes}
+            self._bits[reporting.codec.layout.name] = bits
 
     def says_anything(self, layout: str) -> bool:
         return layout in self._bits
@@ -70,32 +70,32 @@ class Telling:
         return bool(self._bits[layout])
 
     def mask(self, reports: Iterable[Report], layout: str) -> int:
-        return sum(self._bits[layout][item.field, item.meaning] for item in reports)
+        return sum(self._bits[layout][report.field, report.meaning] for report in reports)
 
-    def of(self, variant: Variant, placed: PlacedLayout, number: int) -> tuple[int | None, int]:
+    def verdict_and_mask(self, variant: Variant, placed: PlacedLayout, number: int) -> tuple[int | None, int]:
         """Return the verdict, if there is one, and the mask of the reports."""
-        said = findings(self.device, variant, codec.decode(self.device, placed, number))
-        verdict = VERDICTS.index(said.verdict) if said.verdict is not None else None
-        return verdict, self.mask(said.reports, placed.name)
+        reference = findings(self.device, variant, codec.decode(self.device, placed, number))
+        verdict = VERDICTS.index(reference.verdict) if reference.verdict is not None else None
+        return verdict, self.mask(reference.reports, placed.name)
 
     def row(self, variant: Variant, placed: PlacedLayout, number: int) -> str:
         """Return the expected answer of the harness."""
-        verdict, reports = self.of(variant, placed, number)
-        told = f"{reports:X}" if self.has_reports(placed.name) else "-"
-        return f"0 {'-' if verdict is None else verdict} {told}"
+        verdict, reports = self.verdict_and_mask(variant, placed, number)
+        mask = f"{reports:X}" if self.has_reports(placed.name) else "-"
+        return f"0 {'-' if verdict is None else verdict} {mask}"
 
 
 def test_verdict_and_reports_are_those_of_the_reference(machine: tuple[Device, Run]) -> None:
     device, run = machine
-    pairs = [
-        (f"{variant.code} tells {name} {on_the_wire(placed, number)}", telling.row(variant, placed, number))
-        for telling in map(Telling, by_interface(device))
-        for name, variant, placed, number in frames(telling.device)
-        if telling.says_anything(name)
-    ]
+    pairs = []
+    for expected_reports in map(ExpectedReports, by_interface(device)):
+        for name, variant, placed, number in frames(expected_reports.device):
+            if expected_reports.says_anything(name):
+                line = f"{variant.code} tells {name} {on_the_wire(placed, number)}"
+                pairs.append((line, expected_reports.row(variant, placed, number)))
     check(run, pairs)
-    seen = {answer.split()[1] for _, answer in pairs}
-    wanted = {
+    verdicts = {answer.split()[1] for _, answer in pairs}
+    expected = {
         "am36": "0 1",
         "amm5": "0 1 2 3 -",
         "asc85": "0 1 2 3",
@@ -103,7 +103,7 @@ def test_verdict_and_reports_are_those_of_the_reference(machine: tuple[Device, R
         "sma21": "0 2 3",
         "words": "0 3 -",
     }
-    assert seen >= set(wanted.get(device.name, "").split()), seen
+    assert verdicts >= set(expected.get(device.name, "").split()), verdicts
 
 
 def test_every_report_is_made_and_has_its_text(machine: tuple[Device, Run]) -> None:
@@ -117,14 +117,14 @@ def test_every_report_is_made_and_has_its_text(machine: tuple[Device, Run]) -> N
 def every_report_is_made(device: Device, run: Run) -> None:
     everything = reports_of(device)
     texts: dict[int, list[str]] = {}
-    telling = Telling(device)
+    expected_reports = ExpectedReports(device)
     for name, variant, placed, number in frames(device):
-        said = findings(device, variant, codec.decode(device, placed, number))
-        for report in said.reports:
-            bit = telling.mask([report], name)
+        reference = findings(device, variant, codec.decode(device, placed, number))
+        for report in reference.reports:
+            bit = expected_reports.mask([report], name)
             row = [everything[bit.bit_length() - 1].name, report.printed_name, report.meaning, report.remedy]
             texts.setdefault(bit, [*row, report.source])
-    assert sorted(texts) == [1 << item.number for item in everything]
+    assert sorted(texts) == [1 << report.number for report in everything]
     code = device.variants[0].code
     answers = run([f"{code} text of {-bit & 0xFFFF_FFFF:X}" for bit in texts])
     assert {bit: shlex.split(answer) for bit, answer in zip(texts, answers, strict=True)} == texts
@@ -135,10 +135,10 @@ def test_the_strict_form_wants_unused_bits_as_the_manual_has_them(machine: tuple
     device, run = machine
     pairs = []
     for name, variant, placed, number in frames(device):
-        said = findings(device, variant, codec.decode(device, placed, number))
-        documented = any(item.equals is not None for item in placed.layout.fields)
+        reference = findings(device, variant, codec.decode(device, placed, number))
+        documented = any(field.equals is not None for field in placed.layout.fields)
         if documented or placed.layout.unused:
-            strict = not said.differences and not codec.unused_bits(placed, number)
+            strict = not reference.differences and not codec.unused_bits(placed, number)
             pairs.append((f"{variant.code} expected {name} {on_the_wire(placed, number)}", f"0 {int(strict)}"))
     check(run, pairs)
     if device.name in ("am36", "amm5", "reserved", "sma21"):
@@ -164,7 +164,7 @@ def test_verdicts_by_hand(run: Run) -> None:
         "1A 01 A5A500 23 888800 10": f"{WARNING} 81",
     }
     code = "AMM5A23/65KJP1"
-    pairs = [(f"{code} tells complete_reply {with_xor(frame)}", f"0 {said}") for frame, said in complete.items()]
+    pairs = [(f"{code} tells complete_reply {with_xor(frame)}", f"0 {answer}") for frame, answer in complete.items()]
     # A reply from a public log: EE_1 is active, and the reply does not show the cause.
     pairs.append((f"{code} tells singleturn_reply 0220C7D16A5E", f"0 {NOT_USABLE} 4"))
     # Singleturn models have no battery (4.3). The manual does not say what BATT and MTERR mean for them.
@@ -174,7 +174,7 @@ def test_verdicts_by_hand(run: Run) -> None:
         "1A 20 A5A500 23 000000 42": f"{NOT_USABLE} 2024",
     }
     code = "AMM5A23/1JP1"
-    pairs += [(f"{code} tells complete_reply {with_xor(frame)}", f"0 {said}") for frame, said in singleturn.items()]
+    pairs += [(f"{code} tells complete_reply {with_xor(frame)}", f"0 {answer}") for frame, answer in singleturn.items()]
     check(run, pairs)
 
 
@@ -195,10 +195,10 @@ def test_the_only_printed_reply_to_data_id_5_has_its_position(programs: Mapping[
 def test_an_error_of_an_encoder_that_has_none(programs: Mapping[str, Run], every_device: Mapping[str, Device]) -> None:
     """AM36 always sends nE and nW as 1 (6.3.1). A word with one of them at 0 still has its position."""
     device = every_device["am36"]
-    variant = next(item for item in device.variants if item.interface == "biss")
+    variant = next(variant for variant in device.variants if variant.interface == "biss")
     placed = device.interface("biss").layouts[0].place(variant.parameters)
-    said = {0: f"{UNKNOWN} 0", 1: f"{UNKNOWN} 2", 2: f"{NOT_USABLE} 1", 3: f"{NOT_USABLE} 3"}
-    for unused, answer in said.items():
+    answers = {0: f"{UNKNOWN} 0", 1: f"{UNKNOWN} 2", 2: f"{NOT_USABLE} 1", 3: f"{NOT_USABLE} 3"}
+    for unused, answer in answers.items():
         word = codec.encode(device, placed, {"multiturn": 1, "singleturn": 2, "unused": unused})
         assert word >> 6 & 3 == 3 - unused
         assert programs["am36"]([f"{variant.code} tells {placed.name} {word:X}"]) == [f"0 {answer}"]
@@ -211,9 +211,9 @@ def test_a_position_of_unknown_worth_ranks_below_a_usable_one(
     numbers = []
     for code, layout in (("AMM5A17/1BG1", "ssi_word"), ("AMM5A17/1SC1", "single_cycle_data")):
         device = every_device["amm5"]
-        variant = next(item for item in device.variants if item.code == code)
+        variant = next(variant for variant in device.variants if variant.code == code)
         placed = device.layout(layout).place(variant.parameters)
-        values = {item.name: 0 for item in placed.fields if isinstance(item.field.kind, Flag)}
+        values = {field.name: 0 for field in placed.fields if isinstance(field.field.kind, Flag)}
         word = codec.encode(device, placed, {"singleturn": 5, **values})
         (answer,) = programs["amm5"]([f"{code} tells {layout} {word:X}"])
         numbers.append(int(answer.split()[1]))

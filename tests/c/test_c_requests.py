@@ -83,20 +83,20 @@ def packages(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-def sent(package: Path, program: str) -> list[str]:
+def printed_requests(package: Path, program: str) -> list[str]:
     """Compile a program with warnings as errors, and return the requests that it prints."""
-    made = package / program
+    executable = package / program
     source, include = package / "c" / "examples" / f"{program}.c", package / "c" / "include"
-    command = ["gcc", "-std=c99", *WARNINGS, "-Werror", f"-I{include}", str(source), "-o", str(made)]
+    command = ["gcc", "-std=c99", *WARNINGS, "-Werror", f"-I{include}", str(source), "-o", str(executable)]
     subprocess.run(command, check=True)
-    done = subprocess.run([made], check=True, capture_output=True, text=True)
-    return [line.removeprefix("send ") for line in done.stdout.splitlines() if line.startswith("send ")]
+    completed = subprocess.run([executable], check=True, capture_output=True, text=True)
+    return [line.removeprefix("send ") for line in completed.stdout.splitlines() if line.startswith("send ")]
 
 
 @pytest.mark.parametrize("name", REQUESTS)
 def test_a_program_sends_the_request_for_its_frame(name: str, packages: Path) -> None:
     folder, _, program = name.partition("/")
-    assert {*sent(packages / folder, program)} == {REQUESTS[name]}
+    assert {*printed_requests(packages / folder, program)} == {REQUESTS[name]}
 
 
 def test_a_request_has_the_defaults_of_its_fields(tmp_path: Path) -> None:
@@ -104,7 +104,7 @@ def test_a_request_has_the_defaults_of_its_fields(tmp_path: Path) -> None:
     (tmp_path / "manufacturer.yaml").write_text(MAKER, encoding="utf-8")
     (tmp_path / "mlx.yaml").write_text(MLX, encoding="utf-8")
     assert main(["generate", str(tmp_path), "--target", "c", "-o", str(tmp_path)]) == 0
-    assert sent(tmp_path, "mlx_spi") == [GET1, GET1]
+    assert printed_requests(tmp_path, "mlx_spi") == [GET1, GET1]
     program = (tmp_path / "c" / "examples" / "mlx_spi.c").read_text(encoding="ascii")
     assert "/* Set reset, opcode yourself, because there is no default. */" in program
     header = (tmp_path / "c" / "include" / "test" / "mlx_spi.h").read_text(encoding="ascii")
@@ -116,7 +116,7 @@ def test_a_field_that_must_be_a_power_of_two_is_one(tmp_path: Path) -> None:
     spec = MLX.replace("{name: zero_4, bits: 16, unused: 0}", "{name: rate, bits: 16, power_of_two: true}")
     (tmp_path / "mlx.yaml").write_text(spec, encoding="utf-8")
     assert main(["generate", str(tmp_path), "--target", "c", "-o", str(tmp_path)]) == 0
-    assert {request[:17] for request in sent(tmp_path, "mlx_spi")} == {"00 00 FF FF 00 01"}
+    assert {request[:17] for request in printed_requests(tmp_path, "mlx_spi")} == {"00 00 FF FF 00 01"}
 
 
 def test_a_reply_with_another_address_is_refused(packages: Path, tmp_path: Path) -> None:
@@ -128,5 +128,5 @@ def test_a_reply_with_another_address_is_refused(packages: Path, tmp_path: Path)
     subprocess.run(
         ["gcc", "-std=c99", f"-I{include}", str(tmp_path / "program.c"), "-o", str(tmp_path / "made")], check=True
     )
-    done = subprocess.run([tmp_path / "made"], capture_output=True, text=True)
-    assert (done.returncode, done.stdout.splitlines()[1:]) == (1, ["error 4"])
+    completed = subprocess.run([tmp_path / "made"], capture_output=True, text=True)
+    assert (completed.returncode, completed.stdout.splitlines()[1:]) == (1, ["error 4"])

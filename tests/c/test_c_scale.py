@@ -49,5 +49,5 @@ def test_firmware_computes_temperatures_in_integers(tmp_path: Path) -> None:
     names = ("infineon/manufacturer", "infineon/tle5012b", "rls/manufacturer", "rls/orbis_serial")
     include = write(tmp_path, devices_of(*(ENCODERS / f"{name}.yaml" for name in names)))
     program = compile_c([*GCC, *SANITIZED], PROGRAM, tmp_path, include)
-    found = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout
-    assert found.split() == ["-2732", "-273200", "-72", "28818", "0", "125000"]
+    output = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout
+    assert output.split() == ["-2732", "-273200", "-72", "28818", "0", "125000"]

@@ -17,17 +17,17 @@ from codewheel.plan.vectors import CONTROL_FIELDS, vectors_of
 
 ROOT = Path(__file__).resolve().parents[2]
 #: The manuals show no example of these registers.
-TESTED = tuple(item for item in INTERFACES if item not in ("am36_ssi", "amm5_ssi", "asc85_ssi"))
+TESTED = tuple(interface for interface in INTERFACES if interface not in ("am36_ssi", "amm5_ssi", "asc85_ssi"))
 
 
 def compiled(include: Path, folder: Path, *options: str) -> ctypes.CDLL:
     """Return the self-test of the package as a library."""
-    made = folder / f"selftest{len(options)}.so"
+    library = folder / f"selftest{len(options)}.so"
     tests = sorted(str(path) for path in (include.parent / "selftest").glob("*.c"))
     command = ["gcc", "-std=c99", "-O1", "-shared", "-fPIC", *WARNINGS, f"-I{include}", *options, *tests]
-    done = subprocess.run([*command, "-o", str(made)], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[:4000]
-    return ctypes.CDLL(str(made))
+    completed = subprocess.run([*command, "-o", str(library)], capture_output=True, text=True)
+    assert completed.returncode == 0, completed.stderr[:4000]
+    return ctypes.CDLL(str(library))
 
 
 @pytest.mark.slow
@@ -35,8 +35,8 @@ def compiled(include: Path, folder: Path, *options: str) -> ctypes.CDLL:
 def test_all_is_well(options: tuple[str, ...], include: Path, tmp_path: Path) -> None:
     tests = compiled(include, tmp_path, *options)
     assert tests.lika_selftest() == tests.ichaus_selftest() == 0
-    names = {item: f"{FAMILIES[item.partition('_')[0]]}_{item}_selftest" for item in TESTED}
-    assert {item: getattr(tests, name)() for item, name in names.items()} == dict.fromkeys(TESTED, 0)
+    names = {interface: f"{FAMILIES[interface.partition('_')[0]]}_{interface}_selftest" for interface in TESTED}
+    assert {interface: getattr(tests, name)() for interface, name in names.items()} == dict.fromkeys(TESTED, 0)
     assert tests.cw_selftest() == 0
 
 
@@ -45,13 +45,13 @@ def test_every_example_has_a_check(include: Path, every_device: Mapping[str, Dev
     for name in FAMILIES:
         paths = (include.parent / "selftest").glob(f"{name}_*.c")
         text = "".join(path.read_text(encoding="ascii") for path in paths)
-        shown = " ".join(re.findall(r"^/\*\s+(?:\* )?(\d+: .*?)\*/", text, re.MULTILINE | re.DOTALL))
+        comments = " ".join(re.findall(r"^/\*\s+(?:\* )?(\d+: .*?)\*/", text, re.MULTILINE | re.DOTALL))
         for example in every_device[name].examples:
-            of = getattr(example, "register", "")
-            plain = of and every_device[name].register(of).length == 1
+            register = getattr(example, "register", "")
+            plain = register and every_device[name].register(register).length == 1
             # The runtime computes the first, and the second is that of an EEPROM.
-            other = isinstance(example, CrcExample) and example.crc in ("biss_4", "configuration_16")
-            assert plain or other or f": {example.name.replace('_', ' ')}" in shown, example.name
+            by_runtime = isinstance(example, CrcExample) and example.crc in ("biss_4", "configuration_16")
+            assert plain or by_runtime or f": {example.name.replace('_', ' ')}" in comments, example.name
         assert "stdio" not in text
 
 
@@ -85,11 +85,11 @@ def test_a_header_that_was_changed_is_told(fault: str, include: Path, tmp_path: 
     text, count = re.subn(sound, planted, path.read_text(encoding="ascii"), count=1, flags=re.DOTALL)
     assert count == 1
     path.write_text(text, encoding="ascii")
-    told = compiled(tmp_path / "c" / "include", tmp_path).lika_selftest()
-    lika = [item for item in TESTED if FAMILIES[item.partition("_")[0]] == "lika"]
+    result = compiled(tmp_path / "c" / "include", tmp_path).lika_selftest()
+    lika = [interface for interface in TESTED if FAMILIES[interface.partition("_")[0]] == "lika"]
     place = 1 + (lika.index(stem) if stem in lika else len(lika))
-    assert told // 1000 == place
-    assert told % 1000 > 0
+    assert result // 1000 == place
+    assert result % 1000 > 0
 
 
 def test_public_vectors_are_those_of_their_sources(
@@ -97,18 +97,20 @@ def test_public_vectors_are_those_of_their_sources(
 ) -> None:
     crcs, fields = {6: {}, 4: {}}, {}
     for row in vectors:
-        given = row["fields"]
-        if "position_bits" in given:
-            crcs[6][given["position"] << 2 | given["nE"] << 1 | given["nW"]] = given["CRC6_inverted"]
-        if "CRC6_raw" in given:
-            crcs[6][given["data"]] = given["CRC6_inverted"]
-        if "DATA" in given:
-            crcs[4][given["DATA"]] = given.get("DATA_CRC4", given.get("CRC4_inverted"))
-        if set(given) == {"data_id", "CF"}:
-            fields[given["data_id"]] = given["CF"]
+        row_fields = row["fields"]
+        if "position_bits" in row_fields:
+            crcs[6][row_fields["position"] << 2 | row_fields["nE"] << 1 | row_fields["nW"]] = row_fields[
+                "CRC6_inverted"
+            ]
+        if "CRC6_raw" in row_fields:
+            crcs[6][row_fields["data"]] = row_fields["CRC6_inverted"]
+        if "DATA" in row_fields:
+            crcs[4][row_fields["DATA"]] = row_fields.get("DATA_CRC4", row_fields.get("CRC4_inverted"))
+        if set(row_fields) == {"data_id", "CF"}:
+            fields[row_fields["data_id"]] = row_fields["CF"]
     assert fields == CONTROL_FIELDS
     for crc in every_device["amm5"].crcs:
         if crc.name.startswith("biss"):
-            assert {item.data: item.crc for item in vectors_of(crc)} == crcs[crc.width]
+            assert {vector.data: vector.crc for vector in vectors_of(crc)} == crcs[crc.width]
         else:
             assert vectors_of(crc) == ()

@@ -65,5 +65,5 @@ def test_requests_and_values(tmp_path: Path) -> None:
     strict = ["-Wall", "-Wextra", "-Wconversion", "-Werror"]
     require([*GCC, *SANITIZED])
     subprocess.run([*GCC, *SANITIZED, *strict, f"-I{RUNTIME}", str(source), "-o", str(program)], check=True)
-    done = subprocess.run([program], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines() == [*NEXT_WORD, *SAME_WORD, "12 AB FF", "12ABFF 0", *LENGTHS]
+    completed = subprocess.run([program], capture_output=True, text=True, check=True)
+    assert completed.stdout.splitlines() == [*NEXT_WORD, *SAME_WORD, "12 AB FF", "12ABFF 0", *LENGTHS]

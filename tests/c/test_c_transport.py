@@ -60,34 +60,34 @@ class Case:
     @property
     def lines(self) -> list[tuple[str, tuple[int, int, int, int]]]:
         """Each access, and the step, kind, call and address that are reported if it fails."""
-        found = []
-        for line in (item.strip() for item in self.record.strip().splitlines()):
+        accesses = []
+        for line in (line.strip() for line in self.record.strip().splitlines()):
             match = re.fullmatch(r"(\d+)(?: (\w+))?(?: ([0-9A-F]{2}))?: ((\w+)(?: ([0-9A-F]+))?.*)", line)
             assert match is not None, line
             step, kind, place, access, verb, first = match.groups()
             address = place or (first if verb in ("r", "w") else "0")
-            found.append((access, (int(step), KINDS[kind or verb], KINDS[verb], int(address, 16))))
-        return found
+            accesses.append((access, (int(step), KINDS[kind or verb], KINDS[verb], int(address, 16))))
+        return accesses
 
     def closing(self, failed: int) -> tuple[list[str], bool]:
         """Return the accesses that close the open register after this failure, and True if it stays open."""
-        at = next((index for index, (_, told) in enumerate(self.lines) if told[1] == CLOSE), -1)
+        at = next((index for index, (_, failure) in enumerate(self.lines) if failure[1] == CLOSE), -1)
         return ([self.lines[at][0]] if failed < at else []), failed == at
 
     def encoder(self) -> Encoder:
-        made = Encoder()
+        encoder = Encoder()
         for address, value in self.before:
-            made.memory[address] = value
+            encoder.memory[address] = value
         if self.status:
-            left = list(self.status)
+            statuses = list(self.status)
 
             def answer(address: int) -> None:
                 if address == 0x60:
-                    made.memory[0x60] = left.pop(0)
+                    encoder.memory[0x60] = statuses.pop(0)
 
-            made.before_read = answer
-            made.polls = (9, 250)
-        return made
+            encoder.before_read = answer
+            encoder.polls = (9, 250)
+        return encoder
 
 
 def ten_times(request: str, first: int = 0) -> str:
@@ -429,7 +429,7 @@ CASES = [
 
 
 @pytest.fixture(params=["at once", "step by step"])
-def ways(
+def tested_machines(
     request: pytest.FixtureRequest, machines: Callable[[str], Machine], stepped_machines: Callable[[str], Machine]
 ) -> Callable[[str], Machine]:
     """Procedures that wait and those in a main loop do the same."""
@@ -441,32 +441,33 @@ def case_name(case: Case) -> str:
 
 
 def test_every_procedure_is_here(every_device: Mapping[str, Device]) -> None:
-    listed = sorted((case.family, case.procedure) for case in CASES)
-    assert listed == sorted((name, item.name) for name in FAMILIES for item in every_device[name].procedures)
-    assert len(listed) == 33
+    tested_procedures = sorted((case.family, case.procedure) for case in CASES)
+    devices = [(name, every_device[name]) for name in FAMILIES]
+    assert tested_procedures == sorted((name, listed.name) for name, device in devices for listed in device.procedures)
+    assert len(tested_procedures) == 33
 
 
 @pytest.mark.parametrize("case", CASES, ids=case_name)
-def test_a_procedure_does_what_the_manual_says(case: Case, ways: Callable[[str], Machine]) -> None:
-    answer = ways(case.family).run(case.procedure, case.code, case.arguments, case.encoder())
+def test_a_procedure_does_what_the_manual_says(case: Case, tested_machines: Callable[[str], Machine]) -> None:
+    answer = tested_machines(case.family).run(case.procedure, case.code, case.arguments, case.encoder())
     assert answer.record == [access for access, _ in case.lines]
     assert (answer.result, answer.failure) == (OK, UNTOUCHED)
     assert answer.data == bytes.fromhex(case.reads)
 
 
 @pytest.mark.parametrize("case", CASES, ids=case_name)
-def test_every_access_that_fails_is_told(case: Case, ways: Callable[[str], Machine]) -> None:
-    made = ways(case.family)
-    for index, (_, told) in enumerate(case.lines):
-        if made.stepped and told[2] == WAIT:
+def test_every_access_that_fails_is_told(case: Case, tested_machines: Callable[[str], Machine]) -> None:
+    machine = tested_machines(case.family)
+    for index, (_, failure) in enumerate(case.lines):
+        if machine.stepped and failure[2] == WAIT:
             continue
         encoder = case.encoder()
         encoder.fail_at, encoder.error = index, -1000 - index
-        answer = made.run(case.procedure, case.code, case.arguments, encoder)
+        answer = machine.run(case.procedure, case.code, case.arguments, encoder)
         closing, left_open = case.closing(index)
-        done = [access for access, _ in case.lines[: index + 1]]
-        assert answer.record == [*done, *closing], "after a failure nothing is done but closing"
-        assert (answer.result, answer.failure, answer.data) == (TRANSPORT, (*told, -1000 - index), b"")
+        accesses = [access for access, _ in case.lines[: index + 1]]
+        assert answer.record == [*accesses, *closing], "after a failure nothing is done but closing"
+        assert (answer.result, answer.failure, answer.data) == (TRANSPORT, (*failure, -1000 - index), b"")
         assert answer.left_open == left_open
 
 
@@ -483,49 +484,50 @@ def test_what_is_saved_or_activated_is_read_back() -> None:
 
 
 @pytest.mark.parametrize("case", VERIFIED, ids=case_name)
-def test_a_disturbed_value_is_never_saved(case: Case, ways: Callable[[str], Machine]) -> None:
+def test_a_disturbed_value_is_never_saved(case: Case, tested_machines: Callable[[str], Machine]) -> None:
     """In each byte that is written whole, each bit is inverted. The command that depends on it is not sent."""
     count = 0
-    for index, (access, told) in enumerate(case.lines):
-        whole = index == 0 or case.lines[index - 1][1][:2] != (told[0], WRITE)
+    for index, (access, failure) in enumerate(case.lines):
+        whole = index == 0 or case.lines[index - 1][1][:2] != (failure[0], WRITE)
         if not access.startswith("w ") or access.startswith((*COMMANDS, OPENS)) or not whole:
             continue
         for bit in range(8):
             encoder = case.encoder()
             encoder.disturbed = {index: 1 << bit}
-            answer = ways(case.family).run(case.procedure, case.code, case.arguments, encoder)
+            answer = tested_machines(case.family).run(case.procedure, case.code, case.arguments, encoder)
             place, value = int(access.split()[1], 16), int(access.split()[2], 16) ^ 1 << bit
-            found = next(item for item in case.lines[index:] if item[1][1] == VERIFY_STEP and item[1][3] == place)
-            at = case.lines.index(found, index)
+            verifications = [line for line in case.lines[index:] if line[1][1] == VERIFY_STEP]
+            verification = next(line for line in verifications if line[1][3] == place)
+            at = case.lines.index(verification, index)
             closing = ["w 40 00"] if case.family == "amm5" else []
             assert answer.record == [*(line for line, _ in case.lines[: at + 1]), *closing]
             assert not [line for line in answer.record[index:] if line.startswith(COMMANDS)]
             assert (answer.result, answer.left_open) == (VERIFY, False)
-            assert answer.failure == (found[1][0], VERIFY_STEP, VERIFY_STEP, place, value)
+            assert answer.failure == (verification[1][0], VERIFY_STEP, VERIFY_STEP, place, value)
             count += 1
     assert count >= 8 or case.procedure == "select_preset"
 
 
-def test_a_field_that_was_not_stored_is_seen(ways: Callable[[str], Machine]) -> None:
+def test_a_field_that_was_not_stored_is_seen(tested_machines: Callable[[str], Machine]) -> None:
     """SMA21 6.4: bit 2 of 49h enables the preset, and bit 1 selects it. The other bits do not matter."""
-    case = next(item for item in CASES if case_name(item) == "sma21-select_preset")
+    case = next(case for case in CASES if case_name(case) == "sma21-select_preset")
     for place, bit, step in ((1, 0x04, 2), (3, 0x02, 3)):
         encoder = case.encoder()
         encoder.disturbed = {place: bit}
-        answer = ways("sma21").run(case.procedure, case.code, (), encoder)
+        answer = tested_machines("sma21").run(case.procedure, case.code, (), encoder)
         assert (answer.result, answer.failure[:4]) == (VERIFY, (step, VERIFY_STEP, VERIFY_STEP, 0x49))
         assert not [line for line in answer.record if line.startswith(COMMANDS)]
 
 
 @pytest.mark.parametrize("case", CASES, ids=case_name)
-def test_a_function_that_is_missing_is_told(case: Case, ways: Callable[[str], Machine]) -> None:
+def test_a_function_that_is_missing_is_told(case: Case, tested_machines: Callable[[str], Machine]) -> None:
     functions = {"read_registers": "r", "write_registers": "w", "wait_us": "wait", "send_request": "send"}
     for name, verb in functions.items():
-        if ways(case.family).stepped and verb == "wait":
+        if tested_machines(case.family).stepped and verb == "wait":
             continue
         encoder = case.encoder()
         encoder.missing = frozenset((name,))
-        answer = ways(case.family).run(case.procedure, case.code, case.arguments, encoder)
+        answer = tested_machines(case.family).run(case.procedure, case.code, case.arguments, encoder)
         at = next((index for index, (access, _) in enumerate(case.lines) if access.split()[0] == verb), None)
         if at is None:
             assert (answer.result, answer.failure) == (OK, UNTOUCHED)
@@ -537,10 +539,11 @@ def test_a_function_that_is_missing_is_told(case: Case, ways: Callable[[str], Ma
 
 
 @pytest.mark.parametrize("case", CASES, ids=case_name)
-def test_who_does_not_ask_is_not_told(case: Case, ways: Callable[[str], Machine]) -> None:
+def test_who_does_not_ask_is_not_told(case: Case, tested_machines: Callable[[str], Machine]) -> None:
     if not case.arguments:
         assert (
-            ways(case.family).run_without_failure(case.procedure, case.code, Encoder(fail_at=0, error=1)) == TRANSPORT
+            tested_machines(case.family).run_without_failure(case.procedure, case.code, Encoder(fail_at=0, error=1))
+            == TRANSPORT
         )
 
 
@@ -550,10 +553,10 @@ def test_the_presets_are_those_that_open_something() -> None:
     assert closing == {("amm5", "set_preset"), ("amm5", "store_preset")}
 
 
-def test_what_cannot_be_closed_is_told(ways: Callable[[str], Machine]) -> None:
+def test_what_cannot_be_closed_is_told(tested_machines: Callable[[str], Machine]) -> None:
     """The bus fails from the third of the Preset registers on. Closing is tried once and also fails."""
     encoder = Encoder(fail_at=3, error=-9, fail_on=True)
-    answer = ways("amm5").run("set_preset", "AMM5A21/65KSC1", (1000003,), encoder)
+    answer = tested_machines("amm5").run("set_preset", "AMM5A21/65KSC1", (1000003,), encoder)
     assert answer.record == ["w 40 01", "w 11 00", "w 12 30", "w 13 24", "w 40 00"]
     assert (answer.result, answer.failure, answer.left_open) == (TRANSPORT, (3, WRITE, WRITE, 0x13, -9), True)
     assert encoder.memory[0x40] == 0, "where only the answer was lost, it is closed"
@@ -569,44 +572,44 @@ def test_what_cannot_be_closed_is_told(ways: Callable[[str], Machine]) -> None:
     ],
 )
 def test_a_reply_that_is_not_one_ends_the_requests(
-    family: str, code: str, procedure: str, length: int, pause: str, ways: Callable[[str], Machine]
+    family: str, code: str, procedure: str, length: int, pause: str, tested_machines: Callable[[str], Machine]
 ) -> None:
     """A disturbed byte is a CRC error. A reply to another request is not a reply to this one."""
-    made = ways(family)
+    machine = tested_machines(family)
     for number in (0, 3, 9):
         for byte in range(length):
-            answer = made.run(procedure, code, (), Encoder(spoilt={(number, byte): 0x20}))
+            answer = machine.run(procedure, code, (), Encoder(spoilt={(number, byte): 0x20}))
             assert (answer.result, answer.failure) == (CRC, (0, SEND, SEND, 0, 0))
             assert len([line for line in answer.record if line.startswith("send")]) == number + 1
             assert pause not in answer.record or not pause
-        other = made.run(procedure, code, (), Encoder(spoilt={(number, 0): 0x20, (number, length - 1): 0x20}))
-        assert (other.result, other.failure) == (CONSTANT, (0, SEND, SEND, 0, 0))
+        to_another = machine.run(procedure, code, (), Encoder(spoilt={(number, 0): 0x20, (number, length - 1): 0x20}))
+        assert (to_another.result, to_another.failure) == (CONSTANT, (0, SEND, SEND, 0, 0))
     longer = Encoder(spoilt={(0, length): 0xFF, (10, 0): 0xFF})
-    assert made.run(procedure, code, (), longer).result == OK, "as long as the reply is, and no more requests"
+    assert machine.run(procedure, code, (), longer).result == OK, "as long as the reply is, and no more requests"
 
 
-def test_a_poll_gives_up(ways: Callable[[str], Machine]) -> None:
+def test_a_poll_gives_up(tested_machines: Callable[[str], Machine]) -> None:
     """Bit 7 of 60h never becomes 1. With a limit of three readings, the transport sees three, and two pauses."""
     encoder = Encoder(polls=(3, 700))
     encoder.before_read = lambda address: encoder.memory.__setitem__(0x60, 0x7F)
-    answer = ways("asc85").run("software_reset", "ASC8525/SC1", (), encoder)
+    answer = tested_machines("asc85").run("software_reset", "ASC8525/SC1", (), encoder)
     assert answer.record == ["w 60 03", "r 60 1", "wait 700", "r 60 1", "wait 700", "r 60 1"]
     assert (answer.result, answer.failure, answer.data) == (TIMEOUT, (1, POLL, POLL, 0x60, 0), b"")
 
 
-def test_a_poll_without_a_bound_has_that_of_the_header(ways: Callable[[str], Machine]) -> None:
+def test_a_poll_without_a_bound_has_that_of_the_header(tested_machines: Callable[[str], Machine]) -> None:
     encoder = Encoder()
     encoder.before_read = lambda address: encoder.memory.__setitem__(0x60, 0x00)
-    answer = ways("asc85").run("request_position", "ASC8525/SC1", (), encoder)
+    answer = tested_machines("asc85").run("request_position", "ASC8525/SC1", (), encoder)
     assert answer.result == TIMEOUT
     assert answer.record.count("r 60 1") == 1000
     assert answer.record.count("wait 1000") == 999
 
 
-def test_a_poll_without_a_pause_does_not_wait(ways: Callable[[str], Machine]) -> None:
+def test_a_poll_without_a_pause_does_not_wait(tested_machines: Callable[[str], Machine]) -> None:
     encoder = Encoder(polls=(2, 0), missing=frozenset(("wait_us",)))
     encoder.before_read = lambda address: encoder.memory.__setitem__(0x60, 0x00)
-    answer = ways("asc85").run("request_position", "ASC8525/SC1", (), encoder)
+    answer = tested_machines("asc85").run("request_position", "ASC8525/SC1", (), encoder)
     assert (answer.result, answer.record) == (TIMEOUT, ["w 60 00", "r 60 1", "r 60 1"])
 
 
@@ -620,9 +623,9 @@ def test_a_poll_without_a_pause_does_not_wait(ways: Callable[[str], Machine]) ->
     ],
 )
 def test_a_wrong_argument_touches_nothing(
-    family: str, code: str, procedure: str, arguments: tuple[int, ...], ways: Callable[[str], Machine]
+    family: str, code: str, procedure: str, arguments: tuple[int, ...], tested_machines: Callable[[str], Machine]
 ) -> None:
-    answer = ways(family).run(procedure, code, arguments)
+    answer = tested_machines(family).run(procedure, code, arguments)
     assert (answer.result, answer.failure, answer.record) == (RANGE, UNTOUCHED, [])
 
 
@@ -656,9 +659,12 @@ def test_a_register_is_read_by_name(
     assert (failed.result, failed.failure, failed.data) == (TRANSPORT, (0, READ, READ, address, 77), b"")
 
 
+WRITTEN_BY_NAME = ("preset", "configuration", "number_of_revolutions", "preset_offset")
+
+
 @pytest.mark.parametrize(
     ("family", "code", "register", "address", "text"),
-    [item for item in EXAMPLES if item[2] in ("preset", "configuration", "number_of_revolutions", "preset_offset")],
+    [example for example in EXAMPLES if example[2] in WRITTEN_BY_NAME],
 )
 def test_a_register_is_written_by_name(
     family: str, code: str, register: str, address: int, text: str, machines: Callable[[str], Machine]
@@ -689,10 +695,10 @@ def test_values_that_the_manual_does_not_list_are_refused(machines: Callable[[st
 
 @pytest.mark.parametrize("family", FAMILIES)
 def test_there_is_a_function_for_every_access(family: str, machines: Callable[[str], Machine]) -> None:
-    made = machines(family)
-    for register in made.device.registers:
-        assert made.has(f"read_{register.name}") == (register.access != "write_only")
-        assert made.has(f"write_{register.name}") == (register.access != "read_only" and not register.reserved)
+    machine = machines(family)
+    for register in machine.device.registers:
+        assert machine.has(f"read_{register.name}") == (register.access != "write_only")
+        assert machine.has(f"write_{register.name}") == (register.access != "read_only" and not register.reserved)
 
 
 @pytest.mark.parametrize(("name", "banks"), [("tv62", {1, 2}), ("banks", {0, 2})])
@@ -700,13 +706,13 @@ def test_a_register_in_a_bank_has_it_selected_first(
     name: str, banks: set[int], machines: Callable[[str], Machine]
 ) -> None:
     """The bank is selected in 40h, before the banked registers in the guide, and after them in a data sheet."""
-    made = machines(name)
-    banked = [item for item in made.device.registers if item.bank is not None]
-    assert {item.bank for item in banked} == banks
-    code = next(item.code for item in made.device.variants if item.interface == "biss")
-    for item in banked:
-        answer = made.read(item.name, code, Encoder(memory=bytearray(128)))
-        assert answer.record == [f"w 40 {item.bank:02X}", f"r {item.address:02X} {item.length}"]
+    machine = machines(name)
+    banked = [register for register in machine.device.registers if register.bank is not None]
+    assert {register.bank for register in banked} == banks
+    code = next(variant.code for variant in machine.device.variants if variant.interface == "biss")
+    for register in banked:
+        answer = machine.read(register.name, code, Encoder(memory=bytearray(128)))
+        assert answer.record == [f"w 40 {register.bank:02X}", f"r {register.address:02X} {register.length}"]
 
 
 # -- identification and run-time state
@@ -721,14 +727,13 @@ IDENTITIES = {
 
 @pytest.mark.parametrize("family", IDENTITIES)
 def test_the_identity_is_read_whole(family: str, machines: Callable[[str], Machine]) -> None:
-    made, registers = machines(family), IDENTITIES[family]
-    answer = made.identity(Encoder())
+    machine, registers = machines(family), IDENTITIES[family]
+    answer = machine.identity(Encoder())
     assert (answer.result, answer.record) == (OK, [f"r {address} {length}" for address, length in registers])
-    assert answer.data == b"".join(
-        bytes(range(int(address, 16), int(address, 16) + length)) for address, length in registers
-    )
+    starts = [(int(address, 16), length) for address, length in registers]
+    assert answer.data == b"".join(bytes(range(start, start + length)) for start, length in starts)
     for index, (address, _) in enumerate(registers):
-        failed = made.identity(Encoder(fail_at=index, error=-7))
+        failed = machine.identity(Encoder(fail_at=index, error=-7))
         assert (failed.result, failed.failure, failed.data) == (
             TRANSPORT,
             (index, READ, READ, int(address, 16), -7),
@@ -741,35 +746,28 @@ def test_the_state_is_read_and_taken_over(machines: Callable[[str], Machine]) ->
 
     4Bh is the information per revolution and 4Eh the number of revolutions. Their product bounds the preset.
     """
-    made = machines("am36")
+    machine = machines("am36")
     encoder = Encoder()
-    for address, value in (
-        (0x56, 12),
-        (0x57, 4),
-        (0x4B, 0),
-        (0x4C, 0x10),
-        (0x4D, 0),
-        (0x4E, 0),
-        (0x4F, 16),
-        (0x49, 0x20),
-    ):
+    contents = {0x56: 12, 0x57: 4, 0x4B: 0, 0x4C: 0x10, 0x4D: 0, 0x4E: 0, 0x4F: 16, 0x49: 0x20}
+    for address, value in contents.items():
         encoder.memory[address] = value
-    answer = made.state("AM3616/4096-I7", encoder)
+    answer = machine.state("AM3616/4096-I7", encoder)
     assert answer.result == OK
     assert set(answer.record) == {"r 56 1", "r 57 1", "r 4B 3", "r 4E 2", "r 49 1"}
-    (view,) = (view for view in views_of(made.device) if view.read_state)
-    names = [item.name for item in view.device.set_parameters]
-    held = {name: int.from_bytes(answer.data[8 * index : 8 * index + 8], "little") for index, name in enumerate(names)}
+    (view,) = (view for view in views_of(machine.device) if view.read_state)
+    names = [parameter.name for parameter in view.device.set_parameters]
+    numbers = [int.from_bytes(answer.data[at : at + 8], "little") for at in range(0, 8 * len(names), 8)]
+    values = dict(zip(names, numbers, strict=True))
     assert (
-        held["used_singleturn_bits"],
-        held["used_multiturn_bits"],
-        held["used_information"],
-        held["used_revolutions"],
-        held["output_code"],
+        values["used_singleturn_bits"],
+        values["used_multiturn_bits"],
+        values["used_information"],
+        values["used_revolutions"],
+        values["output_code"],
     ) == (12, 4, 4096, 16, 1)
-    before = made.state("AM3616/4096-I7", Encoder(fail_at=0, error=1))
+    before = machine.state("AM3616/4096-I7", Encoder(fail_at=0, error=1))
     for index in range(5):
-        failed = made.state("AM3616/4096-I7", Encoder(memory=bytearray(encoder.memory), fail_at=index, error=3))
+        failed = machine.state("AM3616/4096-I7", Encoder(memory=bytearray(encoder.memory), fail_at=index, error=3))
         assert failed.result == TRANSPORT
         assert failed.failure[0] == index
         assert failed.failure[4] == 3
@@ -777,15 +775,15 @@ def test_the_state_is_read_and_taken_over(machines: Callable[[str], Machine]) ->
     # 40 bits per revolution are more than the encoder has.
     encoder.memory[0x56] = 40
     encoder.record.clear()
-    assert made.state("AM3616/4096-I7", encoder).data == before.data
+    assert machine.state("AM3616/4096-I7", encoder).data == before.data
 
 
 # -- user-defined lists
 
 
-def test_a_list_of_ones_own(ways: Callable[[str], Machine]) -> None:
-    made = ways("amm5")
-    answer = made.steps(
+def test_a_list_of_ones_own(tested_machines: Callable[[str], Machine]) -> None:
+    machine = tested_machines("amm5")
+    answer = machine.steps(
         [
             (WRITE, 0x10, 0xF0, 0xA0, 1, 0),
             (READ, 0x10, 0xFF, 0, 1, 0),
@@ -800,27 +798,27 @@ def test_a_list_of_ones_own(ways: Callable[[str], Machine]) -> None:
     assert answer.record == ["r 10 1", "w 10 A0", "r 10 1", "r 12 1", "send 55", "send 55", "send 56"]
 
 
-def test_a_list_that_reads_another_number_of_bytes_does_nothing(ways: Callable[[str], Machine]) -> None:
+def test_a_list_that_reads_another_number_of_bytes_does_nothing(tested_machines: Callable[[str], Machine]) -> None:
     for room in (0, 1, 3):
-        answer = ways("amm5").steps(
+        answer = tested_machines("amm5").steps(
             [(WRITE, 0x10, 0xFF, 0, 1, 0), (READ, 0x10, 0xFF, 0, 1, 0), (READ, 0x11, 0xFF, 0, 1, 0)], room, Encoder()
         )
         assert (answer.result, answer.record, answer.failure) == (LENGTH, [], UNTOUCHED)
 
 
-def test_a_kind_that_does_not_exist_is_refused(ways: Callable[[str], Machine]) -> None:
-    answer = ways("amm5").steps([(WAIT, 0, 0, 0, 0, 9), (9, 0x21, 0, 0, 0, 0)], 0, Encoder())
+def test_a_kind_that_does_not_exist_is_refused(tested_machines: Callable[[str], Machine]) -> None:
+    answer = tested_machines("amm5").steps([(WAIT, 0, 0, 0, 0, 9), (9, 0x21, 0, 0, 0, 0)], 0, Encoder())
     assert (answer.result, answer.record, answer.failure) == (RANGE, ["wait 9"], (1, 9, 9, 0x21, 0))
 
 
-def test_a_reply_longer_than_any_is_refused(ways: Callable[[str], Machine]) -> None:
-    answer = ways("amm5").steps([(SEND, 17, 0, 0x55, 1, 0)], 0, Encoder())
+def test_a_reply_longer_than_any_is_refused(tested_machines: Callable[[str], Machine]) -> None:
+    answer = tested_machines("amm5").steps([(SEND, 17, 0, 0x55, 1, 0)], 0, Encoder())
     assert (answer.result, answer.record, answer.failure) == (RANGE, [], (0, SEND, SEND, 0, 0))
-    assert ways("amm5").steps([(SEND, 16, 0xFF, 0x55, 1, 0)], 0, Encoder()).result == OK
+    assert tested_machines("amm5").steps([(SEND, 16, 0xFF, 0x55, 1, 0)], 0, Encoder()).result == OK
 
 
 @pytest.mark.parametrize(
-    ("fails", "seen"),
+    ("fails", "accesses"),
     [
         # The write that failed may have arrived, so its register is closed as well. Others stay untouched.
         (0, ["w 20 01", "w 20 00"]),
@@ -830,7 +828,7 @@ def test_a_reply_longer_than_any_is_refused(ways: Callable[[str], Machine]) -> N
         (4, ["w 20 01", "w 21 05", "w 20 00", "w 22 07", "w 21 00"]),
     ],
 )
-def test_a_list_of_ones_own_closes(fails: int, seen: list[str], ways: Callable[[str], Machine]) -> None:
+def test_a_list_of_ones_own_closes(fails: int, accesses: list[str], tested_machines: Callable[[str], Machine]) -> None:
     steps = [
         (WRITE, 0x20, 0xFF, 1, 1, 0),
         (WRITE, 0x21, 0xFF, 5, 1, 0),
@@ -838,13 +836,13 @@ def test_a_list_of_ones_own_closes(fails: int, seen: list[str], ways: Callable[[
         (WRITE, 0x22, 0xFF, 7, 1, 0),
         (CLOSE, 0x21, 0xFF, 0, 1, 0),
     ]
-    answer = ways("amm5").steps(steps, 0, Encoder(fail_at=fails, error=1))
-    assert answer.record == seen
+    answer = tested_machines("amm5").steps(steps, 0, Encoder(fail_at=fails, error=1))
+    assert answer.record == accesses
     assert answer.result == TRANSPORT
     assert answer.left_open == (fails in (2, 4))
 
 
-def test_all_that_is_open_is_tried(ways: Callable[[str], Machine]) -> None:
+def test_all_that_is_open_is_tried(tested_machines: Callable[[str], Machine]) -> None:
     """The bus fails from the third access on. Closing is tried for both registers."""
     steps = [
         (WAIT, 0x20, 0, 0, 0, 1),
@@ -854,26 +852,26 @@ def test_all_that_is_open_is_tried(ways: Callable[[str], Machine]) -> None:
         (CLOSE, 0x20, 0xFF, 0, 1, 0),
         (CLOSE, 0x21, 0xFF, 0, 1, 0),
     ]
-    answer = ways("amm5").steps(steps, 0, Encoder(fail_at=2, error=1, fail_on=True))
-    assert [item for item in answer.record if item.startswith("w ")][-2:] == ["w 20 00", "w 21 00"]
+    answer = tested_machines("amm5").steps(steps, 0, Encoder(fail_at=2, error=1, fail_on=True))
+    assert [access for access in answer.record if access.startswith("w ")][-2:] == ["w 20 00", "w 21 00"]
     assert (answer.result, answer.left_open) == (TRANSPORT, True)
 
 
-def test_a_list_without_steps_is_not_carried_out(ways: Callable[[str], Machine]) -> None:
+def test_a_list_without_steps_is_not_carried_out(tested_machines: Callable[[str], Machine]) -> None:
     """A count that is not yet set must not look like a successful reset."""
-    answer = ways("amm5").steps([], 0, Encoder())
+    answer = tested_machines("amm5").steps([], 0, Encoder())
     assert (answer.result, answer.record) == (LENGTH, [])
 
 
-def test_a_request_that_is_sent_no_times_is_none(ways: Callable[[str], Machine]) -> None:
-    answer = ways("amm5").steps([(SEND, 0, 0, 0x55, 0, 0), (WRITE, 0x20, 0xFF, 1, 1, 0)], 0, Encoder())
+def test_a_request_that_is_sent_no_times_is_none(tested_machines: Callable[[str], Machine]) -> None:
+    answer = tested_machines("amm5").steps([(SEND, 0, 0, 0x55, 0, 0), (WRITE, 0x20, 0xFF, 1, 1, 0)], 0, Encoder())
     assert (answer.result, answer.record) == (OK, ["w 20 01"])
 
 
 # -- registers that have one address for several bytes
 
 
-def test_all_bytes_of_a_register_are_accessed_at_once(ways: Callable[[str], Machine]) -> None:
+def test_all_bytes_of_a_register_are_accessed_at_once(tested_machines: Callable[[str], Machine]) -> None:
     steps = [
         (WRITE, 0x10, 0xFF, 0x01, 1, 0),
         (MORE, 0x10, 0xFF, 0x92, 1, 0),
@@ -888,12 +886,12 @@ def test_all_bytes_of_a_register_are_accessed_at_once(ways: Callable[[str], Mach
         (CLOSE, 0x10, 0xFF, 0, 1, 0),
         (MORE, 0x10, 0xFF, 0, 1, 0),
     ]
-    answer = ways("amm5").steps(steps, 2, Encoder())
+    answer = tested_machines("amm5").steps(steps, 2, Encoder())
     assert (answer.result, answer.data) == (OK, b"\x31\x94")
     assert answer.record == ["w 10 01 92", "r 10 2", "w 10 31 94", "r 10 2", "r 10 2", "r 10 2", "w 10 00 00"]
 
 
-def test_a_later_byte_that_differs_is_reported(ways: Callable[[str], Machine]) -> None:
+def test_a_later_byte_that_differs_is_reported(tested_machines: Callable[[str], Machine]) -> None:
     """After a failure, a closing step writes all bytes of its register."""
     steps = [
         (WRITE, 0x10, 0xFF, 1, 1, 0),
@@ -905,14 +903,14 @@ def test_a_later_byte_that_differs_is_reported(ways: Callable[[str], Machine]) -
         (CLOSE, 0x10, 0xFF, 4, 1, 0),
         (MORE, 0x10, 0xFF, 5, 1, 0),
     ]
-    answer = ways("amm5").steps(steps, 0, Encoder())
+    answer = tested_machines("amm5").steps(steps, 0, Encoder())
     assert answer.record == ["w 10 01 02", "r 10 2", "w 10 04 05"]
     assert answer.failure == (2, VERIFY_STEP, VERIFY_STEP, 0x10, 2)
     assert not answer.left_open
 
 
 @pytest.mark.parametrize(
-    ("steps", "seen"),
+    ("steps", "accesses"),
     [
         ([(READ, 0x10, 1), (READ, 0x11, 1), (READ, 0x12, 1)], ["r 10 3"]),
         ([(READ, 0x10, 0), (READ, 0x11, 0), (READ, 0x12, 0)], ["r 10 1", "r 11 1", "r 12 1"]),
@@ -922,15 +920,17 @@ def test_a_later_byte_that_differs_is_reported(ways: Callable[[str], Machine]) -
     ],
 )
 def test_registers_with_one_address_are_read_on_their_own(
-    steps: list[tuple[int, int, int]], seen: list[str], ways: Callable[[str], Machine]
+    steps: list[tuple[int, int, int]], accesses: list[str], tested_machines: Callable[[str], Machine]
 ) -> None:
-    answer = ways("amm5").steps([(kind, at, 0xFF, 0, times, 0) for kind, at, times in steps], 3, Encoder())
-    assert (answer.result, answer.record) == (OK, seen)
+    answer = tested_machines("amm5").steps([(kind, at, 0xFF, 0, times, 0) for kind, at, times in steps], 3, Encoder())
+    assert (answer.result, answer.record) == (OK, accesses)
 
 
 @pytest.mark.parametrize("kinds", [[MORE], [WAIT, MORE], [SEND, MORE], [WRITE, *[MORE] * 8]])
-def test_bytes_that_belong_to_no_register_are_refused(kinds: list[int], ways: Callable[[str], Machine]) -> None:
+def test_bytes_that_belong_to_no_register_are_refused(
+    kinds: list[int], tested_machines: Callable[[str], Machine]
+) -> None:
     """Nothing is written: a number that lacks some of its bytes would be another one."""
     steps = [(kind, 0x10, 0xFF, 0, 1, 0) for kind in [*kinds, WRITE]]
-    answer = ways("amm5").steps([(WRITE, 0x20, 0xFF, 0, 1, 0), *steps][kinds == [MORE] :], 0, Encoder())
+    answer = tested_machines("amm5").steps([(WRITE, 0x20, 0xFF, 0, 1, 0), *steps][kinds == [MORE] :], 0, Encoder())
     assert (answer.result, answer.record, answer.failure) == (LENGTH, [], UNTOUCHED)

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from c_harness import RUNTIME, SANITIZED, WARNINGS, devices_of, write
+from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate
 from working_tools import require
@@ -28,23 +29,24 @@ def test_one_master_and_one_comparison_of_verdicts(command: list[str], tmp_path:
     include = write(tmp_path, (*devices_of(), *devices_of(ROOT / "docs" / "example")))
     program = tmp_path / "two_encoders"
     require([*command, *SANITIZED])
-    done = subprocess.run(
+    completed = subprocess.run(
         [*command, *WARNINGS, *SANITIZED, f"-I{include}", str(PROGRAM), "-o", str(program)],
         capture_output=True,
         text=True,
     )
-    assert done.returncode == 0, done.stderr[:3000]
+    assert completed.returncode == 0, completed.stderr[:3000]
     assert subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout == PRINTED
 
 
 @pytest.mark.slow
 def test_a_second_manufacturer_adds_nothing_but_its_own_headers() -> None:
     lika, tolvarn = devices_of(), devices_of(ROOT / "docs" / "example")
-    one, both = (
-        {path for path in generate(Library(devices)) if path.startswith("c/include/")}
-        for devices in (lika, (*lika, *tolvarn))
-    )
-    assert {"c/include/tolvarn/tv62_biss.h", "c/include/tolvarn/tv62_ssi.h"} < both - one
-    assert all(path.startswith("c/include/tolvarn/tv62_") for path in both - one)
+    lika_paths, all_paths = _header_paths(lika), _header_paths((*lika, *tolvarn))
+    assert {"c/include/tolvarn/tv62_biss.h", "c/include/tolvarn/tv62_ssi.h"} < all_paths - lika_paths
+    assert all(path.startswith("c/include/tolvarn/tv62_") for path in all_paths - lika_paths)
     runtime = {f"c/include/codewheel/{path.name}" for path in (RUNTIME / "codewheel").iterdir()}
-    assert {path for path in one if "/codewheel/" in path} == runtime
+    assert {path for path in lika_paths if "/codewheel/" in path} == runtime
+
+
+def _header_paths(devices: tuple[Device, ...]) -> set[str]:
+    return {path for path in generate(Library(devices)) if path.startswith("c/include/")}

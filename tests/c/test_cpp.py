@@ -13,7 +13,7 @@ from c_harness import members, short
 from codewheel.model import Device, Text
 from codewheel.targets.c.codec import StructCodec
 from codewheel.targets.c.device import DeviceView, views_of
-from test_c_codec import Table, on_the_wire, sound_numbers
+from test_c_codec import Table, on_the_wire, valid_numbers
 from working_tools import require
 
 pytestmark = pytest.mark.slow
@@ -77,55 +77,52 @@ def assertions(device: Device) -> Iterator[str]:
     """Two random frames of each layout that the encoder sends, for each order code, with the reference's results."""
     table, random_ = Table(device), random.Random("c++")
     for view in views_of(device):
-        for item in view.interface.codecs:
-            if item.decodes:
-                yield from _of(table, view, item, random_)
+        for codec in view.interface.codecs:
+            if codec.decodes:
+                yield from _assertions_of_layout(table, view, codec, random_)
 
 
-def _of(table: Table, view: DeviceView, item: StructCodec, random_: random.Random) -> Iterator[str]:
-    name = short(view, item)
-    kinds = {field.name: field.kind for field in item.struct.layout.fields}
-    numbers = [member.name for member in members(item)]
-    head = f"{item.name.removeprefix(view.prefix)}_".removeprefix("_")
+def _assertions_of_layout(table: Table, view: DeviceView, codec: StructCodec, random_: random.Random) -> Iterator[str]:
+    name = short(view, codec)
+    kinds = {field.name: field.kind for field in codec.struct.layout.fields}
+    numbers = [member.name for member in members(codec)]
+    head = f"{codec.name.removeprefix(view.prefix)}_".removeprefix("_")
     space = f"{view.maker.name}::{view.stem}"
-    answers = "".join(f"{choice.enumeration.entries[0].name}, " for choice in item.alternatives)
+    answers = "".join(f"{choice.enumeration.entries[0].name}, " for choice in codec.alternatives)
     for row in view.variants.rows:
         placed = table.layouts[name][1].place(row.variant.parameters)
-        for number in random_.sample(list(sound_numbers(table.device, placed, random_)), 2):
+        for number in random_.sample(list(valid_numbers(table.device, placed, random_)), 2):
             wire = on_the_wire(placed, number)
             frame = f"0x{wire}ULL"
-            if item.plan.in_bytes:
+            if codec.plan.in_bytes:
                 listed = ", ".join(f"0x{byte:02X}" for byte in bytes.fromhex(wire))
                 frame = f"codewheel::buffer<{len(wire) // 2}>{{{{{listed}}}}}"
             values = zip(numbers, table.row(name, placed, number).split(), strict=True)
-            same = [
-                f"static_cast<int64_t>(f->{member}) == INT64_C({value})"
-                for member, value in values
-                if not isinstance(kinds.get(member.rstrip("_")), Text)
-            ]
+            numeric = [(name, value) for name, value in values if not isinstance(kinds.get(name.rstrip("_")), Text)]
+            claims = [f"static_cast<int64_t>(f->{name}) == INT64_C({value})" for name, value in numeric]
             yield (
                 f"static_assert([] {{ constexpr auto f = {space}::{head}decode({row.macro}, {answers}{frame});\n"
-                f"    return f && {' && '.join(same)}; }}());\n"
+                f"    return f && {' && '.join(claims)}; }}());\n"
             )
 
 
 @pytest.fixture(scope="module")
 def program(c_devices: tuple[Device, ...]) -> str:
     stems = [view.header for device in c_devices for view in views_of(device)]
-    found = [line for device in c_devices for line in assertions(device)]
-    assert len(found) > 200
-    return "".join(f'#include "{stem}pp"\n' for stem in stems) + PRINTED + WRONG + "".join(found)
+    lines = [line for device in c_devices for line in assertions(device)]
+    assert len(lines) > 200
+    return "".join(f'#include "{stem}pp"\n' for stem in stems) + PRINTED + WRONG + "".join(lines)
 
 
 def compiled(command: str, text: str, include: Path, tmp_path: Path) -> tuple[int, str]:
     require(command.split())
     (tmp_path / "unit.cpp").write_text(text, encoding="ascii")
-    done = subprocess.run(
+    completed = subprocess.run(
         [*command.split(), *WARNINGS.split(), f"-I{include}", "-fsyntax-only", str(tmp_path / "unit.cpp")],
         capture_output=True,
         text=True,
     )
-    return done.returncode, done.stderr
+    return completed.returncode, completed.stderr
 
 
 @pytest.mark.parametrize("command", COMPILERS)
@@ -139,7 +136,7 @@ def test_other_forms_of_the_crc_too(option: str, program: str, include: Path, tm
 
 
 @pytest.mark.parametrize(
-    ("right", "wrong"),
+    ("correct", "mistaken"),
     [
         ("== 7000519", "== 7000520"),
         ("0x6A, 0x5E", "0x6A, 0x5F"),
@@ -149,35 +146,36 @@ def test_other_forms_of_the_crc_too(option: str, program: str, include: Path, tm
     ],
 )
 @pytest.mark.parametrize("command", COMPILERS[::2])
-def test_a_mistake_does_not_compile(command: str, right: str, wrong: str, include: Path, tmp_path: Path) -> None:
-    heads = "".join(
-        f'#include "lika/{stem}.hpp"\n' for stem in ("amm5_rs485", "sma21_rs485", "sma21_biss", "sma21_ssi")
-    )
+def test_a_mistake_does_not_compile(command: str, correct: str, mistaken: str, include: Path, tmp_path: Path) -> None:
+    stems = ("amm5_rs485", "sma21_rs485", "sma21_biss", "sma21_ssi")
+    heads = "".join(f'#include "lika/{stem}.hpp"\n' for stem in stems)
     text = heads + PRINTED + WRONG
-    assert right in text
-    status, said = compiled(command, text.replace(right, wrong), include, tmp_path)
+    assert correct in text
+    status, output = compiled(command, text.replace(correct, mistaken), include, tmp_path)
     assert status != 0
-    assert "error:" in said
+    assert "error:" in output
 
 
 @pytest.mark.parametrize("command", COMPILERS[::2])
 def test_the_readme(command: str, include: Path, tmp_path: Path) -> None:
     readme = (Path(__file__).parents[2] / "generated" / "c" / "README.md").read_text(encoding="utf-8")
     (block,) = re.findall(r"```cpp\n(.*?)```", readme, re.DOTALL)
-    given = "#include <cstdint>\nvoid move_to(uint64_t position);\nvoid ask_again();\nvoid received(uint64_t word);\n"
-    assert compiled(command, given + block, include, tmp_path) == (0, "")
+    declarations = (
+        "#include <cstdint>\nvoid move_to(uint64_t position);\nvoid ask_again();\nvoid received(uint64_t word);\n"
+    )
+    assert compiled(command, declarations + block, include, tmp_path) == (0, "")
 
 
 @pytest.mark.parametrize("command", COMPILERS[::2])
 def test_a_result_that_is_not_looked_at_is_a_warning(command: str, include: Path, tmp_path: Path) -> None:
     text = '#include "lika/amm5_biss.hpp"\nvoid f();\nvoid f() { lika::amm5_biss::@(LIKA_AMM5_BISS_A17_1SC1, 0); }\n'
     for name in ("decode", "position"):
-        status, said = compiled(command, text.replace("@", name), include, tmp_path)
+        status, output = compiled(command, text.replace("@", name), include, tmp_path)
         assert status != 0
-        assert "nodiscard" in said
+        assert "nodiscard" in output
 
 
 def test_an_older_standard_is_named(include: Path, tmp_path: Path) -> None:
-    status, said = compiled("g++ -std=c++14", '#include "lika/amm5_biss.hpp"\n', include, tmp_path)
+    status, output = compiled("g++ -std=c++14", '#include "lika/amm5_biss.hpp"\n', include, tmp_path)
     assert status != 0
-    assert "codewheel/result.hpp needs C++17" in said
+    assert "codewheel/result.hpp needs C++17" in output

@@ -22,6 +22,7 @@ from c_harness import WARNINGS, write
 from codewheel.model import Device
 from codewheel.targets.c.access import Access
 from codewheel.targets.c.device import DeviceView, views_of
+from codewheel.targets.c.procedures import ProcedureCode
 from codewheel.targets.c.reserved import c_name
 from working_tools import require
 
@@ -61,7 +62,7 @@ class Failure(ctypes.Structure):
         ("left_open", ctypes.c_bool),
     ]
 
-    def told(self) -> tuple[int, int, int, int, int]:
+    def as_tuple(self) -> tuple[int, int, int, int, int]:
         return self.step, self.kind, self.call, self.address, self.error
 
 
@@ -85,7 +86,7 @@ class Encoder:
     polls: tuple[int, int] = (0, 0)
     #: The error in a reply: the number of the reply, the number of the byte, and the bits.
     spoilt: dict[tuple[int, int], int] = field(default_factory=dict)
-    sent: int = 0
+    requests_sent: int = 0
     #: True if every call fails from ``fail_at`` on, and false if only that one fails.
     fail_on: bool = False
     #: Bits of a write that arrive wrong, by the index of the access.
@@ -94,9 +95,9 @@ class Encoder:
     before_read: Callable[[int], None] = lambda address: None
 
     def transport(self) -> Transport:
-        made = {name: kind(getattr(self, name)) for name, kind in CALLBACKS.items() if name not in self.missing}
-        self._kept = made
-        return Transport(context=0x1234, poll_at_most=self.polls[0], poll_pause_us=self.polls[1], **made)
+        callbacks = {name: kind(getattr(self, name)) for name, kind in CALLBACKS.items() if name not in self.missing}
+        self._kept = callbacks
+        return Transport(context=0x1234, poll_at_most=self.polls[0], poll_pause_us=self.polls[1], **callbacks)
 
     def _noted(self, context: int | None, text: str) -> int:
         assert context == 0x1234
@@ -111,21 +112,21 @@ class Encoder:
         return self._noted(context, f"r {address:02X} {length}")
 
     def write_registers(self, context: int | None, address: int, data: Any, length: int) -> int:
-        given = bytes(data[:length])
-        wrong = self.disturbed.get(len(self.record), 0)
-        self.memory[address : address + length] = bytes(byte ^ wrong for byte in given)
-        return self._noted(context, f"w {address:02X} {given.hex(' ').upper()}")
+        received = bytes(data[:length])
+        flipped_bits = self.disturbed.get(len(self.record), 0)
+        self.memory[address : address + length] = bytes(byte ^ flipped_bits for byte in received)
+        return self._noted(context, f"w {address:02X} {received.hex(' ').upper()}")
 
     def wait_us(self, context: int | None, microseconds: int) -> int:
         return self._noted(context, f"wait {microseconds}")
 
     def send_request(self, context: int | None, request: int, reply: ctypes.Array[ctypes.c_uint8], length: int) -> int:
         """Return the reply: the request, and at the end the exclusive-or of the others, apart from planted errors."""
-        given = bytes([request, *range(1, length - 1)]) if length else b""
-        given += bytes([xor_of(given)]) if length else b""
-        for index, byte in enumerate(given):
-            reply[index] = byte ^ self.spoilt.get((self.sent, index), 0)
-        self.sent += 1
+        reply_bytes = bytes([request, *range(1, length - 1)]) if length else b""
+        reply_bytes += bytes([xor_of(reply_bytes)]) if length else b""
+        for index, byte in enumerate(reply_bytes):
+            reply[index] = byte ^ self.spoilt.get((self.requests_sent, index), 0)
+        self.requests_sent += 1
         return self._noted(context, f"send {request:02X}")
 
 
@@ -150,8 +151,8 @@ class Machine:
     stepped: bool = False
 
     def run(self, procedure: str, code: str, arguments: Sequence[int] = (), encoder: Encoder | None = None) -> Answer:
-        given = (ctypes.c_uint64 * max(1, len(arguments)))(*arguments)
-        return self._call(f"run_{procedure}", encoder or Encoder(), code.encode(), given)
+        values = (ctypes.c_uint64 * max(1, len(arguments)))(*arguments)
+        return self._call(f"run_{procedure}", encoder or Encoder(), code.encode(), values)
 
     def read(self, register: str, code: str, encoder: Encoder) -> Answer:
         """The bytes are the encoded struct."""
@@ -185,11 +186,11 @@ class Machine:
 
     def has(self, name: str) -> bool:
         """Return True if any interface has the function."""
-        return any(hasattr(item, name) for item in self.libraries)
+        return any(hasattr(library, name) for library in self.libraries)
 
     def _function(self, name: str) -> Any:
         """Return the function from the library of the interface that has it."""
-        return next(getattr(item, name) for item in self.libraries if hasattr(item, name))
+        return next(getattr(library, name) for library in self.libraries if hasattr(library, name))
 
     def _call(self, name: str, encoder: Encoder, *arguments: object) -> Answer:
         transport, failure = encoder.transport(), Failure(*UNTOUCHED)
@@ -197,7 +198,13 @@ class Machine:
         result = self._function(name)(ctypes.byref(transport), *arguments, data, ctypes.byref(failure))
         # The first byte is the number of bytes that were filled.
         filled = bytes(data[1 : 1 + data[0]]) if data[0] != 0xAA else b""
-        return Answer(result, filled, failure.told(), encoder.record, failure.left_open)
+        return Answer(
+            result=result,
+            data=filled,
+            failure=failure.as_tuple(),
+            record=encoder.record,
+            left_open=failure.left_open,
+        )
 
 
 def compile_machine(device: Device, folder: Path, stepped: bool = False) -> None:
@@ -220,8 +227,10 @@ def compile_machine(device: Device, folder: Path, stepped: bool = False) -> None
     for view in views_of(device):
         text, library = folder / f"{view.stem}.c", folder / f"{view.stem}.so"
         text.write_text((_LOOP if stepped else "") + source(view), encoding="utf-8")
-        done = subprocess.run([*command, f"-I{include}", str(text), "-o", str(library)], capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr[:4000]
+        completed = subprocess.run(
+            [*command, f"-I{include}", str(text), "-o", str(library)], capture_output=True, text=True
+        )
+        assert completed.returncode == 0, completed.stderr[:4000]
 
 
 def machine_of(device: Device, folder: Path, stepped: bool) -> Machine:
@@ -231,99 +240,108 @@ def machine_of(device: Device, folder: Path, stepped: bool) -> Machine:
 
 def source(view: DeviceView) -> str:
     """Return a function with plain arguments for each function of the headers that takes a transport."""
-    prefix, device = view.prefix, view.device
     text = _HEAD
-    for procedure in view.procedures:
-        name = procedure.run.procedure.name
-        given = "".join(f", ({item.type})arguments[{index}]" for index, item in enumerate(procedure.arguments))
-        out = ", &out" if procedure.read_type else ""
-        text += f"""
+    text += "".join(map(_run, view.procedures))
+    text += "".join(_register(register.access) for register in view.registers)
+    text += "".join(_identity(identity.prefix) for identity in view.identities)
+    text += _state(view) if view.read_state else ""
+    headers = "".join(f'#include "{header}"\n' for header in view.headers)
+    return text.replace("@headers@", headers).replace("@prefix@", view.prefix)
+
+
+def _run(procedure: ProcedureCode) -> str:
+    name = procedure.run.procedure.name
+    types = [argument.type for argument in procedure.arguments]
+    argument_list = "".join(f", ({type_})arguments[{index}]" for index, type_ in enumerate(types))
+    out = ", &out" if procedure.read_type else ""
+    return f"""
 int run_{name}(const cw_transport *transport, const char *code, const uint64_t *arguments, uint8_t *data,
     cw_failure *failure);
 int run_{name}(const cw_transport *transport, const char *code, const uint64_t *arguments, uint8_t *data,
     cw_failure *failure)
 {{
     {f"{procedure.read_type} out;" if out else ""}
-    const cw_result result = {procedure.function}(transport, variant_of(code){given}{out}, failure);
+    const cw_result result = {procedure.function}(transport, variant_of(code){argument_list}{out}, failure);
     (void)arguments;
     {"fill(data, result, &out, sizeof out);" if out else "(void)data;"}
     return (int)result;
 }}
 """
-    for register in view.registers:
-        text += _register(register.access)
-    for identity in view.identities:
-        text += f"""
+
+
+def _identity(prefix: str) -> str:
+    return f"""
 int identity(const cw_transport *transport, uint8_t *data, cw_failure *failure);
 int identity(const cw_transport *transport, uint8_t *data, cw_failure *failure)
 {{
-    {identity.prefix}_identity out;
-    const cw_result result = {identity.prefix}_read_identity(transport, &out, failure);
+    {prefix}_identity out;
+    const cw_result result = {prefix}_read_identity(transport, &out, failure);
     fill(data, result, &out, sizeof out);
     return (int)result;
 }}
 """
-    if view.read_state:
-        members = "".join(
-            f"    put(&data[1 + 8 * {index}], copy.{c_name(item.name)});\n"
-            for index, item in enumerate(device.set_parameters)
-        )
-        text += f"""
+
+
+def _state(view: DeviceView) -> str:
+    names = [c_name(parameter.name) for parameter in view.device.set_parameters]
+    members = "".join(f"    put(&data[1 + 8 * {index}], copy.{name});\n" for index, name in enumerate(names))
+    return f"""
 int state(const cw_transport *transport, const char *code, uint8_t *data, cw_failure *failure);
 int state(const cw_transport *transport, const char *code, uint8_t *data, cw_failure *failure)
 {{
-    {prefix} copy = *variant_of(code);
+    {view.prefix} copy = *variant_of(code);
     const cw_result result = {view.read_state}(transport, &copy, failure);
-    data[0] = 8U * {len(device.set_parameters)}U;
+    data[0] = 8U * {len(names)}U;
 {members}    return (int)result;
 }}
 """
-    headers = "".join(f'#include "{item}"\n' for item in view.headers)
-    return text.replace("@headers@", headers).replace("@prefix@", prefix)
 
 
 def _register(access: Access) -> str:
-    text = ""
-    if access.read:
-        name = access.read.partition("_read_")[2]
-        held = f"{access.type} out;" if access.struct else f"{access.type} out = ({access.type})0xAA;"
-        shown = (
-            f"{access.struct}_encode(variant_of(code), &out, &data[1], {access.stem}_LENGTH)"
-            if access.struct
-            else "(data[1] = (uint8_t)out, CW_OK)"
-        )
-        text += f"""
+    return (_read(access) if access.read else "") + (_write(access) if access.write else "")
+
+
+def _read(access: Access) -> str:
+    name = access.read.partition("_read_")[2]
+    declaration = f"{access.type} out;" if access.struct else f"{access.type} out = ({access.type})0xAA;"
+    encoding = (
+        f"{access.struct}_encode(variant_of(code), &out, &data[1], {access.stem}_LENGTH)"
+        if access.struct
+        else "(data[1] = (uint8_t)out, CW_OK)"
+    )
+    return f"""
 int read_{name}(const cw_transport *transport, const char *code, uint8_t *data, cw_failure *failure);
 int read_{name}(const cw_transport *transport, const char *code, uint8_t *data, cw_failure *failure)
 {{
-    {held}
+    {declaration}
     const cw_result result = {access.read}(transport, variant_of(code), &out, failure);
-    if (result == CW_OK && {shown} == CW_OK) {{
+    if (result == CW_OK && {encoding} == CW_OK) {{
         data[0] = {access.stem}_LENGTH;
     }}
     return (int)result;
 }}
 """
-    if access.write:
-        name = access.write.partition("_write_")[2]
-        held = f"{access.type} in;" if access.struct else f"const {access.type} in = ({access.type})bytes[0];"
-        decoded = (
-            f"{access.struct}_decode(variant_of(code), bytes, {access.stem}_LENGTH, &in)" if access.struct else "CW_OK"
-        )
-        text += f"""
+
+
+def _write(access: Access) -> str:
+    name = access.write.partition("_write_")[2]
+    declaration = f"{access.type} in;" if access.struct else f"const {access.type} in = ({access.type})bytes[0];"
+    decoding = (
+        f"{access.struct}_decode(variant_of(code), bytes, {access.stem}_LENGTH, &in)" if access.struct else "CW_OK"
+    )
+    return f"""
 int write_{name}(const cw_transport *transport, const char *code, const uint8_t *bytes, uint8_t *data,
     cw_failure *failure);
 int write_{name}(const cw_transport *transport, const char *code, const uint8_t *bytes, uint8_t *data,
     cw_failure *failure)
 {{
-    {held}
+    {declaration}
     (void)data;
-    return {decoded} != CW_OK
+    return {decoding} != CW_OK
         ? -1
         : (int){access.write}(transport, variant_of(code), {"&in" if access.struct else "in"}, failure);
 }}
 """
-    return text
 
 
 #: A main loop instead of the function that waits. It is sometimes early, and starts nothing twice.

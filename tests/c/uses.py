@@ -54,10 +54,10 @@ def without_texts(text: str) -> str:
     return code.replace("\\\n", " ")
 
 
-def _emptied(found: re.Match[str]) -> str:
-    if found[0].startswith("/*"):
+def _emptied(match: re.Match[str]) -> str:
+    if match[0].startswith("/*"):
         return " "
-    return found[0] if found[0].endswith('.h"') else '""'
+    return match[0] if match[0].endswith('.h"') else '""'
 
 
 def without_nodiscard(code: str) -> str:
@@ -75,30 +75,32 @@ _WORDS = ("CW_CONSTEXPR", "CW_CONST")
 def declared(texts: Iterable[str]) -> Declared:
     """Everything that the headers with these texts declare."""
     code = "\n".join(map(without_nodiscard, map(without_texts, texts)))
-    functions = tuple((kind.strip(), name, " ".join(given.split())) for kind, name, given in _FUNCTION.findall(code))
+    heads = _FUNCTION.findall(code)
+    functions = tuple((kind.strip(), name, " ".join(arguments.split())) for kind, name, arguments in heads)
     # A name that the expressions above miss would be unused without notice.
     constants = tuple((kind, name) for kind, name in _CONSTANT.findall(code))
     tables = tuple((kind, name) for kind, name in _TABLE.findall(code))
     statics = len(re.findall(r"^static ", code, re.MULTILINE))
     assert len(functions) + len(constants) + len(tables) == statics, "a static that is none of them"
-    macros = [
-        (name, value.strip())
-        for name, rest, value in _MACRO.findall(code)
-        if name not in _WORDS and (not name.endswith("_H") or value.strip())
-    ]
-    with_arguments = {name for name, rest, _ in _MACRO.findall(code) if rest}
+    macros = []
+    with_arguments = set()
+    for name, arguments, value in _MACRO.findall(code):
+        if name not in _WORDS and (not name.endswith("_H") or value.strip()):
+            macros.append((name, value.strip()))
+        if arguments:
+            with_arguments.add(name)
     assert all(name.endswith(_WITH_ARGUMENTS) for name in with_arguments), "a macro with arguments"
     enums = _ENUM.findall(code)
     assert len(enums) == len(re.findall(r"\benum\b", code)), "an enumeration that is no type"
-    enumerators = tuple(item.split("=")[0].strip() for body, _ in enums for item in body.split(","))
+    enumerators = tuple(enumerator.split("=")[0].strip() for body, _ in enums for enumerator in body.split(","))
     return Declared(
-        functions,
-        macros,
-        enumerators,
-        constants,
-        tables,
-        (*(name for _, name in enums), *_STRUCT.findall(code)),
-        dict(_conditions(code)),
+        functions=functions,
+        macros=macros,
+        enumerators=enumerators,
+        constants=constants,
+        tables=tables,
+        types=(*(name for _, name in enums), *_STRUCT.findall(code)),
+        conditions=dict(_conditions(code)),
     )
 
 
@@ -116,18 +118,19 @@ def _conditions(code: str) -> Iterator[tuple[str, tuple[str, ...]]]:
             opened[-1] = f"{'#ifndef' if opened[-1].startswith('#ifdef') else '#ifdef'} {opened[-1].split()[1]}"
         elif word == "#endif":
             opened.pop()
-        found = re.match(r"static (?:inline|CW_CONST) [\w \*]+?(\w+)[\[(]", line)
-        settings = tuple(item for item in opened if not item.endswith("_H") and item != "#ifdef __cplusplus")
-        if found and settings:
-            yield found[1], settings
+        match = re.match(r"static (?:inline|CW_CONST) [\w \*]+?(\w+)[\[(]", line)
+        conditions = [condition for condition in opened if condition != "#ifdef __cplusplus"]
+        settings = tuple(condition for condition in conditions if not condition.endswith("_H"))
+        if match and settings:
+            yield match[1], settings
 
 
 def included(header: str, include: Path) -> list[str]:
     """Return the header, given by its path below ``include``, after those that it includes."""
     text = (include / header).read_text(encoding="ascii")
-    found = re.findall(r'^#include "((?:\w+/)?\w+\.h)"', text, re.MULTILINE)
-    places = [name if "/" in name else f"codewheel/{name}" for name in found]
-    return [*(item for name in places for item in included(name, include)), header]
+    names = re.findall(r'^#include "((?:\w+/)?\w+\.h)"', text, re.MULTILINE)
+    places = [name if "/" in name else f"codewheel/{name}" for name in names]
+    return [*(inner for name in places for inner in included(name, include)), header]
 
 
 def use_everything(headers: Sequence[str], include: Path) -> str:
@@ -135,42 +138,44 @@ def use_everything(headers: Sequence[str], include: Path) -> str:
 
     It uses everything that they and the included headers of the runtime declare.
     """
-    every = dict.fromkeys(item for header in headers for item in included(header, include))
-    found = declared((include / header).read_text(encoding="ascii") for header in every)
+    paths = dict.fromkeys(path for header in headers for path in included(header, include))
+    declarations = declared((include / header).read_text(encoding="ascii") for header in paths)
     lines = [f'#include "{header}"' for header in headers]
-    for kind, name, given in found.functions:
-        arguments = "" if given == "void" else ", ".join(re.findall(r"(\w+)(?:\[\d*\])?(?:,|$)", given))
-        made = _function(kind, name, given, f"{'' if kind == 'void' else 'return '}{name}({arguments});")
-        settings = found.conditions.get(name, ())
-        lines += [*settings, *made, *("#endif" for _ in settings)]
-    for name, value in found.macros:
-        if name.endswith(_WITH_ARGUMENTS):
-            continue
-        if value.startswith('"'):
-            lines += _function("const char *", name, "void", f"return {name};")
-        else:
-            lines += _function("int", name, "void", f"return {name} != 0;")
-    for kind, name in found.tables:
-        settings = found.conditions.get(name, ())
+    for kind, name, parameters in declarations.functions:
+        arguments = "" if parameters == "void" else ", ".join(re.findall(r"(\w+)(?:\[\d*\])?(?:,|$)", parameters))
+        function_lines = _function(kind, name, parameters, f"{'' if kind == 'void' else 'return '}{name}({arguments});")
+        settings = declarations.conditions.get(name, ())
+        lines += [*settings, *function_lines, *("#endif" for _ in settings)]
+    lines += _use_macros(declarations.macros)
+    for kind, name in declarations.tables:
+        settings = declarations.conditions.get(name, ())
         lines += [
             *settings,
             *_function(f"const {kind} *", name, "void", f"return {name};"),
             *("#endif" for _ in settings),
         ]
-    for kind, name in found.constants:
+    for kind, name in declarations.constants:
         # Two functions use it, because MISRA 8.9 requires an object that only one function uses to be defined in it.
         for function in (name, f"{name}_again"):
             lines += _function(f"const {kind} *", function, "void", f"return &{name};")
-    if "codewheel/bits.h" in every:
+    if "codewheel/bits.h" in paths:
         lines += _function("int", "CW_CONST", "void", "CW_CONST int value = 1;", "return value;")
-    for name in found.enumerators:
+    for name in declarations.enumerators:
         lines += _function("int", name, "void", f"return {name} != 0;")
-    for name in found.types:
+    for name in declarations.types:
         lines += _function(f"const {name} *", name, f"const {name} *value", "return value;")
     return "\n".join(lines) + "\n"
 
 
-def _function(kind: str, name: str, given: str, *body: str) -> list[str]:
+def _use_macros(macros: Iterable[tuple[str, str]]) -> Iterator[str]:
+    for name, value in macros:
+        if not name.endswith(_WITH_ARGUMENTS):
+            is_text = value.startswith('"')
+            statement = f"return {name};" if is_text else f"return {name} != 0;"
+            yield from _function("const char *" if is_text else "int", name, "void", statement)
+
+
+def _function(kind: str, name: str, parameters: str, *body: str) -> list[str]:
     """Return a function with its prototype, as strict warnings require."""
-    head = f"{kind}{'' if kind.endswith('*') else ' '}use_{name}({given})"
+    head = f"{kind}{'' if kind.endswith('*') else ' '}use_{name}({parameters})"
     return [f"{head};", head, "{", *(f"    {line}" for line in body), "}"]

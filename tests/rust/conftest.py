@@ -24,13 +24,13 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("site")
     shutil.copytree(PACKAGE, folder / "source", ignore=shutil.ignore_patterns("__pycache__", "build", "*.egg-info"))
     command = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps"]
-    done = subprocess.run(
+    completed = subprocess.run(
         [*command, "--target", str(folder / "site"), str(folder / "source")],
         capture_output=True,
         text=True,
         check=False,
     )
-    assert done.returncode == 0, done.stderr
+    assert completed.returncode == 0, completed.stderr
     return folder / "site"
 
 
@@ -41,7 +41,7 @@ def codewheel(site: Path) -> Callable[..., tuple[int, str, str]]:
     def run(*arguments: str | Path, cwd: Path = ROOT) -> tuple[int, str, str]:
         command = [sys.executable, "-m", "codewheel", *map(str, arguments)]
         environment = {**os.environ, "PYTHONPATH": str(site)}
-        done = subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, check=False)
-        return done.returncode, done.stdout, done.stderr
+        completed = subprocess.run(command, cwd=cwd, env=environment, capture_output=True, text=True, check=False)
+        return completed.returncode, completed.stdout, completed.stderr
 
     return run

@@ -13,7 +13,7 @@ from codewheel.order_codes.run_time import with_answers
 from codewheel.reference import codec
 from codewheel_rust.family import Struct
 from rust_harness import Program
-from test_c_codec import made, run_time_variants, samples, with_crc
+from test_c_codec import encoded_sample, run_time_variants, samples, with_crc
 
 Values = Mapping[str, "int | str | bool"]
 #: Minimum number of frames for an order code, and how many of them are created one by one.
@@ -32,7 +32,7 @@ class Case:
     @property
     def set(self) -> str:
         """Return the line that sets the variant."""
-        names = (item.name for item in self.device.parameters if item.equals is None)
+        names = (parameter.name for parameter in self.device.parameters if parameter.equals is None)
         return f"v {' '.join(str(self.variant.parameters[name]) for name in names)}"
 
     def wire(self, number: int, longer: int = 0) -> str:
@@ -50,26 +50,26 @@ class Case:
 
     def decoding(self, number: int) -> str:
         """Return the expected answer to decoding."""
-        found = codec.decode(self.device, self.placed, number)
-        if found.problems:
-            return first_fault(found.problems)
-        powers = any(item.field.number.power_of_two for item in self.placed.fields)
-        covered = sum(item.mask << item.low for item in self.placed.fields)
-        again = self._encoded(found.values) if powers else self._limited(found.values, covered & number)
-        return f"ok {self._row(found, {})} = {again}"
+        decoded = codec.decode(self.device, self.placed, number)
+        if decoded.problems:
+            return first_fault(decoded.problems)
+        powers = any(field.field.number.power_of_two for field in self.placed.fields)
+        covered = sum(field.mask << field.low for field in self.placed.fields)
+        again = self._encoded(decoded.values) if powers else self._limited(decoded.values, covered & number)
+        return f"ok {self._row(decoded, {})} = {again}"
 
     def encoding(self, sound: int, name: str, value: int) -> tuple[str, str]:
         """Return a valid frame with another value of one member, and the expected answer to encoding it."""
-        found = codec.decode(self.device, self.placed, sound)
-        assert not found.problems
+        reference = codec.decode(self.device, self.placed, sound)
         # A run of digits or a join would contradict the value that it repeats, and a text can be other than ASCII.
-        fields = {entry.name: entry.field for entry in self.placed.fields if entry.field.carries_data}
-        decoded = (entry for entry in found.fields if entry.name in fields)
-        values = {
-            entry.name: entry.raw if isinstance(fields[entry.name].kind, Text) else entry.value for entry in decoded
-        }
-        values |= {entry.name: entry.raw for entry in found.fields if entry.name == codec.UNUSED}
-        return self._row(found, {name: value}, "x"), self._encoded({**values, name: value})
+        fields = {field.name: field.field for field in self.placed.fields if field.field.carries_data}
+        values: dict[str, int | str | bool] = {}
+        for decoded in reference.fields:
+            if decoded.name in fields:
+                values[decoded.name] = decoded.raw if isinstance(fields[decoded.name].kind, Text) else decoded.value
+            if decoded.name == codec.UNUSED:
+                values[decoded.name] = decoded.raw
+        return self._row(reference, {name: value}, "x"), self._encoded({**values, name: value})
 
     def _encoded(self, values: Values) -> str:
         try:
@@ -90,29 +90,33 @@ class Case:
                 return f"range {name or register.name}"
         return self.wire(number).removeprefix("x")
 
-    def _row(self, found: codec.Decoded, other: Mapping[str, int], mark: str = "") -> str:
+    def _row(self, decoded: codec.Decoded, changed_values: Mapping[str, int], mark: str = "") -> str:
         """Return the members. In an answer, also return the runs of digits and the joins."""
-        fields = {item.name: item for item in found.fields}
-        parts = [part.field for part in self.struct.codec.parts]
-        shown = [str(other[item.name]) if item.name in other else _shown(item, fields, mark) for item in parts]
+        fields = {decoded_field.name: decoded_field for decoded_field in decoded.fields}
+        members = [part.field for part in self.struct.codec.parts]
+        words = []
+        for member in members:
+            is_changed = member.name in changed_values
+            words.append(str(changed_values[member.name]) if is_changed else _member_text(member, fields, mark))
         if self.struct.codec.reserved:
-            shown.append(str(other.get(codec.UNUSED, fields[codec.UNUSED].raw)))
+            words.append(str(changed_values.get(codec.UNUSED, fields[codec.UNUSED].raw)))
         if not mark:
-            runs = [run.name for field in parts for run in field.runs]
-            shown += [str(fields[name].value) for name in (*runs, *(join.name for join in self.struct.layout.joins))]
-        return " ".join(shown)
+            runs = [run.name for member in members for run in member.runs]
+            joins = [join.name for join in self.struct.layout.joins]
+            words += [str(fields[name].value) for name in (*runs, *joins)]
+        return " ".join(words)
 
 
-def _shown(field: Field, fields: Mapping[str, codec.DecodedField], mark: str) -> str:
+def _member_text(field: Field, fields: Mapping[str, codec.DecodedField], mark: str) -> str:
     """Return a member. A field that this order code lacks is 0."""
-    found = fields.get(field.name)
-    if found is None:
+    decoded = fields.get(field.name)
+    if decoded is None:
         return str(field.number.zero_means)
     if isinstance(field.kind, Text):
-        return mark + found.raw.to_bytes((found.high - found.low + 1) // 8, "big").hex().upper()
+        return mark + decoded.raw.to_bytes((decoded.high - decoded.low + 1) // 8, "big").hex().upper()
     if isinstance(field.kind, Choice):
-        return str(next(item.value for item in field.values if item.name == found.value))
-    return str(int(found.value))
+        return str(next(value.value for value in field.values if value.name == decoded.value))
+    return str(int(decoded.value))
 
 
 def first_fault(problems: Sequence[codec.Problem]) -> str:
@@ -124,21 +128,21 @@ def first_fault(problems: Sequence[codec.Problem]) -> str:
 def cases(program: Program, index: int) -> list[Case]:
     """Return a frame or register for the order codes that differ, and for some states of the registers."""
     device, struct = program.device, program.structs[index]
-    names = [item.name for item, frame in program.family.frames if frame is struct]
-    interface = struct.register.interface if struct.register is not None else names[0]
-    variants = {
-        tuple(item.parameters.items()): item
-        for item in _answered(device, (*device.variants, *run_time_variants(device)))
-        if item.interface == interface
-    }
-    return [Case(device, struct, item, struct.layout.place(item.parameters)) for item in variants.values()]
+    names = [interface.name for interface, frame in program.family.frames if frame is struct]
+    name = struct.register.interface if struct.register is not None else names[0]
+    answered = _with_each_answer(device, (*device.variants, *run_time_variants(device)))
+    variants = {tuple(variant.parameters.items()): variant for variant in answered if variant.interface == name}
+    return [Case(device, struct, variant, struct.layout.place(variant.parameters)) for variant in variants.values()]
 
 
-def _answered(device: Device, variants: Iterable[Variant]) -> Iterator[Variant]:
+def _with_each_answer(device: Device, variants: Iterable[Variant]) -> Iterator[Variant]:
     """Return the variants with each answer to the open questions of the manual."""
-    answers = [[(item.name, answer.name) for answer in item.answers] for item in device.alternatives]
-    for variant, given in itertools.product(variants, itertools.product(*answers)):
-        yield with_answers(device, variant, dict(given))
+    questions = device.alternatives
+    for variant, chosen in itertools.product(
+        variants, itertools.product(*(question.answers for question in questions))
+    ):
+        answers = {question.name: answer.name for question, answer in zip(questions, chosen, strict=True)}
+        yield with_answers(device, variant, answers)
 
 
 def numbers(case: Case, count: int, random_: random.Random) -> Iterator[int]:
@@ -147,9 +151,9 @@ def numbers(case: Case, count: int, random_: random.Random) -> Iterator[int]:
     CRCs, parities and constants are sums modulo 2 of bits, so the sum of three valid numbers is usually also valid.
     """
     placed = case.placed
-    data = [item for item in placed.fields if item.field.carries_data]
-    choices = {item.name: samples(item.field, item.width, placed.layout, random_) for item in data}
-    sound = [made(case.device, placed, choices, {}, random_) for _ in range(min(count, _POOL))]
+    data = [field for field in placed.fields if field.field.carries_data]
+    choices = {field.name: samples(field.field, field.width, placed.layout, random_) for field in data}
+    sound = [encoded_sample(case.device, placed, choices, {}, random_) for _ in range(min(count, _POOL))]
     yield from sound
     changes = [0] * _POOL
     changes += [_some_bits(placed.bits, random_) for _ in range(_POOL // 2)]
@@ -167,11 +171,11 @@ def _some_bits(bits: int, random_: random.Random) -> int:
 def decoding(program: Program, index: int, count: int) -> set[str]:
     """Decode this many frames of a layout, over all order codes. Return the kinds of answers."""
     random_ = random.Random(f"{program.device.name} {index}")
-    found = cases(program, index)
+    frame_cases = cases(program, index)
     pairs = []
-    for case in found:
+    for case in frame_cases:
         pairs.append((case.set, ""))
-        for number in numbers(case, max(count // len(found), _LEAST), random_):
+        for number in numbers(case, max(count // len(frame_cases), _LEAST), random_):
             pairs.append((f"d {index} {case.wire(number)}", case.decoding(number)))
         pairs += [(f"d {index} {wire}", "length") for wire in case.wrong_lengths(number)]
     check(program, pairs)
@@ -182,12 +186,11 @@ def check(program: Program, pairs: list[tuple[str, str]]) -> None:
     """Send each line, and compare the answer with the expected one, or with nothing if that is empty."""
     answers = program.run(line for line, _ in pairs)
     assert len(answers) == len(pairs)
-    wrong = [
-        (*pair, answer) for pair, answer in zip(pairs, answers, strict=True) if pair[1] and not _same(pair[1], answer)
-    ]
-    assert not wrong, wrong[:5]
+    rows = [(line, expected, answer) for (line, expected), answer in zip(pairs, answers, strict=True) if expected]
+    differing = [row for row in rows if not _matches(row[1], row[2])]
+    assert not differing, differing[:5]
 
 
-def _same(expected: str, answer: str) -> bool:
+def _matches(expected: str, answer: str) -> bool:
     """Return True if an answer is as expected. The model does not say which value it refuses."""
     return answer.startswith(f"{expected} ") if expected.endswith("range") else expected == answer

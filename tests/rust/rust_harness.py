@@ -35,15 +35,23 @@ PACKAGE = ROOT / "examples" / "rust-target"
 
 #: Made-up specs that are not for this target.
 OTHERS = ("long_crc", "lowfirst")
+
+
+def _specs() -> Iterator[str]:
+    """Yield the specs of the families that the target can express.
+
+    It cannot express a CRC that is not whole bytes at the end of a frame in bytes. The words of ``lowfirst`` have
+    64 bits, so no number is too long for them.
+    """
+    for folder in ("specs", "tests/specs", "tests/c/specs", "docs/example"):
+        for path in sorted((ROOT / folder).rglob("*.yaml")):
+            is_device = "\ndevice: " in path.read_text(encoding="utf-8")
+            if is_device and not is_second(path) and path.stem not in OTHERS:
+                yield path.relative_to(ROOT).as_posix()
+
+
 #: The spec of every family. The made-up ones use features that others do not.
-SPECS = [
-    path.relative_to(ROOT).as_posix()
-    for folder in ("specs", "tests/specs", "tests/c/specs", "docs/example")
-    for path in sorted((ROOT / folder).rglob("*.yaml"))
-    # The target cannot express a CRC that is not whole bytes at the end of a frame in bytes. The words of ``lowfirst``
-    # have 64 bits, so no number is too long for them.
-    if "\ndevice: " in path.read_text(encoding="utf-8") and not is_second(path) and path.stem not in OTHERS
-]
+SPECS = [*_specs()]
 #: Content of a crate: the shipped families of a manufacturer, or a made-up one.
 CRATES = ["specs/ichaus", "specs/lika", *(spec for spec in SPECS if not spec.startswith("specs/"))]
 LIBRARY = ("--crate-type", "rlib", "--crate-name", "encoders")
@@ -56,8 +64,8 @@ def rust_tool(name: str) -> str:
 
 def compiled(*command: str | Path) -> None:
     """Compile with any version. Further warnings of a newer one are not errors here, see tests/verify/test_rust.py."""
-    done = subprocess.run([rust_tool("rustc"), *command], capture_output=True, text=True, check=False)
-    assert done.returncode == 0, done.stderr[:4000]
+    completed = subprocess.run([rust_tool("rustc"), *command], capture_output=True, text=True, check=False)
+    assert completed.returncode == 0, completed.stderr[:4000]
 
 
 def write(devices: tuple[Device, ...], folder: Path, edition: str = "2021") -> Path:
@@ -103,30 +111,35 @@ class Program:
     def run(self, lines: Iterable[str]) -> list[str]:
         """Return the answer to each line."""
         text = "".join(f"{line}\n" for line in lines)
-        done = subprocess.run([self._program], input=text, capture_output=True, text=True, timeout=900, check=False)
-        assert done.returncode == 0, done.stderr[:2000]
-        return done.stdout.splitlines()
+        completed = subprocess.run(
+            [self._program], input=text, capture_output=True, text=True, timeout=900, check=False
+        )
+        assert completed.returncode == 0, completed.stderr[:2000]
+        return completed.stdout.splitlines()
 
     def _source(self) -> str:
         device, family = self.device, self.family
-        plain = [item for item in device.parameters if item.equals is None]
-        given = (
-            f"variant.{snake(item.name)} = {'number(words) as _' if not item.alternative else _SOME};" for item in plain
-        )
+        assignments = []
+        for parameter in device.parameters:
+            if parameter.equals is None:
+                value = "number(words) as _" if not parameter.alternative else _SOME
+                assignments.append(f"variant.{snake(parameter.name)} = {value};")
+        printed = []
+        for parameter in device.parameters:
+            call = "()" if parameter.equals is not None else ""
+            printed.append(f"variant.{snake(parameter.name)}{call}{_SHOWN[bool(parameter.alternative)]}")
+        dispatches = [_TELL.format(type=name, arms=_layout_arms(name, layouts)) for name, layouts in self.senders()]
         values = {
             "module": snake(device.name),
-            "set": " ".join(given),
-            "parameters": ", ".join(
-                f"variant.{snake(item.name)}{'()' if item.equals is not None else ''}{_SHOWN[bool(item.alternative)]}"
-                for item in device.parameters
-            ),
+            "set": " ".join(assignments),
+            "parameters": ", ".join(printed),
             "types": "".join(map(_implementation, self.structs)),
-            "decode": _arms(f"decoded::<{_type(item)}>(variant, words)" for item in self.structs),
-            "encode": _arms(f"encoded::<{_type(item)}>(variant, words)" for item in self.structs),
-            "placed": _arms(f"told(<{_type(item)} as Frame>::placed(variant))" for item in self.structs),
-            "dispatch": _arms(_TELL.format(type=name, arms=_told(name, layouts)) for name, layouts in self.senders()),
-            "held": _arms(_TAKE.format(name=item.register.name) for item in family.held),
-            "crcs": _arms(f'format!("{{:X}}", {crc_name(item)}({_crc_arguments(item)}))' for item in family.crcs),
+            "decode": _arms(f"decoded::<{_type(struct)}>(variant, words)" for struct in self.structs),
+            "encode": _arms(f"encoded::<{_type(struct)}>(variant, words)" for struct in self.structs),
+            "placed": _arms(f"told(<{_type(struct)} as Frame>::placed(variant))" for struct in self.structs),
+            "dispatch": _arms(dispatches),
+            "held": _arms(_TAKE.format(name=effect.register.name) for effect in family.held),
+            "crcs": _arms(f'format!("{{:X}}", {crc_name(crc)}({_crc_arguments(crc)}))' for crc in family.crcs),
             "registers": ", ".join(map(_constants, family.registers)),
         }
         text = (HERE / "harness.rs").read_text(encoding="utf-8")
@@ -136,10 +149,10 @@ class Program:
 
     def senders(self) -> Iterator[tuple[str, list[Layout]]]:
         """Return the types that hold any frame of one side, and their content."""
-        for interface, told in self.family.dispatches:
-            layouts = [branch.layout for branch in told.branches]
-            layouts += [told.fallback] if told.fallback is not None else []
-            yield pascal(f"{interface.name}_from_{told.sender}"), layouts
+        for interface, dispatch in self.family.dispatches:
+            layouts = [branch.layout for branch in dispatch.branches]
+            layouts += [dispatch.fallback] if dispatch.fallback is not None else []
+            yield pascal(f"{interface.name}_from_{dispatch.sender}"), layouts
 
 
 _SOME = "Some(number(words) as _)"
@@ -155,8 +168,8 @@ def _arms(answers: Iterable[str]) -> str:
     return "\n".join(f'            "{index}" => {answer},' for index, answer in enumerate(answers))
 
 
-def _told(name: str, layouts: Iterable[Layout]) -> str:
-    return ", ".join(f'{name}::{pascal(item.name)}(_) => "{item.name}"' for item in layouts)
+def _layout_arms(name: str, layouts: Iterable[Layout]) -> str:
+    return ", ".join(f'{name}::{pascal(layout.name)}(_) => "{layout.name}"' for layout in layouts)
 
 
 def _type(struct: Struct) -> str:
@@ -167,10 +180,10 @@ def _path(struct: Struct) -> str:
     return "registers::" if struct.register is not None else ""
 
 
-def _crc_arguments(item: CrcFunction) -> str:
-    if item.carrier is Carrier.BYTES:
+def _crc_arguments(crc: CrcFunction) -> str:
+    if crc.carrier is Carrier.BYTES:
         return "&bytes(words.next().unwrap())"
-    bits = "" if item.form is Form.FOLD else ", number(words) as u32"
+    bits = "" if crc.form is Form.FOLD else ", number(words) as u32"
     return f"word(words.next().unwrap()){bits}"
 
 
@@ -178,47 +191,47 @@ def _constants(struct: Struct) -> str:
     name, register = _type(struct), struct.register
     assert register is not None
     default = f"hex(&{name}::DEFAULT)" if register.default is not None else '"-"'
-    parts = [f"{name}::{item}" for item in ("ADDRESS", "LENGTH", "READABLE", "WRITABLE")]
-    parts += [default, *(f"{name}::{item.upper()}_MASK" for item in masks(struct))]
+    parts = [f"{name}::{constant}" for constant in ("ADDRESS", "LENGTH", "READABLE", "WRITABLE")]
+    parts += [default, *(f"{name}::{mask.upper()}_MASK" for mask in masks(struct))]
     return f'format!("{" ".join(["{}"] * len(parts))}", {", ".join(parts)})'
 
 
 def masks(struct: Struct) -> dict[str, int]:
     """Return the masks of the fields of a register whose place in a word never changes."""
-    return {
-        part.field.name: ((1 << part.field.widest) - 1) << part.field.low.constant
-        for part in struct.codec.parts
-        if part.field.low.is_constant and part.field.width.is_constant and struct.layout.widest <= 64
-    }
+    fields = [part.field for part in struct.codec.parts]
+    fixed = [field for field in fields if field.low.is_constant and field.width.is_constant]
+    if struct.layout.widest > 64:
+        return {}
+    return {field.name: ((1 << field.widest) - 1) << field.low.constant for field in fixed}
 
 
 def _implementation(struct: Struct) -> str:
     """Return code that reads and prints the members of a frame or register."""
-    shown, given = [], []
+    printed, parsed = [], []
     for field in (part.field for part in struct.codec.parts):
         name = snake(field.name)
         match field.kind:
             case Flag():
-                shown.append(f"u8::from(self.{name}).to_string()")
-                given.append(f"{name}: number(words) != 0")
+                printed.append(f"u8::from(self.{name}).to_string()")
+                parsed.append(f"{name}: number(words) != 0")
             case Choice():
-                shown.append(f"(self.{name} as u64).to_string()")
+                printed.append(f"(self.{name} as u64).to_string()")
                 type_ = f"{_path(struct)}{struct.type_of(field)}"
-                given.append(f"{name}: {type_}::from_bits(number(words) as u64).unwrap()")
+                parsed.append(f"{name}: {type_}::from_bits(number(words) as u64).unwrap()")
             case Text():
-                shown.append(f"hex(&self.{name})")
-                given.append(f"{name}: bytes(words.next().unwrap()).try_into().unwrap()")
+                printed.append(f"hex(&self.{name})")
+                parsed.append(f"{name}: bytes(words.next().unwrap()).try_into().unwrap()")
             case _:
-                shown.append(f"self.{name}.to_string()")
-                given.append(f"{name}: number(words) as _")
+                printed.append(f"self.{name}.to_string()")
+                parsed.append(f"{name}: number(words) as _")
     if struct.codec.reserved:
-        shown.append("self.unused.to_string()")
-        given.append("unused: number(words) as _")
-    shown += [f"self.{snake(run.name)}().to_string()" for field in struct.layout.fields for run in field.runs]
-    shown += [f"self.{snake(join.name)}(variant).to_string()" for join in struct.layout.joins]
+        printed.append("self.unused.to_string()")
+        parsed.append("unused: number(words) as _")
+    printed += [f"self.{snake(run.name)}().to_string()" for field in struct.layout.fields for run in field.runs]
+    printed += [f"self.{snake(join.name)}(variant).to_string()" for join in struct.layout.joins]
     in_bytes = struct.codec.in_bytes
-    text = _IMPLEMENTATION.replace("@type@", _type(struct)).replace("@shown@", ", ".join(shown))
-    text = text.replace("@wire@", "&bytes(wire)" if in_bytes else "word(wire)").replace("@given@", ", ".join(given))
+    text = _IMPLEMENTATION.replace("@type@", _type(struct)).replace("@shown@", ", ".join(printed))
+    text = text.replace("@wire@", "&bytes(wire)" if in_bytes else "word(wire)").replace("@given@", ", ".join(parsed))
     return text.replace("@sent@", "hex(&sent)" if in_bytes else 'format!("{:X}", sent)')
 
 

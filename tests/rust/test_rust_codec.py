@@ -36,7 +36,7 @@ def test_places_of_fields(program: Program) -> None:
     pairs = []
     for index, _ in enumerate(program.structs):
         for case in cases(program, index):
-            placed = ",".join(f"{item.name} {item.low} {item.width}" for item in case.placed.fields)
+            placed = ",".join(f"{field.name} {field.low} {field.width}" for field in case.placed.fields)
             pairs += [(case.set, ""), (f"p {index}", placed)]
     check(program, pairs)
 
@@ -50,10 +50,10 @@ def test_what_does_not_fit_is_refused(program: Program) -> None:
             pairs.append((case.set, ""))
             sound = next(numbers(case, 1, random_))
             for part in struct.codec.parts:
-                item = case.placed.find_field(part.field.name)
-                if item is not None and not isinstance(part.field.kind, (Flag, Text)):
-                    for value in _values(item, struct.type_of(part.field), random_):
-                        row, expected = case.encoding(sound, item.name, value)
+                placed_field = case.placed.find_field(part.field.name)
+                if placed_field is not None and not isinstance(part.field.kind, (Flag, Text)):
+                    for value in _values(placed_field, struct.type_of(part.field), random_):
+                        row, expected = case.encoding(sound, placed_field.name, value)
                         pairs.append((f"e {index} {row}", expected))
             for bit in range(max(struct.layout.unused_width + 7, 8) // 8 * 8 if struct.codec.reserved else 0):
                 row, expected = case.encoding(sound, codec.UNUSED, 1 << bit)
@@ -61,68 +61,71 @@ def test_what_does_not_fit_is_refused(program: Program) -> None:
     check(program, pairs)
 
 
-def _values(item: PlacedField, type_: str, random_: random.Random) -> list[int]:
-    if isinstance(item.field.kind, Choice):
-        return [value.value for value in item.field.values]
+def _values(placed: PlacedField, type_: str, random_: random.Random) -> list[int]:
+    if isinstance(placed.field.kind, Choice):
+        return [value.value for value in placed.field.values]
     bits = int(type_[1:])
     low, high = (-(1 << bits - 1), (1 << bits - 1) - 1) if type_[0] == "i" else (0, (1 << bits) - 1)
-    edges = [low, high, 0, 1, item.mask, item.mask + 1, item.mask >> 1, -(item.mask >> 1) - 2]
-    if isinstance(item.field.kind, Decimal):
-        edges += [item.field.kind.limit - 1, item.field.kind.limit]
+    edges = [low, high, 0, 1, placed.mask, placed.mask + 1, placed.mask >> 1, -(placed.mask >> 1) - 2]
+    if isinstance(placed.field.kind, Decimal):
+        edges += [placed.field.kind.limit - 1, placed.field.kind.limit]
     return [value for value in (*edges, random_.randint(low, high)) if low <= value <= high]
 
 
 def test_what_the_manual_leaves_open_is_asked_for(program: Program) -> None:
     """Order codes have no answer, so frames that depend on one are not decoded or encoded before it is given."""
-    asked = 0
+    undecided_frames = 0
     for index, struct in enumerate(program.structs):
         for case in cases(program, index)[: len(struct.codec.alternatives)]:
             number = next(numbers(case, 1, random.Random("asked")))
             row, _ = case.encoding(number, "", 0)
             answers = program.run([f"d {index} {case.wire(number)}", f"e {index} {row}", case.set, f"e {index} {row}"])
-            wanted = f"undecided {struct.codec.alternatives[0].name}"
-            assert answers[:2] == [wanted, wanted]
+            expected = f"undecided {struct.codec.alternatives[0].name}"
+            assert answers[:2] == [expected, expected]
             assert answers[3] == case.wire(number).removeprefix("x")
-            asked += 1
-    assert asked or not program.device.alternatives
+            undecided_frames += 1
+    assert undecided_frames or not program.device.alternatives
 
 
 def test_frames_are_told_apart(program: Program) -> None:
     """Frames of every kind, with other values of the selecting field and with bytes missing."""
     random_ = random.Random("senders")
     pairs = []
-    for place, (interface, told) in enumerate(program.family.dispatches):
-        variant = next(item for item in program.device.variants if item.interface == interface.name)
+    for place, (interface, dispatch) in enumerate(program.family.dispatches):
+        variant = next(variant for variant in program.device.variants if variant.interface == interface.name)
         for index, (owner, struct) in enumerate(program.family.frames):
-            if owner is interface and struct.layout.sender == told.sender:
-                case = next(item for item in cases(program, index) if item.variant.interface == interface.name)
+            if owner is interface and struct.layout.sender == dispatch.sender:
+                case = next(case for case in cases(program, index) if case.variant.interface == interface.name)
                 wires = [case.wire(number) for number in numbers(case, 300, random_)]
                 wires += [wire[: 2 * random_.randrange(8) + 1] for wire in wires[:50]] + ["x"]
-                pairs += [(case.set, ""), *((f"s {place} {wire}", _told(program, case, wire)) for wire in wires)]
+                pairs += [
+                    (case.set, ""),
+                    *((f"s {place} {wire}", expected_layout(program, case, wire)) for wire in wires),
+                ]
         assert variant is not None
     check(program, pairs)
 
 
-def _told(program: Program, case: Case, wire: str) -> str:
-    found = codec.decode_bytes(program.device, case.variant, case.struct.layout.sender, bytes.fromhex(wire[1:]))
-    if found.problems:
-        return first_fault(found.problems)
-    assert found.layout is not None
-    return found.layout.name
+def expected_layout(program: Program, case: Case, wire: str) -> str:
+    decoded = codec.decode_bytes(program.device, case.variant, case.struct.layout.sender, bytes.fromhex(wire[1:]))
+    if decoded.problems:
+        return first_fault(decoded.problems)
+    assert decoded.layout is not None
+    return decoded.layout.name
 
 
 def test_crcs(program: Program) -> None:
     random_ = random.Random("crcs")
     pairs = []
-    for index, item in enumerate(program.family.crcs):
+    for index, function in enumerate(program.family.crcs):
         for length in range(33):
-            if item.carrier is Carrier.BYTES:
+            if function.carrier is Carrier.BYTES:
                 data = random_.randbytes(length)
-                pairs.append((f"c {index} x{data.hex()}", f"{compute_bytes(item.crc, data):X}"))
+                pairs.append((f"c {index} x{data.hex()}", f"{compute_bytes(function.crc, data):X}"))
             else:
                 bits = min(2 * length, 64)
                 number = random_.getrandbits(bits)
-                expected = compute_bits(item.crc, number, 64 if item.form is Form.FOLD else bits)
+                expected = compute_bits(function.crc, number, 64 if function.form is Form.FOLD else bits)
                 pairs.append((f"c {index} {number:X} {bits}", f"{expected:X}"))
     check(program, pairs)
 
@@ -130,50 +133,51 @@ def test_crcs(program: Program) -> None:
 def test_registers_change_the_variant(program: Program) -> None:
     random_ = random.Random("held")
     device, pairs = program.device, []
-    for index, item in enumerate(program.family.held):
-        contents = list(_contents(item, random_))
-        for variant in [one for one in device.variants if one.interface == item.register.interface][:4]:
+    for index, effect in enumerate(program.family.held):
+        contents = list(_contents(effect, random_))
+        for variant in [variant for variant in device.variants if variant.interface == effect.register.interface][:4]:
             case = Case(device, program.structs[0], variant, program.structs[0].layout.place(variant.parameters))
             for data in contents:
-                pairs += [(case.set, ""), (f"h {index} x{data.hex()}", _held(program, variant, item.register, data))]
+                pairs += [
+                    (case.set, ""),
+                    (f"h {index} x{data.hex()}", expected_parameters(program, variant, effect.register, data)),
+                ]
     check(program, pairs)
 
 
-def _contents(item: HoldingRegister, random_: random.Random) -> Iterator[bytes]:
+def _contents(effect: HoldingRegister, random_: random.Random) -> Iterator[bytes]:
     """A register with each parameter at its limits and beyond, with any content, and with a wrong length."""
-    length = item.register.length
+    length = effect.register.length
     yield from (random_.randbytes(length) for _ in range(20))
     yield from (bytes(length - 1), bytes(length), bytes(length + 1))
-    for held in item.parameters:
-        low, high = held.parameter.min or 0, held.parameter.max or 0
-        codes = (code.code for code in held.parameter.by_code)
+    for derived in effect.parameters:
+        low, high = derived.parameter.min or 0, derived.parameter.max or 0
+        codes = (code.code for code in derived.parameter.by_code)
         for value in (low - 1, low, high, high + 1, *codes):
-            if 0 <= value < 1 << held.field.widest:
-                number = value << held.field.low.constant
-                yield number_to_bytes(item.register.layout, number, 8 * length)
+            if 0 <= value < 1 << derived.field.widest:
+                number = value << derived.field.low.constant
+                yield number_to_bytes(effect.register.layout, number, 8 * length)
 
 
-def _held(program: Program, variant: Variant, register: Register, data: bytes) -> str:
+def expected_parameters(program: Program, variant: Variant, register: Register, data: bytes) -> str:
     if len(data) != register.length:
         return "length"
     try:
-        held = {register.address + index: byte for index, byte in enumerate(data)}
-        found = with_registers(program.device, variant, held)
+        contents = {register.address + index: byte for index, byte in enumerate(data)}
+        changed_variant = with_registers(program.device, variant, contents)
     except RegisterError:
         return "range"
-    return " ".join(str(found.parameters[item.name]) for item in program.device.parameters)
+    return " ".join(str(changed_variant.parameters[parameter.name]) for parameter in program.device.parameters)
 
 
 def test_order_codes(program: Program) -> None:
     device = program.device
-    names = [item.name for item in device.parameters]
-    asked = {item.name: "none" for item in device.parameters if item.alternative}
-    rows = [
-        " ".join(
-            [item.code, item.interface.capitalize(), *(asked.get(name, str(item.parameters[name])) for name in names)]
-        )
-        for item in device.variants
-    ]
+    names = [parameter.name for parameter in device.parameters]
+    undecided = {parameter.name: "none" for parameter in device.parameters if parameter.alternative}
+    rows = []
+    for variant in device.variants:
+        values = [undecided.get(name, str(variant.parameters[name])) for name in names]
+        rows.append(" ".join([variant.code, variant.interface.capitalize(), *values]))
     code = device.variants[-1].code
     answers = program.run(["o", f"f {code}", f"f {code}X"])
     assert [row.rstrip() for row in answers[0].split(";")] == rows
@@ -183,10 +187,10 @@ def test_order_codes(program: Program) -> None:
 def test_constants_of_registers(program: Program) -> None:
     rows = []
     for struct in program.family.registers:
-        item = struct.register
-        assert item is not None
-        data = item.default_bytes()
-        shown = [item.address, item.length, str(item.readable).lower(), str(item.writable).lower()]
-        shown += ["-" if data is None else data.hex().upper(), *masks(struct).values()]
-        rows.append(" ".join(map(str, shown)))
+        register = struct.register
+        assert register is not None
+        data = register.default_bytes()
+        constants = [register.address, register.length, str(register.readable).lower(), str(register.writable).lower()]
+        constants += ["-" if data is None else data.hex().upper(), *masks(struct).values()]
+        rows.append(" ".join(map(str, constants)))
     assert program.run(["r"])[0] == ";".join(rows)

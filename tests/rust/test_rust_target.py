@@ -47,14 +47,14 @@ def test_it_uses_what_the_page_on_targets_tells_of() -> None:
 
 
 def test_it_is_installed_and_generates(codewheel: Run, tmp_path: Path) -> None:
-    shown = " ".join(codewheel("generate", "--help")[1].split())
-    assert "rust crates without the standard library, in Rust 1.56 --option rust.edition=2018|2021: the" in shown
+    help_text = " ".join(codewheel("generate", "--help")[1].split())
+    assert "rust crates without the standard library, in Rust 1.56 --option rust.edition=2018|2021: the" in help_text
     assert codewheel("generate", "-o", tmp_path, "--target", "rust", "--option", "rust.edition=2018")[0] == 0
     for maker in ("ichaus", "lika"):
         folder = tmp_path / "rust" / f"{maker}-encoders"
-        made = {path.relative_to(folder).as_posix() for path in folder.rglob("*.*")}
+        file_names = {path.relative_to(folder).as_posix() for path in folder.rglob("*.*")}
         families = {f"src/{Path(spec).stem}.rs" for spec in SPECS if spec.startswith(f"specs/{maker}/")}
-        assert made == {"Cargo.toml", "src/lib.rs", *families}
+        assert file_names == {"Cargo.toml", "src/lib.rs", *families}
     assert 'edition = "2018"\n' in (folder / "Cargo.toml").read_text(encoding="utf-8")
     for path in folder.rglob("*.*"):
         first = path.read_text(encoding="utf-8").splitlines()[0]
@@ -76,13 +76,13 @@ def test_the_readme(codewheel: Run, tmp_path: Path) -> None:
     assert codewheel(*re.findall(r"^codewheel (.*)$", README, re.MULTILINE)[0].split(), "-o", tmp_path)[0] == 0
     crate = tmp_path / "rust" / "lika-encoders" / "src" / "lib.rs"
     compiled("--edition", "2021", "--crate-type", "rlib", "--crate-name", "lika_encoders", "--out-dir", tmp_path, crate)
-    shown = re.search(r"^```rust\n(.*?)^```\n\nIt prints:\n\n```\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
-    assert shown is not None
-    (tmp_path / "main.rs").write_text(shown[1], encoding="utf-8")
+    example = re.search(r"^```rust\n(.*?)^```\n\nIt prints:\n\n```\n(.*?)^```", README, re.DOTALL | re.MULTILINE)
+    assert example is not None
+    (tmp_path / "main.rs").write_text(example[1], encoding="utf-8")
     library = f"lika_encoders={tmp_path / 'liblika_encoders.rlib'}"
     compiled("--edition", "2021", "--extern", library, "-o", tmp_path / "main", tmp_path / "main.rs")
-    done = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True)
-    assert done.stdout == shown[2]
+    completed = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True)
+    assert completed.stdout == example[2]
 
 
 # -- problems
@@ -101,15 +101,13 @@ def test_names_that_clash_have_their_places(codewheel: Run, tmp_path: Path) -> N
     layouts = spec["interfaces"]["biss"]["layouts"]
     layouts[0]["name"], layouts[1]["name"], layouts[2]["name"] = "fault", "a_1", "a1"
     layouts[2]["join"] = {"encode": ["own_low_0"]}
-    found = problems(spec, codewheel, tmp_path)
+    problem_lines = problems(spec, codewheel, tmp_path)
     lines = (tmp_path / "hostile.yaml").read_text(encoding="utf-8").splitlines()
-    places = {
-        name: next(at for at, line in enumerate(lines, 1) if f'"name": "{name}"' in line) for name in ("a_1", "a1")
-    }
-    messages = [line.partition(" rust-name: ")[2] for line in found]
+    first_line = next(number for number, line in enumerate(lines, 1) if '"name": "a_1"' in line)
+    messages = [line.partition(" rust-name: ")[2] for line in problem_lines]
     assert messages == [
         "this would be called Fault in Rust, as something that every module has. Rename it",
-        f"this would be called A1 in Rust, as something on line {places['a_1'] - 1}. Rename it",
+        f"this would be called A1 in Rust, as something on line {first_line - 1}. Rename it",
         "this would be called encode in Rust, as something that every module has. Rename it",
     ]
 
@@ -122,13 +120,13 @@ def test_a_layout_that_is_too_wide_has_its_place(codewheel: Run, tmp_path: Path)
         {"name": "c", "bits": "20 - own_bits"},
     ]
     spec["interfaces"]["biss"]["layouts"][0] = layout_of("wide", *wide, carried_as="bytes", byte_order="low_byte_first")
-    found = problems(spec, codewheel, tmp_path)
+    problem_lines = problems(spec, codewheel, tmp_path)
     lines = (tmp_path / "hostile.yaml").read_text(encoding="utf-8").splitlines()
     place = next(at for at, line in enumerate(lines, 1) if '"name": "wide"' in line) - 1
-    assert [line.partition(": ")[2] for line in found] == [
+    assert [line.partition(": ")[2] for line in problem_lines] == [
         "rust-size: 'wide' has 80 bits, and fields that move with the order code. Rust allows at most 64"
     ]
-    assert found[0].startswith(f"{place}:")
+    assert problem_lines[0].startswith(f"{place}:")
 
 
 # -- hostile names and texts
@@ -139,13 +137,12 @@ def hostile(words: list[str]) -> Item:
     fields = [{"name": word, "bits": 8} for word in words]
     values = {word: {"value": index} for index, word in enumerate(words)}
     sets = {size: {"own_bits": size, **dict.fromkeys(words[::2], size)} for size in (3, 5)}
-    sizes = {str(size): {"interface": "biss", "sets": given} for size, given in sets.items()}
+    sizes = {str(size): {"interface": "biss", "sets": size_sets} for size, size_sets in sets.items()}
     check = {"name": "own_crc", "crc": "own_8"}
+    in_bytes = {"carried_as": "bytes", "byte_order": "low_byte_first"}
+    starts = range(0, len(fields), 15)
     layouts = [
-        *(
-            layout_of(f"own_{at}_bytes", *fields[at : at + 15], check, carried_as="bytes", byte_order="low_byte_first")
-            for at in range(0, len(fields), 15)
-        ),
+        *(layout_of(f"own_{at}_bytes", *fields[at : at + 15], check, **in_bytes) for at in starts),
         layout_of("own_choice", {"name": "own_mode", "bits": 16, "values": values}),
         *(_words(index, word) for index, word in enumerate(words)),
     ]
@@ -163,11 +160,12 @@ def hostile(words: list[str]) -> Item:
         },
         "crcs": [crc("own", width=6, poly=3, xorout=1), crc("own_8", width=8, poly=7, xorout=1)],
         "interfaces": {"biss": {"source": "1", "clock": BISS_CLOCK, "layouts": layouts}},
-        "registers": [
-            {"name": word, "address": index, "length": 1, "access": "read_write", "source": "1"}
-            for index, word in enumerate(words)
-        ],
+        "registers": [_register(word, index) for index, word in enumerate(words)],
     }
+
+
+def _register(name: str, address: int) -> Item:
+    return {"name": name, "address": address, "length": 1, "access": "read_write", "source": "1"}
 
 
 def _words(index: int, word: str) -> Item:
@@ -182,28 +180,28 @@ def _words(index: int, word: str) -> Item:
 
 def words() -> list[str]:
     """Return every word of Rust, and of the statements of the templates, that can be a name in a spec."""
-    found = set(names.KEYWORDS)
+    candidates = set(names.KEYWORDS)
     for path in PACKAGE.rglob("*.jinja"):
         statements = re.sub(r"{[{%#].*?[}%#]}|//.*", " ", path.read_text(encoding="utf-8"))
-        found.update(re.findall(r"\b[a-z]\w*\b", statements))
+        candidates.update(re.findall(r"\b[a-z]\w*\b", statements))
     # Every module or struct has these names, so a spec that uses them has a problem.
-    told = {item.lower() for item in names.OF_MODULE} | {*names.OF_STRUCT}
-    return sorted(word for word in found - told if re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", word))
+    reserved = {name.lower() for name in names.OF_MODULE} | {*names.OF_STRUCT}
+    return sorted(word for word in candidates - reserved if re.fullmatch(r"[a-z][a-z0-9]*(_[a-z0-9]+)*", word))
 
 
 @pytest.mark.parametrize("part", range(3))
 def test_no_word_is_a_bad_name(part: int, tmp_path: Path) -> None:
-    given = words()[part::3]
-    assert 30 < len(given) < 64
+    candidates = words()[part::3]
+    assert 30 < len(candidates) < 64
     shutil.copy(ROOT / "tests" / "specs" / "manufacturer.yaml", tmp_path)
-    (tmp_path / "hostile.yaml").write_text(json.dumps(hostile(given), indent=1), encoding="utf-8")
+    (tmp_path / "hostile.yaml").write_text(json.dumps(hostile(candidates), indent=1), encoding="utf-8")
     devices, report = load_library([tmp_path / "hostile.yaml"])
     assert [problem.format() for problem in report.problems] == []
     compiled("--edition", "2021", *LIBRARY, "--out-dir", tmp_path, write(devices, tmp_path))
     program = Program(devices[0], tmp_path, ())
     assert program.family.problems == []
-    some = (0, 1, *range(2, len(program.family.frames), 4))
-    assert all(decoding(program, index, 100) >= {"ok", "length"} for index in some)
+    indices = (0, 1, *range(2, len(program.family.frames), 4))
+    assert all(decoding(program, index, 100) >= {"ok", "length"} for index in indices)
 
 
 def test_no_text_breaks_out(hostile: Library, tmp_path: Path) -> None:

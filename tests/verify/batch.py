@@ -68,7 +68,7 @@ class Codec:
         return struct.calcsize(f"<{self.format}")
 
     @property
-    def sent(self) -> int:
+    def encoded_bytes(self) -> int:
         """Bytes of an encoded word or frame in an answer."""
         return 8 if not self.view.plan.in_bytes else self.view.plan.length
 
@@ -78,7 +78,7 @@ class Codec:
 
         It has the result, members, result of encoding them again, word or frame, verdict, reports.
         """
-        return f"<B{self.format}B{self.sent}sBQ"
+        return f"<B{self.format}B{self.encoded_bytes}sBQ"
 
 
 class Batch:
@@ -88,55 +88,56 @@ class Batch:
         self.device = device
         self.view = DeviceView(device)
         layouts = {layout.name: (interface.name, layout) for interface, layout in device.layouts()}
-        layouts |= {f"reg_{item.name}": (item.interface, item.layout) for item in device.registers}
-        self.codecs = [
-            Codec(number, short(self.view, item), *layouts[short(self.view, item)], item, tuple(members(item)))
-            for number, item in enumerate(codecs(self.view))
-        ]
-        assert all(
-            item.value < 256
-            for entry in self.codecs
-            for field in entry.layout.fields
-            if isinstance(field.kind, Choice)
-            for item in field.values
-        )
+        layouts |= {f"reg_{register.name}": (register.interface, register.layout) for register in device.registers}
+        self.codecs: list[Codec] = []
+        for number, plain_codec in enumerate(codecs(self.view)):
+            name = short(self.view, plain_codec)
+            interface, layout = layouts[name]
+            codec = Codec(
+                number=number,
+                name=name,
+                interface=interface,
+                layout=layout,
+                view=plain_codec,
+                members=tuple(members(plain_codec)),
+            )
+            self.codecs.append(codec)
+        fields = [field for codec in self.codecs for field in codec.layout.fields]
+        choices = [field for field in fields if isinstance(field.kind, Choice)]
+        assert all(value.value < 256 for field in choices for value in field.values)
         #: A length, and room for the longest frame and two bytes more.
-        self.record = 1 + max(8, *(item.view.plan.length + 2 for item in self.codecs))
-        self._parameters = [item.name for item in device.set_parameters]
+        self.record = 1 + max(8, *(codec.view.plan.length + 2 for codec in self.codecs))
+        self._parameters = [parameter.name for parameter in device.set_parameters]
 
     def chunk(self, operation: int, codec: Codec, variant: Variant, records: Sequence[bytes] | bytes) -> bytes:
         """Return a chunk of at most 65,535 records."""
         text = records if isinstance(records, bytes) else b"".join(records)
         size = self.record if operation == DECODE else codec.size
         values = [variant.parameters.get(name, 0) for name in self._parameters]
-        values += [answer_of(item, variant) for item in self.device.alternatives if not item.default]
+        undecided = [alternative for alternative in self.device.alternatives if not alternative.default]
+        values += [answer_of(alternative, variant) for alternative in undecided]
         return struct.pack(f"<BHH{len(values)}Q", operation, codec.number, len(text) // size, *values) + text
 
     def frame(self, placed: PlacedLayout, wire: bytes) -> bytes:
         """Return the record for a word or frame."""
         return bytes([len(wire)]) + wire.ljust(self.record - 1, b"\0")
 
-    def source(self, entry: str) -> str:
-        """Return the program. ``entry`` has ``feed`` and ``emit``, and a ``main`` that calls ``work()``."""
+    def source(self, main_text: str) -> str:
+        """Return the program. ``main_text`` has ``feed`` and ``emit``, and a ``main`` that calls ``work()``."""
         view, prefix = self.view, self.view.prefix
-        pieces = "".join(self._codec(item, prefix) for item in self.codecs)
-        rows = ",\n".join(
-            f"    {{ decode_{item.name}, encode_{item.name}, "
-            f"{struct.calcsize(item.answer)}U, {item.size}U, {1 + item.sent}U }}"
-            for item in self.codecs
-        )
-        targets = [
-            (f"variant->{c_name(item.name)}", view.context.member_type(item)) for item in self.device.set_parameters
-        ]
-        targets += [(f"{item.type}_taken", item.type) for item in view.alternatives]
-        sets = "".join(
-            f"    {target} = ({type_})number(&bytes[{8 * index}], 8U);\n"
-            for index, (target, type_) in enumerate(targets)
-        )
+        pieces = "".join(self._codec(codec, prefix) for codec in self.codecs)
+        rows = ",\n".join(map(_row, self.codecs))
+        member_type, parameters = view.context.member_type, self.device.set_parameters
+        targets = [(f"variant->{c_name(parameter.name)}", member_type(parameter)) for parameter in parameters]
+        answer_types = [alternative.type for alternative in view.alternatives]
+        targets += [(f"{type_}_taken", type_) for type_ in answer_types]
+        sets = ""
+        for index, (target, type_) in enumerate(targets):
+            sets += f"    {target} = ({type_})number(&bytes[{8 * index}], 8U);\n"
         values = {
             "headers": included(self.device),
             "prefix": prefix,
-            "entry": entry,
+            "entry": main_text,
             "codecs": pieces,
             "rows": rows,
             "sets": sets,
@@ -145,9 +146,9 @@ class Batch:
             "record": str(self.record),
             "parameters": str(8 * max(1, len(targets))),
             "given": str(8 * len(targets)),
-            "taken": "".join(f"static {item.type} {item.type}_taken;\n" for item in view.alternatives),
+            "taken": "".join(f"static {type_} {type_}_taken;\n" for type_ in answer_types),
         }
-        largest = max(struct.calcsize(item.answer) for item in self.codecs)
+        largest = max(struct.calcsize(codec.answer) for codec in self.codecs)
         return _fill(
             (HERE / "batch.c").read_text(encoding="utf-8"), values | {"largest": str(max(largest, self.record))}
         )
@@ -173,7 +174,7 @@ class Batch:
             "puts": puts,
             "gets": gets,
             "size": str(at),
-            "sent": str(codec.sent),
+            "sent": str(codec.encoded_bytes),
             "decode": answers(view) + ("word_of(from), &out" if bits else "&from[1], from[0], &out"),
             "answers": answers(view),
             "verdict": f"{view.reports.verdict}(variant, &out)" if view.reports and view.reports.verdict else "255U",
@@ -185,13 +186,17 @@ class Batch:
         return _fill(_CODEC, values)
 
 
+def _row(codec: Codec) -> str:
+    sizes = f"{struct.calcsize(codec.answer)}U, {codec.size}U, {1 + codec.encoded_bytes}U"
+    return f"    {{ decode_{codec.name}, encode_{codec.name}, {sizes} }}"
+
+
 def answer_of(alternative: Alternative, variant: Variant) -> int:
     """Return the answer that a variant has, from its parameters."""
-    return next(
-        index
-        for index, answer in enumerate(alternative.answers)
-        if all(variant.parameters[name] == value for name, value in answer.sets.items())
-    )
+    for index, answer in enumerate(alternative.answers):
+        if all(variant.parameters[name] == value for name, value in answer.sets.items()):
+            return index
+    raise LookupError(f"{variant.code} has no answer about {alternative.name}")
 
 
 def _from_number(member: Member, text: str, bits: int) -> str:

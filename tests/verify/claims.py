@@ -27,8 +27,9 @@ def verdict(
     """
     text = harness.read_text(encoding="utf-8")
     checker = Checker(tool("cbmc", (OURS,)), tool("cryptominisat5"))
-    found = checker.prove(Proof(claim, text, claim, rounds, (*UNDEFINED, *more)), include, folder)
-    return found.proved, found.words
+    proof = Proof(claim, harness=text, function=claim, unwind=rounds, options=(*UNDEFINED, *more))
+    result = checker.prove(proof, include, folder)
+    return result.proved, result.words
 
 
 def planted(include: Path, header: str, sound: str, instead: str, folder: Path) -> Path:

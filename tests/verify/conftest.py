@@ -7,15 +7,15 @@ from pathlib import Path
 import pytest
 from c_harness import MADE_UP, devices_of, write
 from codewheel.model import Device
-from proof import Told
+from proof import ProofCount
 
-_TOLD = pytest.StashKey[list[Told]]()
+_PROOF_COUNTS = pytest.StashKey[list[ProofCount]]()
 
 
 @pytest.fixture(scope="session")
-def told(pytestconfig: pytest.Config) -> list[Told]:
+def proof_counts(pytestconfig: pytest.Config) -> list[ProofCount]:
     """List to which a test of proofs adds its summary for the end of the run."""
-    return pytestconfig.stash.setdefault(_TOLD, [])
+    return pytestconfig.stash.setdefault(_PROOF_COUNTS, [])
 
 
 @pytest.fixture(scope="session")
@@ -28,9 +28,10 @@ def headers(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, list[str]]:
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    told = terminalreporter.config.stash.get(_TOLD, [])
-    if told:
+    counts = terminalreporter.config.stash.get(_PROOF_COUNTS, [])
+    if counts:
         terminalreporter.section("proofs")
-        total = Told("all", *(sum(numbers) for numbers in zip(*(item[1:] for item in told), strict=True)))
-        for item in (*told, total):
-            terminalreporter.write_line(str(item))
+        totals = map(sum, zip(*(count[1:] for count in counts), strict=True))
+        total = ProofCount("all", *totals)
+        for count in (*counts, total):
+            terminalreporter.write_line(str(count))

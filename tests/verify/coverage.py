@@ -69,57 +69,60 @@ def run_tests(folder: Path, tests: Sequence[str], gcc: str, clang: str, root: Pa
     }
     environment.pop("LLVM_PROFILE_FILE", None)
     command = [sys.executable, "-m", "pytest", "-q", "-p", "no:cacheprovider", f"--basetemp={folder / 'tests'}", *tests]
-    done = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True)
-    return done.returncode, done.stdout[-3000:]
+    completed = subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True)
+    return completed.returncode, completed.stdout[-3000:]
 
 
-def measured(folders: Iterable[Path], headers: Iterable[Path], llvm_profdata: str, llvm_cov: str) -> Coverage:
+def read_coverage(folders: Iterable[Path], headers: Iterable[Path], llvm_profdata: str, llvm_cov: str) -> Coverage:
     """Return the counts of the programs listed in ``folders`` for these headers."""
-    wanted = {_digest(path): path.name for path in headers}
-    found = Coverage()
-    for program in dict.fromkeys(
-        line for folder in folders for line in (folder / "programs").read_text(encoding="utf-8").split("\n")
-    ):
+    expected = {_digest(path): path.name for path in headers}
+    coverage = Coverage()
+    listed = "\n".join((folder / "programs").read_text(encoding="utf-8") for folder in folders)
+    for program in dict.fromkeys(listed.split("\n")):
         if not program:
             continue
         raw = sorted(str(path) for path in Path(program).parent.glob(f"{Path(program).name}.*.profraw"))
         if raw:
             profile = f"{program}.profdata"
             subprocess.run([llvm_profdata, "merge", "-o", profile, *raw], check=True, capture_output=True)
-            done = subprocess.run(
+            completed = subprocess.run(
                 [llvm_cov, "export", "-format=text", f"-instr-profile={profile}", program],
                 check=True,
                 capture_output=True,
                 text=True,
             )
-            _add(found, json.loads(done.stdout)["data"][0]["functions"], wanted, {})
-    return found
+            _add(coverage, json.loads(completed.stdout)["data"][0]["functions"], expected, {})
+    return coverage
 
 
 def _add(
-    found: Coverage, functions: Iterable[dict[str, list[list[int]]]], wanted: dict[str, str], known: dict[str, str]
+    coverage: Coverage,
+    functions: Iterable[dict[str, list[list[int]]]],
+    wanted: dict[str, str],
+    headers_by_path: dict[str, str],
 ) -> None:
     for function in functions:
-        names = [_header(str(path), wanted, known) for path in function["filenames"]]
-        shown = str(function["name"]).rpartition(":")[2]
+        names = [_header(str(path), wanted, headers_by_path) for path in function["filenames"]]
+        name = str(function["name"]).rpartition(":")[2]
         for line, column, end, last, count, file, _, kind in function["regions"]:
             if names[file] and kind == 0:
                 place = names[file], line, column, end, last
-                found.regions[place] += count
-                found.functions[place] = shown
+                coverage.regions[place] += count
+                coverage.functions[place] = name
         for line, column, end, last, true, false, file, _, _ in function["branches"]:
             if names[file]:
                 place = names[file], line, column, end, last
-                found.true[place] += true
-                found.false[place] += false
-                found.functions[place] = shown
+                coverage.true[place] += true
+                coverage.false[place] += false
+                coverage.functions[place] = name
 
 
-def _header(path: str, wanted: dict[str, str], known: dict[str, str]) -> str:
+def _header(path: str, wanted: dict[str, str], headers_by_path: dict[str, str]) -> str:
     """Return the header with the content of this file, or an empty text for any other file."""
-    if path not in known:
-        known[path] = wanted.get(_digest(Path(path)), "") if path.endswith(".h") and Path(path).is_file() else ""
-    return known[path]
+    if path not in headers_by_path:
+        is_header = path.endswith(".h") and Path(path).is_file()
+        headers_by_path[path] = wanted.get(_digest(Path(path)), "") if is_header else ""
+    return headers_by_path[path]
 
 
 def _digest(path: Path) -> str:

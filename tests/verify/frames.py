@@ -11,7 +11,7 @@ from collections.abc import Iterator
 
 from batch import DECODE, Batch, Codec, on_the_wire
 from codewheel.model import Device, Variant
-from test_c_codec import made, run_time_variants, samples, with_crc
+from test_c_codec import encoded_sample, run_time_variants, samples, with_crc
 
 #: Frames of one chunk, all for one order code.
 CHUNK = 10_000
@@ -21,12 +21,9 @@ POOL = 256
 
 def variants(device: Device, codec: Codec) -> list[Variant]:
     """Yield the order codes that differ, and some states of the registers at run time."""
-    found = {
-        tuple(sorted(item.parameters.items())): item
-        for item in (*device.variants, *run_time_variants(device))
-        if item.interface == codec.interface
-    }
-    return list(found.values())
+    variants_and_states = (*device.variants, *run_time_variants(device))
+    of_interface = [variant for variant in variants_and_states if variant.interface == codec.interface]
+    return list({tuple(sorted(variant.parameters.items())): variant for variant in of_interface}.values())
 
 
 class Frames:
@@ -39,10 +36,10 @@ class Frames:
         self.changes = list(self._changes())
 
     def _sound_numbers(self) -> Iterator[int]:
-        data = [item for item in self.placed.fields if item.field.carries_data]
-        choices = {item.name: samples(item.field, item.width, self.codec.layout, self.random) for item in data}
+        data = [field for field in self.placed.fields if field.field.carries_data]
+        choices = {field.name: samples(field.field, field.width, self.codec.layout, self.random) for field in data}
         for _ in range(POOL):
-            yield made(self.batch.device, self.placed, choices, {}, self.random)
+            yield encoded_sample(self.batch.device, self.placed, choices, {}, self.random)
 
     def _record(self, number: int) -> bytes:
         return self.batch.frame(self.placed, on_the_wire(self.codec.layout, number, self.placed.bits))
@@ -55,14 +52,14 @@ class Frames:
         for _ in range(103):
             yield bytes(self.batch.record)
         for _ in range(64):
-            yield _added(nothing, self._record(_some_bits(bits, random_)))
+            yield _sum_of(nothing, self._record(_some_bits(bits, random_)))
         for _ in range(26):
             changed = with_crc(self.batch.device, self.placed, sound ^ _some_bits(bits, random_))
-            yield _added(self._record(sound), self._record(changed))
+            yield _sum_of(self._record(sound), self._record(changed))
         for _ in range(25):
-            yield _added(nothing, self._longer_or_shorter())
+            yield _sum_of(nothing, self._longer_or_shorter())
         for _ in range(38):
-            yield _added(nothing, self._record(random_.getrandbits(bits)))
+            yield _sum_of(nothing, self._record(random_.getrandbits(bits)))
 
     def _longer_or_shorter(self) -> bytes:
         if not self.codec.view.plan.in_bytes:
@@ -83,21 +80,21 @@ def _some_bits(bits: int, random_: random.Random) -> int:
     return sum({1 << random_.randrange(bits) for _ in range(random_.randint(1, 3))})
 
 
-def _added(one: bytes, other: bytes) -> bytes:
-    return bytes(a ^ b for a, b in zip(one, other, strict=True))
+def _sum_of(first: bytes, second: bytes) -> bytes:
+    return bytes(a ^ b for a, b in zip(first, second, strict=True))
 
 
 def chunks(batch: Batch, codec: Codec, total: int, seed: str, size: int = CHUNK) -> Iterator[tuple[Variant, bytes]]:
     """Yield each order code in turn with some records, up to ``total``."""
     random_ = random.Random(f"{seed} {batch.device.name} {codec.name}")
-    sources = [Frames(batch, codec, item, random_) for item in variants(batch.device, codec)]
-    left = total
-    while left > 0:
+    sources = [Frames(batch, codec, variant, random_) for variant in variants(batch.device, codec)]
+    remaining = total
+    while remaining > 0:
         for source in sources:
-            count = min(size, left, max(1, total // len(sources)))
+            count = min(size, remaining, max(1, total // len(sources)))
             if count > 0:
                 yield source.variant, source.take(count)
-            left -= count
+            remaining -= count
 
 
 def wires(batch: Batch, codec: Codec, records: bytes) -> list[int] | list[bytes]:

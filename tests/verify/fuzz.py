@@ -17,7 +17,8 @@ from pathlib import Path
 
 from batch import Batch, Codec, member_format, on_the_wire
 from c_harness import SHARED
-from test_c_codec import sound_numbers
+from codewheel.model import PlacedLayout
+from test_c_codec import valid_numbers
 from uses import declared, without_texts
 
 HERE = Path(__file__).resolve().parent
@@ -25,6 +26,8 @@ HERE = Path(__file__).resolve().parent
 _STRUCT = re.compile(r"^typedef struct (\w+) \{(.*?)^\} \w+;", re.MULTILINE | re.DOTALL)
 _TABLE = re.compile(r"^#ifdef \w+_CRC_TABLE\n(.*?)(?:^#else\n(.*?))?^#endif\n", re.MULTILINE | re.DOTALL)
 _MEMBER = re.compile(r"^\s*(?:const )?([\w ]+?) ?(\*?)(\w+)(?:\[(\w+)\])?;", re.MULTILINE)
+#: Names of arguments that give the length of the array before them.
+_LENGTHS = ("length", "capacity", "count")
 _NUMBERS = {
     "bool": 1,
     "char": 1,
@@ -56,7 +59,7 @@ PRECONDITIONS = {
 
 def folded(text: str) -> str:
     """Return the code of a header without CRCs by table, which a macro selects and the same frames on the host test."""
-    return _TABLE.sub(lambda found: found[2] or "", without_texts(text))
+    return _TABLE.sub(lambda match: match[2] or "", without_texts(text))
 
 
 def texts_of(batch: Batch, include: Path) -> list[str]:
@@ -72,42 +75,62 @@ class Header:
     def __init__(self, batch: Batch, include: Path) -> None:
         self.prefix = batch.view.prefix
         texts = texts_of(batch, include)
-        found = declared(texts)
+        declarations = declared(texts)
         self.structs = {name: body for text in texts for name, body in _STRUCT.findall(text)}
-        own = {f"{item.view.name}_{verb}" for item in batch.codecs for verb in ("decode",)}
+        decoders = {f"{codec.view.name}_{verb}" for codec in batch.codecs for verb in ("decode",)}
         left_out = {f"cw_{name}" for name in PRECONDITIONS}
-        self.functions = [item for item in found.functions if item[1] not in own | left_out]
+        self.functions = [function for function in declarations.functions if function[1] not in decoders | left_out]
 
     def calls(self) -> str:
-        return "".join(self._call(*item) for item in self.functions)
+        return "".join(self._call(*function) for function in self.functions)
 
-    def _call(self, kind: str, name: str, given: str) -> str:
-        before, arguments, after = [], [], []
-        items = [] if given == "void" else [self._split(item) for item in given.split(", ")]
-        for index, (type_, pointer, argument) in enumerate(items):
-            local = f"a{index}"
-            following = items[index + 1][2] if index + 1 < len(items) else ""
-            arguments.append(local)
-            if not pointer:
-                if argument in ("length", "capacity", "count") and index and items[index - 1][1]:
-                    arguments[-1] = f"n{index - 1}"
-                else:
-                    number = self._number(type_)
-                    if (type_, argument) == ("int64_t", "position"):
-                        number = "(int64_t)take(7U) - INT64_C(0x80000000000000)"
-                    before.append(f"const {type_} {local} = {number};")
-            elif type_ == "char":
-                before.append(f"char *const {local} = text();")
-                after.append(f"free({local});")
-            elif type_.endswith("_transport"):
-                arguments[-1] = "fuzzed_transport()"
-            elif type_.endswith("_failure"):
-                before.append(
-                    f"{type_} f{index};\n    {type_} *const {local} = (take(1U) & 1U) != 0U ? &f{index} : NULL;"
-                )
-            elif following in ("length", "capacity", "count") and not items[index + 1][1]:
-                before.append(
-                    f"""const size_t n{index} = (size_t)(take(1U) % 24U);
+    def _call(self, kind: str, name: str, argument_text: str) -> str:
+        """Return a function that calls a function with arguments from the input."""
+        before: list[str] = []
+        passed: list[str] = []
+        after: list[str] = []
+        arguments = [] if argument_text == "void" else [self._split(text) for text in argument_text.split(", ")]
+        for index, (type_, is_pointer, argument) in enumerate(arguments):
+            _, next_is_pointer, next_argument = arguments[index + 1] if index + 1 < len(arguments) else ("", False, "")
+            has_length = next_argument in _LENGTHS and not next_is_pointer
+            if is_pointer:
+                declared, local, released = self._pointer(index, type_, has_length)
+            elif argument in _LENGTHS and index and arguments[index - 1][1]:
+                declared, local, released = "", f"n{index - 1}", ""
+            else:
+                declared, local, released = self._value(type_, argument, f"a{index}"), f"a{index}", ""
+            before += [declared] if declared else []
+            passed.append(local)
+            after += [released] if released else []
+        lines = "".join(f"    {line}\n" for line in (*before, f"(void){name}({', '.join(passed)});", *after))
+        return f"\nstatic void call_{name}(const {self.prefix} *variant)\n{{\n    (void)variant;\n{lines}}}\n"
+
+    def _value(self, type_: str, argument: str, local: str) -> str:
+        """Return the declaration of an argument that is passed by value."""
+        number = self._number(type_)
+        if (type_, argument) == ("int64_t", "position"):
+            number = "(int64_t)take(7U) - INT64_C(0x80000000000000)"
+        return f"const {type_} {local} = {number};"
+
+    def _pointer(self, index: int, type_: str, has_length: bool) -> tuple[str, str, str]:
+        """Return the declaration of an argument that is passed by address, what is passed, and its release."""
+        local = f"a{index}"
+        if type_ == "char":
+            return f"char *const {local} = text();", local, f"free({local});"
+        if type_.endswith("_transport"):
+            return "", "fuzzed_transport()", ""
+        if type_.endswith("_failure"):
+            failure = f"{type_} f{index};\n    {type_} *const {local} = (take(1U) & 1U) != 0U ? &f{index} : NULL;"
+            return failure, local, ""
+        if has_length:
+            return self._array(index, type_), local, f"free({local});"
+        if type_ == self.prefix:
+            return f"{type_} {local} = *variant;", f"&{local}", ""
+        return f"{type_} {local};\n    {self._fill(type_, local)}", f"&{local}", ""
+
+    def _array(self, index: int, type_: str) -> str:
+        local = f"a{index}"
+        return f"""const size_t n{index} = (size_t)(take(1U) % 24U);
     {type_} *const {local} = malloc(n{index} * sizeof(*{local}) + (n{index} == 0U));
     {{
         size_t i;
@@ -115,26 +138,12 @@ class Header:
             {self._fill(type_, f"{local}[i]")}
         }}
     }}"""
-                )
-                after.append(f"free({local});")
-            elif type_ == f"{self.prefix}":
-                before.append(f"{type_} {local} = *variant;")
-                arguments[-1] = f"&{local}"
-            else:
-                before.append(f"{type_} {local};\n    {self._fill(type_, local)}")
-                arguments[-1] = f"&{local}"
-        lines = (
-            "".join(f"    {line}\n" for line in before)
-            + f"    (void){name}({', '.join(arguments)});\n"
-            + "".join(f"    {line}\n" for line in after)
-        )
-        return f"\nstatic void call_{name}(const {self.prefix} *variant)\n{{\n    (void)variant;\n{lines}}}\n"
 
     @staticmethod
-    def _split(item: str) -> tuple[str, bool, str]:
-        match = re.fullmatch(r"(?:const )?([\w ]+?) ?(\*?)(?:const )?(\w+)(?:\[\w*\])?", item)
-        assert match is not None, item
-        return match[1], bool(match[2]) or "[" in item, match[3]
+    def _split(argument: str) -> tuple[str, bool, str]:
+        match = re.fullmatch(r"(?:const )?([\w ]+?) ?(\*?)(?:const )?(\w+)(?:\[\w*\])?", argument)
+        assert match is not None, argument
+        return match[1], bool(match[2]) or "[" in argument, match[3]
 
     def _number(self, type_: str) -> str:
         if type_ == "bool":
@@ -165,29 +174,17 @@ class Header:
 def source(batch: Batch, include: Path) -> str:
     """Return the text of the target."""
     header = Header(batch, include)
-    takers = "".join(
-        "    { uint8_t held[8]; size_t i; for (i = 0U; i < 8U; i++) { held[i] = (uint8_t)take(1U); } "
-        f"(void){item.name}(variant, held, {item.access.stem}_LENGTH); }}\n"
-        for item in batch.view.takers
-    )
+    takers = "".join(_take(taker.name, taker.access.stem) for taker in batch.view.takers)
     values = {
         "prefix": header.prefix,
         "spelled": "1" if batch.device.order_code.also_written else "0",
         "calls": header.calls(),
         "takers": takers,
         "rows": ", ".join(f"call_{name}" for _, name, _ in header.functions),
-        "exact": ", ".join(str(int(is_exact(batch, item))) for item in batch.codecs),
-        "refuse": ", ".join(str(int(may_be_refused(batch, item))) for item in batch.codecs),
-        "bools": ", ".join(
-            '"'
-            + "".join(
-                "1" if member.type == "bool" else "0" * struct.calcsize(f"<{member_format(member)}")
-                for member in item.members
-            )
-            + '"'
-            for item in batch.codecs
-        ),
-        "bits": ", ".join(str(int(not item.view.plan.in_bytes)) for item in batch.codecs),
+        "exact": ", ".join(str(int(is_exact(batch, codec))) for codec in batch.codecs),
+        "refuse": ", ".join(str(int(may_be_refused(batch, codec))) for codec in batch.codecs),
+        "bools": ", ".join(f'"{_bool_bytes(codec)}"' for codec in batch.codecs),
+        "bits": ", ".join(str(int(not codec.view.plan.in_bytes)) for codec in batch.codecs),
     }
     shared = "".join(f'#include "codewheel/{name}.h"\n' for name in SHARED)
     return batch.source(shared + _replaced((HERE / "fuzz.c").read_text(encoding="utf-8"), values))
@@ -199,17 +196,35 @@ def _replaced(text: str, values: Mapping[str, str]) -> str:
     return text
 
 
+def _take(function: str, stem: str) -> str:
+    return (
+        "    { uint8_t held[8]; size_t i; for (i = 0U; i < 8U; i++) { held[i] = (uint8_t)take(1U); } "
+        f"(void){function}(variant, held, {stem}_LENGTH); }}\n"
+    )
+
+
+def _bool_bytes(codec: Codec) -> str:
+    """Return a digit for each byte of the members: 1 for a bool, otherwise 0."""
+    digits = ""
+    for member in codec.members:
+        digits += "1" if member.type == "bool" else "0" * struct.calcsize(f"<{member_format(member)}")
+    return digits
+
+
 def is_exact(batch: Batch, codec: Codec) -> bool:
     """Return True if every bit belongs to a field for every order code, so that encoding restores a decoded frame."""
-    placed = [
-        codec.layout.place(item.parameters) for item in batch.device.variants if item.interface == codec.interface
-    ]
-    return all(sum(field.width for field in item.fields) == item.bits for item in placed)
+    variants = [variant for variant in batch.device.variants if variant.interface == codec.interface]
+    layouts = [codec.layout.place(variant.parameters) for variant in variants]
+    return all(_covered_bits(placed) == placed.bits for placed in layouts)
+
+
+def _covered_bits(placed: PlacedLayout) -> int:
+    return sum(field.width for field in placed.fields)
 
 
 def may_be_refused(batch: Batch, codec: Codec) -> bool:
     """Return True if a valid value may be outside the limits for writing a register."""
-    register = next((item for item in batch.device.registers if f"reg_{item.name}" == codec.name), None)
+    register = next((register for register in batch.device.registers if f"reg_{register.name}" == codec.name), None)
     powers = any(field.number.power_of_two for field in codec.layout.fields)
     return powers or (
         register is not None and (register.min is not None or register.max is not None or bool(register.meanings))
@@ -223,10 +238,8 @@ def seeds(batch: Batch) -> Iterable[bytes]:
         for index, variant in enumerate(batch.device.variants):
             if variant.interface == codec.interface:
                 placed = codec.layout.place(variant.parameters)
-                numbers = list(islice(sound_numbers(batch.device, placed, random_), 0, 60, 15))
-                yield from (
-                    bytes([codec.number, index, 0]) + on_the_wire(codec.layout, number, placed.bits)
-                    for number in numbers
-                )
+                numbers = list(islice(valid_numbers(batch.device, placed, random_), 0, 60, 15))
+                head = bytes([codec.number, index, 0])
+                yield from (head + on_the_wire(codec.layout, number, placed.bits) for number in numbers)
     for index, variant in enumerate(batch.device.variants):
         yield bytes([0xFF, index, len(variant.code)]) + variant.code.encode("ascii")

@@ -54,17 +54,17 @@ class Machine:
         return (HERE / "cortex_m.c").read_text(encoding="utf-8") if self.bare else stdio_entry()
 
     def compile(self, text: str, folder: Path, include: Path, stem: str) -> Program:
-        path, made = folder / f"{stem}.c", folder / f"{stem}-{self.name}"
+        path, program = folder / f"{stem}.c", folder / f"{stem}-{self.name}"
         path.write_text(text, encoding="utf-8")
         compiler = [tool(self.compiler[0]), *self.compiler[1:], *(crc_tables(include) if self.table else ())]
-        done = subprocess.run(
-            [*compiler, "-Wall", "-Wextra", "-Werror", f"-I{include}", str(path), "-o", str(made)],
+        completed = subprocess.run(
+            [*compiler, "-Wall", "-Wextra", "-Werror", f"-I{include}", str(path), "-o", str(program)],
             capture_output=True,
             text=True,
         )
-        assert done.returncode == 0, done.stderr[:4000]
+        assert completed.returncode == 0, completed.stderr[:4000]
         emulator = [tool(name) for name in self.emulator[:1]] + list(self.emulator[1:])
-        return Program((*emulator, str(made)))
+        return Program((*emulator, str(program)))
 
     def compile_main(self, text: str, folder: Path, include: Path, stem: str) -> Program:
         """Return the end of a program with ``main``."""
@@ -81,9 +81,9 @@ class Program:
     command: tuple[str, ...]
 
     def __call__(self, data: bytes) -> bytes:
-        done = subprocess.run(self.command, input=data, capture_output=True, timeout=300)
-        assert done.returncode == 0, done.stderr.decode(errors="replace")[:2000]
-        return done.stdout
+        completed = subprocess.run(self.command, input=data, capture_output=True, timeout=300)
+        assert completed.returncode == 0, completed.stderr.decode(errors="replace")[:2000]
+        return completed.stdout
 
     def by_line(self) -> Run:
         """Return the same for the program of the harness, which answers line by line."""

@@ -60,47 +60,42 @@ class Header:
     options: tuple[str, ...] = ()
 
     @classmethod
-    def read(cls, *texts: str) -> Header:
+    def parse(cls, *texts: str) -> Header:
         text = re.sub(r"/\*.*?\*/", "", "\n".join(texts), flags=re.DOTALL)
-        options = tuple(
-            dict.fromkeys(item for item in re.findall(r"^#ifdef (\w+)$", text, re.MULTILINE) if item != "__cplusplus")
-        )
+        macros = dict.fromkeys(re.findall(r"^#ifdef (\w+)$", text, re.MULTILINE))
+        options = tuple(macro for macro in macros if macro != "__cplusplus")
         # Without any of the macros that a header checks.
         text = re.sub(
             r"^#ifdef \w+\n(.*?)(?:^#else\n(.*?))?^#endif\n",
-            lambda found: found[2] or "",
+            lambda match: match[2] or "",
             text,
             flags=re.DOTALL | re.MULTILINE,
         )
         functions = {}
-        for found in re.finditer(
+        for match in re.finditer(
             r"^static inline ([^;{}]*?)(\w+)\(([^{}]*?)\)\n\{\n(.*?)^\}", text, re.DOTALL | re.MULTILINE
         ):
-            given = " ".join(found[3].split())
-            arguments = [
-                re.fullmatch(r"(.*?)(\w+)", item.strip()) for item in given.split(",") if item.strip() != "void"
-            ]
-            pairs = tuple((item[1].strip(), item[2]) for item in arguments if item)
-            functions[found[2]] = Function(found[2], " ".join(found[1].split()), pairs, found[4])
-        structs = {
-            found[1]: tuple(
-                Member(item[1].strip(), item[2], int(item[3] or 0))
-                for item in re.finditer(r"([\w ]+[ *])(\w+)(?:\[(\d+)\])?;", found[2])
-            )
-            for found in re.finditer(r"^typedef struct (\w+) \{\n(.*?)^\} \1;", text, re.DOTALL | re.MULTILINE)
-        }
+            argument_text = " ".join(match[3].split())
+            parts = [part.strip() for part in argument_text.split(",")]
+            arguments = [re.fullmatch(r"(.*?)(\w+)", part) for part in parts if part != "void"]
+            pairs = tuple((argument[1].strip(), argument[2]) for argument in arguments if argument)
+            functions[match[2]] = Function(match[2], " ".join(match[1].split()), pairs, match[4])
+        structs = {}
+        for struct in re.finditer(r"^typedef struct (\w+) \{\n(.*?)^\} \1;", text, re.DOTALL | re.MULTILINE):
+            members = re.finditer(r"([\w ]+[ *])(\w+)(?:\[(\d+)\])?;", struct[2])
+            structs[struct[1]] = tuple(Member(member[1].strip(), member[2], int(member[3] or 0)) for member in members)
         return cls(functions, structs, options)
 
     def member(self, struct: str, name: str) -> Member:
         """Return the member for a name of the spec. A reserved word has a trailing underscore."""
-        return next(item for item in self.structs[struct] if item.name in (name, name + "_"))
+        return next(member for member in self.structs[struct] if member.name in (name, name + "_"))
 
     def anything(self, struct: str, name: str) -> str:
         """Return lines that declare a struct in which every member can have any value of its type."""
         lines = f"    {struct} {name};\n"
-        for item in self.structs.get(struct, ()):
-            if item.type in ("bool", "_Bool") and not item.count:
-                lines += f"    {name}.{item.name} = nondet_bool();\n"
+        for member in self.structs.get(struct, ()):
+            if member.type in ("bool", "_Bool") and not member.count:
+                lines += f"    {name}.{member.name} = nondet_bool();\n"
         return lines
 
 
@@ -130,53 +125,39 @@ class Variants:
     alternatives: tuple[Alternative, ...] = ()
 
     @classmethod
-    def of(cls, device: Device, interface: str, used: Iterable[str]) -> Variants:
+    def of_interface(cls, device: Device, interface: str, used: Iterable[str]) -> Variants:
         """Return those of all order codes of an interface, or of all interfaces if it is empty.
 
         ``used`` names parameters. Those from which they follow are added.
         """
-        definitions = {item.name: item.equals for item in device.parameters if item.equals is not None}
-        names: list[str] = []
-
-        def add(name: str) -> None:
-            expression = definitions.get(name)
-            for other in expression.parameters if expression is not None else ():
-                add(other)
-            if name not in names:
-                names.append(name)
-
-        for name in used:
-            add(name)
-        variants: Sequence[Variant] = [
-            item for item in device.variants if item.interface == interface or not interface
-        ] or device.variants
-        held = {item.name: item for item in device.run_time_parameters}
-        answered_by = [item for item in device.alternatives if not set(names).isdisjoint(item.answers[0].sets)]
-        asked = tuple(item for item in answered_by if not item.default)
-        answered = {name for item in asked for name in item.answers[0].sets}
-        fixed = [item for item in names if item not in definitions and item not in held and item not in answered]
-        optional = [item for item in answered_by if item.default]
-        found = {
-            tuple({**item.parameters, **chosen}[name] for name in fixed)
-            for item in variants
-            for _, chosen in choices(optional)
-        }
-        ranges = {
-            name: (held[name].min or 0, held[name].largest if (most := held[name].max) is None else most)
-            for name in names
-            if name in held
-        }
-        combinations = tuple(dict(zip(fixed, item, strict=True)) for item in sorted(found))
-        return cls(device, tuple(names), combinations, ranges, asked)
+        definitions = _definitions(device)
+        names = _with_needed(used, definitions)
+        of_interface = [variant for variant in device.variants if variant.interface == interface or not interface]
+        variants: Sequence[Variant] = of_interface or device.variants
+        at_run_time = {parameter.name: parameter for parameter in device.run_time_parameters}
+        deciding = [question for question in device.alternatives if not set(names).isdisjoint(question.answers[0].sets)]
+        undecided = tuple(question for question in deciding if not question.default)
+        answered = {name for question in undecided for name in question.answers[0].sets}
+        fixed = [name for name in names if name not in definitions and name not in at_run_time and name not in answered]
+        optional = [question for question in deciding if question.default]
+        fixed_values = set()
+        for variant in variants:
+            for _, chosen in choices(optional):
+                values = {**variant.parameters, **chosen}
+                fixed_values.add(tuple(values[name] for name in fixed))
+        ranges = {}
+        for name in names:
+            if name in at_run_time:
+                parameter = at_run_time[name]
+                ranges[name] = (parameter.min or 0, parameter.largest if parameter.max is None else parameter.max)
+        combinations = tuple(dict(zip(fixed, values, strict=True)) for values in sorted(fixed_values))
+        return cls(device=device, names=tuple(names), combinations=combinations, ranges=ranges, alternatives=undecided)
 
     def fixed(self, values: Mapping[str, int]) -> Variants:
         """Return the same with these fixed values of the registers at run time."""
-        return replace(
-            self,
-            ranges={
-                name: (values[name], values[name]) if name in values else both for name, both in self.ranges.items()
-            },
-        )
+        ranges = dict(self.ranges)
+        ranges |= {name: (value, value) for name, value in values.items() if name in ranges}
+        return replace(self, ranges=ranges)
 
     @property
     def count(self) -> int:
@@ -184,23 +165,24 @@ class Variants:
         count = len(self.combinations)
         for low, high in self.ranges.values():
             count *= high - low + 1
-        for item in self.alternatives:
-            count *= len(item.answers)
+        for alternative in self.alternatives:
+            count *= len(alternative.answers)
         return count
 
     @property
     def answers(self) -> str:
         """Return the answers as arguments, passed after the variant."""
-        return "".join(f"answer_{item.name}, " for item in self.alternatives)
+        return "".join(f"answer_{alternative.name}, " for alternative in self.alternatives)
 
     def declare(self, prefix: str, header: Header) -> str:
         """Return C that gives ``variant`` and the parameters ``p_…`` any allowed values.
 
         Members of the variant that do not matter may have any value.
         """
-        definitions = {item.name: item.equals for item in self.device.parameters if item.equals is not None}
+        definitions = _definitions(self.device)
         lines = "".join(f"static long long p_{name};\n" for name in self.names)
-        lines += "".join(f"static {prefix}_{item.name} answer_{item.name};\n" for item in self.alternatives)
+        questions = [alternative.name for alternative in self.alternatives]
+        lines += "".join(f"static {prefix}_{name} answer_{name};\n" for name in questions)
         lines += f"""static {prefix} variant;
 static void any_variant(void)
 {{
@@ -209,24 +191,13 @@ static void any_variant(void)
 """
         lines += "".join(f"    p_{name} = nondet_number();\n" for name in self.names if name not in definitions)
         if self.combinations and self.combinations[0]:
-            sets = (" && ".join(f"p_{name} == {value}" for name, value in item.items()) for item in self.combinations)
-            choices = " ||\n        ".join(f"({item})" for item in sets)
+            choices = " ||\n        ".join(f"({_are_equal(combination)})" for combination in self.combinations)
             lines += f"    __CPROVER_assume({choices});\n"
-        for item in self.alternatives:
-            lines += f"    answer_{item.name} = ({prefix}_{item.name})nondet_number();\n"
-            cases = (
-                " && ".join(
-                    [f"answer_{item.name} == {prefix.upper()}_{item.name.upper()}_{answer.name.upper()}"]
-                    + [f"p_{name} == {value}" for name, value in answer.sets.items() if name in self.names]
-                )
-                for answer in item.answers
-            )
-            lines += f"    __CPROVER_assume({' || '.join(f'({case})' for case in cases)});\n"
-        answered = {name for item in self.alternatives for name in item.answers[0].sets}
-        lines += "".join(
-            f"    __CPROVER_assume(p_{name} >= {low} && p_{name} <= {high});\n"
-            for name, (low, high) in self.ranges.items()
-        )
+        for alternative in self.alternatives:
+            lines += self._assume_answer(prefix, alternative)
+        answered = {name for alternative in self.alternatives for name in alternative.answers[0].sets}
+        for name, (low, high) in self.ranges.items():
+            lines += f"    __CPROVER_assume(p_{name} >= {low} && p_{name} <= {high});\n"
         for name in self.names:
             equals = definitions.get(name)
             if equals is not None:
@@ -235,6 +206,42 @@ static void any_variant(void)
                 member = header.member(f"{prefix}", name)
                 lines += f"    variant.{member.name} = ({member.type})p_{name};\n"
         return lines + "}\n"
+
+    def _assume_answer(self, prefix: str, alternative: Alternative) -> str:
+        """Return C that gives an alternative any answer, and the parameters that it sets the values of that answer."""
+        answer_name = f"answer_{alternative.name}"
+        cases = []
+        for answer in alternative.answers:
+            constant = f"{prefix}_{alternative.name}_{answer.name}".upper()
+            sets = [f"p_{name} == {value}" for name, value in answer.sets.items() if name in self.names]
+            cases.append(" && ".join([f"{answer_name} == {constant}", *sets]))
+        assumed = " || ".join(f"({case})" for case in cases)
+        return f"    {answer_name} = ({prefix}_{alternative.name})nondet_number();\n    __CPROVER_assume({assumed});\n"
+
+
+def _definitions(device: Device) -> dict[str, Expression]:
+    """Return the parameters that follow from others, with their expressions."""
+    return {parameter.name: parameter.equals for parameter in device.parameters if parameter.equals is not None}
+
+
+def _with_needed(used: Iterable[str], definitions: Mapping[str, Expression]) -> list[str]:
+    """Return these parameters, each after those from which it follows."""
+    names: list[str] = []
+
+    def add(name: str) -> None:
+        expression = definitions.get(name)
+        for needed in expression.parameters if expression is not None else ():
+            add(needed)
+        if name not in names:
+            names.append(name)
+
+    for name in used:
+        add(name)
+    return names
+
+
+def _are_equal(values: Mapping[str, int]) -> str:
+    return " && ".join(f"p_{name} == {value}" for name, value in values.items())
 
 
 @dataclass(frozen=True)
@@ -246,11 +253,11 @@ class Proof:
 
     name: str
     harness: str
-    entry: str
+    function: str
     unwind: int = 66
     options: tuple[str, ...] = ()
     covers: int = 0
-    of: str = ""
+    subject: str = ""
     reached: bool = False
 
 
@@ -266,16 +273,16 @@ def limited(command: Sequence[str]) -> list[str]:
     return ["sh", "-c", f'ulimit -c 0; ulimit -t {LIMIT_S}; exec "$@"', "sh", *command]
 
 
-class Told(NamedTuple):
+class ProofCount(NamedTuple):
     """Number of proofs of a subject, number of failures, and number of sets of parameters."""
 
-    what: str
+    subject: str
     proofs: int
     failed: int
     covered: int
 
     def __str__(self) -> str:
-        return f"{self.what}: {self.proofs} proofs, {self.failed} failed" + (
+        return f"{self.subject}: {self.proofs} proofs, {self.failed} failed" + (
             f", over {self.covered} sets of parameters" if self.covered else ""
         )
 
@@ -287,26 +294,42 @@ class Checker:
 
     def prove(self, proof: Proof, include: Path, folder: Path) -> Result:
         """Run one proof on the headers below ``include``."""
-        command = [self.cbmc, "harness.c", "--function", proof.entry, "-I", str(include), "--unwind", str(proof.unwind)]
+        command = [
+            self.cbmc,
+            "harness.c",
+            "--function",
+            proof.function,
+            "-I",
+            str(include),
+            "--unwind",
+            str(proof.unwind),
+        ]
         command += [] if PARTLY in proof.options else ["--unwinding-assertions"]
         command += ["--stop-on-fail", "--slice-formula", "--external-sat-solver", self.solver, *proof.options]
-        with tempfile.TemporaryDirectory(dir=folder) as own:
-            Path(own, "harness.c").write_text(proof.harness, encoding="utf-8")
-            done = subprocess.run(
-                limited(command), capture_output=True, text=True, cwd=own, env={**os.environ, "TMPDIR": own}
+        with tempfile.TemporaryDirectory(dir=folder) as work_folder:
+            Path(work_folder, "harness.c").write_text(proof.harness, encoding="utf-8")
+            completed = subprocess.run(
+                limited(command),
+                capture_output=True,
+                text=True,
+                cwd=work_folder,
+                env={**os.environ, "TMPDIR": work_folder},
             )
-        holds = done.returncode == 0 and "VERIFICATION SUCCESSFUL" in done.stdout
+        holds = completed.returncode == 0 and "VERIFICATION SUCCESSFUL" in completed.stdout
         refuted = (
-            done.returncode == 10 and "VERIFICATION FAILED" in done.stdout and "unwinding assertion" not in done.stdout
+            completed.returncode == 10
+            and "VERIFICATION FAILED" in completed.stdout
+            and "unwinding assertion" not in completed.stdout
         )
         proved = refuted if proof.reached else holds
-        silent = f"no result, ended with {done.returncode}; the limit is {LIMIT_S} s of processor time"
-        why = "REFUTED" if refuted else "never reached" if holds else silent
-        told = (done.stdout + done.stderr).splitlines()
-        told = told[next((at for at, line in enumerate(told) if line.startswith("Violated")), 0) :]
-        return Result(proof, proved, proof.name if proved else f"{proof.name}: {why}\n" + "\n".join(told[-12:]))
+        silent = f"no result, ended with {completed.returncode}; the limit is {LIMIT_S} s of processor time"
+        unproved = "never reached" if holds else silent
+        why = "REFUTED" if refuted else unproved
+        log_lines = (completed.stdout + completed.stderr).splitlines()
+        log_lines = log_lines[next((at for at, line in enumerate(log_lines) if line.startswith("Violated")), 0) :]
+        return Result(proof, proved, proof.name if proved else f"{proof.name}: {why}\n" + "\n".join(log_lines[-12:]))
 
     def prove_all(self, proofs: Sequence[tuple[Proof, Path]], folder: Path) -> list[Result]:
         """Run several proofs at once, one per processor, each on the headers below its own path."""
         with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-            return list(pool.map(lambda both: self.prove(both[0], both[1], folder), proofs))
+            return list(pool.map(lambda pair: self.prove(pair[0], pair[1], folder), proofs))

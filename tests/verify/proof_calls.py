@@ -113,15 +113,15 @@ def _bounded(step: str) -> str:
     return f"__CPROVER_assume({step}.times <= {TIMES}); __CPROVER_assume({reply});"
 
 
-class _Given:
+class _Arguments:
     """Arguments of a function: lines that declare them, the arguments, and the results by type and name."""
 
-    def __init__(self, of: CallProof, function: Function) -> None:
+    def __init__(self, proof: CallProof, function: Function) -> None:
         self.lines: list[str] = []
         self.passed: list[str] = []
         self.results: list[tuple[str, str]] = []
         self.transport = any(name == "transport" for _, name in function.arguments)
-        self._of, self._any_steps = of, _any_steps(function)
+        self._proof, self._any_steps = proof, _any_steps(function)
         kinds = [kind for kind, _ in function.arguments]
         counted = ""
         for (kind, name), follows in zip(function.arguments, [*kinds[1:], ""], strict=True):
@@ -146,24 +146,24 @@ class _Given:
 
     def _several(self, plain: str, kind: str, local: str, count: str) -> None:
         """Add a buffer and its length."""
-        most = BYTES if plain == "uint8_t" else 4 * BYTES
+        limit = BYTES if plain == "uint8_t" else 4 * BYTES
         if self._any_steps or kind == "const cw_step *":
-            most = STEPS
-        self.lines.append(f"size_t {count} = nondet_size(); __CPROVER_assume({count} <= {most});")
+            limit = STEPS
+        self.lines.append(f"size_t {count} = nondet_size(); __CPROVER_assume({count} <= {limit});")
         if self._any_steps:
             # Memory of arbitrary size is too hard here.
-            self.lines.append(f"{plain} {local}[{most}];")
+            self.lines.append(f"{plain} {local}[{limit}];")
         else:
             self.lines.append(f"{plain} *{local} = malloc({count} * sizeof({plain})); __CPROVER_assume({local} != 0);")
         if plain != "uint8_t" and kind.startswith("const"):
             # A function that accesses one step at once receives its number of bytes, which may be 0.
-            bounded = most if self._any_steps else count
+            bounded = limit if self._any_steps else count
             self.lines.append(f"for (size_t at = 0; at < {bounded}; at++) {{ {_bounded(f'{local}[at]')} }}")
         self.passed.append(local)
 
     def _pointer(self, plain: str, kind: str, local: str) -> None:
-        of = self._of
-        if of.device is not None and plain == of.prefix:
+        proof = self._proof
+        if proof.device is not None and plain == proof.prefix:
             self.lines.append(f"{plain} {local} = variant;")
         elif plain == "char":
             self.lines.append(f"char {local}[{LABEL + 1}]; {local}[{LABEL}] = 0;")
@@ -172,7 +172,7 @@ class _Given:
         elif plain == "cw_failure":
             self.lines.append(f"{plain} failure; failure.left_open = 0;")
         else:
-            self.lines += [line.strip() for line in of.header.anything(plain, local).splitlines()]
+            self.lines += [line.strip() for line in proof.header.anything(plain, local).splitlines()]
             if plain == "cw_step":
                 self.lines.append(_bounded(local))
             if not kind.startswith("const"):
@@ -200,7 +200,7 @@ class CallProof:
     def variants(self) -> Variants | None:
         if self.device is None:
             return None
-        return Variants.of(self.device, "", [item.name for item in self.device.set_parameters])
+        return Variants.of_interface(self.device, "", [parameter.name for parameter in self.device.set_parameters])
 
     @cached_property
     def harness(self) -> str:
@@ -217,56 +217,55 @@ class CallProof:
         return text + "".join(map(self._call, self.functions))
 
     def _call(self, function: Function) -> str:
-        given = _Given(self, function)
-        call = f"{function.name}({', '.join(given.passed)})"
-        lines = given.lines
+        arguments = _Arguments(self, function)
+        call = f"{function.name}({', '.join(arguments.passed)})"
+        lines = arguments.lines
         if function.type == "cw_result":
-            lines += [f"const {kind} before_{name} = {name};" for kind, name in given.results]
-            lines += [f"const int found = (int){call};", *self._claims(given)]
+            lines += [f"const {kind} before_{name} = {name};" for kind, name in arguments.results]
+            lines += [f"const int found = (int){call};", *self._claims(arguments)]
         else:
             lines.append(f"{'' if function.type == 'void' else '(void)'}{call};")
         variant = "    any_variant();\n" if self.device is not None else ""
         return f"void call_{function.name}(void)\n{{\n{variant}" + "".join(f"    {line}\n" for line in lines) + "}\n"
 
-    def _claims(self, given: _Given) -> Iterator[str]:
-        for kind, name in given.results:
-            members = self.header.structs.get(kind, ())
-            places = [
-                f".{item.name}{at}"
-                for item in members
-                for at in ([f"[{index}]" for index in range(item.count)] or [""])
-            ] or [""]
-            same = " && ".join(f"{name}{place} == before_{name}{place}" for place in places)
-            yield f'__CPROVER_assert(found == 0 || ({same}), "a fault leaves the result as it was");'
-        if given.transport:
+    def _claims(self, arguments: _Arguments) -> Iterator[str]:
+        for kind, name in arguments.results:
+            places = []
+            for member in self.header.structs.get(kind, ()):
+                indexes = [f"[{index}]" for index in range(member.count)] or [""]
+                places += [f".{member.name}{index}" for index in indexes]
+            is_unchanged = " && ".join(f"{name}{place} == before_{name}{place}" for place in places or [""])
+            yield f'__CPROVER_assert(found == 0 || ({is_unchanged}), "a fault leaves the result as it was");'
+        if arguments.transport:
             # If a step failed with another error, that remains the reason, even if closing fails after it.
-            told = f"found == {TRANSPORT} || (found != 0 && failure.left_open)"
-            yield f'__CPROVER_assert(failed_with == 0 || {told}, "a failure is reported");'
+            is_reported = f"found == {TRANSPORT} || (found != 0 && failure.left_open)"
+            yield f'__CPROVER_assert(failed_with == 0 || {is_reported}, "a failure is reported");'
             yield f'__CPROVER_assert(found != {TRANSPORT} || failure.error == failed_with, "with its number");'
             yield f'__CPROVER_assert(found != {TRANSPORT} || failed_with != 0, "and only then");'
 
     def proofs(self, together: int = 10) -> Iterable[Proof]:
         """Yield several functions in one run. Those that go through all order codes run alone, as they take longest."""
         text = self.harness
-        anywhere = [item for item in self.functions if ("size_t *", "next") in item.arguments]
-        labels = [item for item in self.functions if item.name.startswith("cw_label")]
-        codes = [item for item in self.functions if "order_codes(" in item.body or "label" in item.name]
-        codes = [item for item in codes if item not in (*anywhere, *labels)]
-        steps = [item for item in self.functions if _any_steps(item)]
-        rest = [item for item in self.functions if item not in (*labels, *codes, *steps, *anywhere)]
+        anywhere = [function for function in self.functions if ("size_t *", "next") in function.arguments]
+        labels = [function for function in self.functions if function.name.startswith("cw_label")]
+        codes = [function for function in self.functions if "order_codes(" in function.body or "label" in function.name]
+        codes = [function for function in codes if function not in (*anywhere, *labels)]
+        steps = [function for function in self.functions if _any_steps(function)]
+        simple = [function for function in self.functions if function not in (*labels, *codes, *steps, *anywhere)]
         groups = (
-            [([item], LABEL + 2) for item in labels]
-            + [([item], CODES_ROUNDS) for item in codes]
-            + [([item], ANY_ROUNDS) for item in anywhere]
-            + [([item], STEPS_ROUNDS) for item in steps]
+            [([function], LABEL + 2) for function in labels]
+            + [([function], CODES_ROUNDS) for function in codes]
+            + [([function], ANY_ROUNDS) for function in anywhere]
+            + [([function], STEPS_ROUNDS) for function in steps]
         )
-        groups += [(rest[at : at + together], ROUNDS) for at in range(0, len(rest), together)]
+        groups += [(simple[at : at + together], ROUNDS) for at in range(0, len(simple), together)]
         for group, rounds in groups:
-            body = "".join(f"    call_{item.name}();\n" for item in group)
+            body = "".join(f"    call_{function.name}();\n" for function in group)
             more = f" and {len(group) - 1} more" if len(group) > 1 else ""
             options = (*UNDEFINED, *([PARTLY] if rounds == ANY_ROUNDS else []))
             whole = f"{text}void everything(void)\n{{\n{body}}}\n"
-            yield Proof(f"{group[0].name}{more}, called", whole, "everything", rounds, options)
+            name = f"{group[0].name}{more}, called"
+            yield Proof(name, harness=whole, function="everything", unwind=rounds, options=options)
 
 
 def _any_steps(function: Function) -> bool:

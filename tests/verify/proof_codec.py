@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from functools import partial
+from typing import NamedTuple
 
 from c_harness import included
 from codewheel.model.expressions import Expression
 from proof import PRELUDE, UNDEFINED, Proof, in_c
 from proof_layout import LENGTH, RANGE, Codec
 from proof_reference import layout_crc, reference
-from proof_reports import told_of
+from proof_reports import report_functions
 from proof_values import limits, one_bit, valid
 
 #: Entries that end in a CRC. Each is proved separately, because sums of bits are hard to prove.
@@ -37,14 +39,14 @@ def _places(name: str, count: int) -> list[str]:
     return [f"{name}[{at}]" for at in range(count)] or [name]
 
 
-def _same(codec: Codec, names: Iterable[str]) -> str:
+def _unchanged(codec: Codec, names: Iterable[str]) -> str:
     """Return the claim that members of ``out`` are the same as in ``before``."""
-    members = (item for item in codec.header.structs[codec.type] if item.name in set(names))
-    return _all(f"out.{place} == before.{place}" for item in members for place in _places(item.name, item.count))
+    members = (member for member in codec.header.structs[codec.type] if member.name in set(names))
+    return _all(f"out.{place} == before.{place}" for member in members for place in _places(member.name, member.count))
 
 
 def _every_name(codec: Codec) -> list[str]:
-    return [item.name for item in codec.header.structs[codec.type]]
+    return [member.name for member in codec.header.structs[codec.type]]
 
 
 def _harness(codec: Codec) -> str:
@@ -52,111 +54,140 @@ def _harness(codec: Codec) -> str:
     text = f"{included(codec.device)}{PRELUDE}"
     text += f"typedef unsigned __CPROVER_bitvector[{max(codec.layout.widest, 64) + 8}] number;\n"
     text += codec.variants.declare(codec.prefix, codec.header) + reference(codec)
-    text += _codec(codec) + _length(codec) + "".join(_setters(codec)) + _expected(codec) + _tells(codec)
+    text += _codec(codec) + _length(codec) + "".join(_setters(codec)) + _expected_claims(codec) + _report_claims(codec)
     calls = ["decode_members", "encode_members", *(["length"] if not codec.by_word else []), *_set_names(codec)]
     calls += ["expected"] if _has_expected(codec) else []
-    calls += ["tells"] if any(told_of(codec)) else []
+    calls += ["tells"] if any(report_functions(codec)) else []
     if codec.crc is None:
         calls += [name for name in _WITH_CRC if name != "encode_crc"]
     return text + "void everything(void)\n{\n" + "".join(f"    {name}();\n" for name in calls) + "}\n"
 
 
+class _Wire(NamedTuple):
+    """C that declares a frame and passes it to decoder and encoder, as a word or as bytes."""
+
+    declare: str
+    declare_before: str
+    is_unchanged: str
+    source: str
+    destination: str
+    #: The frame as one number.
+    number: str
+    declare_again: str
+    destination_again: str
+
+    @classmethod
+    def of_codec(cls, codec: Codec) -> _Wire:
+        return cls.word() if codec.by_word else cls.buffer(codec.size, codec.bytes_upwards)
+
+    @classmethod
+    def word(cls) -> _Wire:
+        return cls(
+            declare="unsigned long long wire = nondet_word();",
+            declare_before="unsigned long long before = wire;",
+            is_unchanged="wire == before",
+            source="wire",
+            destination="&wire",
+            number="(number)wire",
+            declare_again="unsigned long long again = nondet_word();",
+            destination_again="&again",
+        )
+
+    @classmethod
+    def buffer(cls, size: int, bytes_upwards: Sequence[int]) -> _Wire:
+        return cls(
+            declare=f"uint8_t wire[{size}]; " + " ".join(f"wire[{at}] = nondet_byte();" for at in range(size)),
+            declare_before=f"uint8_t before[{size}]; for (int i = 0; i < {size}; i++) before[i] = wire[i];",
+            is_unchanged=_all(f"wire[{at}] == before[{at}]" for at in range(size)),
+            source=f"wire, {size}",
+            destination=f"wire, {size}",
+            number=" | ".join(f"((number)wire[{at}] << {8 * place})" for place, at in enumerate(bytes_upwards)),
+            declare_again=f"uint8_t again[{size}];",
+            destination_again=f"again, {size}",
+        )
+
+
 def _codec(codec: Codec) -> str:
     """Return a harness that runs decoder and encoder on the same arbitrary frame, and on the same arbitrary values."""
-    name, result = codec.name, "cw_result"
-    if codec.by_word:
-        wire, before_wire, same_wire = (
-            "unsigned long long wire = nondet_word();",
-            "unsigned long long before = wire;",
-            "wire == before",
-        )
-        passed, sent, number = "wire", "&wire", "(number)wire"
-        again, again_sent = "unsigned long long again = nondet_word();", "&again"
-    else:
-        wire = f"uint8_t wire[{codec.size}]; " + " ".join(f"wire[{at}] = nondet_byte();" for at in range(codec.size))
-        before_wire = f"uint8_t before[{codec.size}]; for (int i = 0; i < {codec.size}; i++) before[i] = wire[i];"
-        same_wire = _all(f"wire[{at}] == before[{at}]" for at in range(codec.size))
-        passed = sent = f"wire, {codec.size}"
-        number = " | ".join(f"((number)wire[{at}] << {8 * place})" for place, at in enumerate(codec.bytes_upwards))
-        again, again_sent = f"uint8_t again[{codec.size}];", f"again, {codec.size}"
-    out, given = codec.header.anything(codec.type, "out"), codec.header.anything(codec.type, "in")
-    answers = codec.variants.answers
-    members = [
-        _claim(item.same("out", f"({item.type})({item.value})"), "same member as the reference") for item in codec.items
-    ]
-    read_back = [
-        _claim(item.same("in", f"({item.type})({item.value})"), "the reference reads the member back")
-        for item in codec.items
-    ]
-    plain = [item for item in codec.items if item.type != "digits"]
-    places = (place for item in plain for place in _places(item.member.name, item.characters))
-    equal_in = [_claim(f"out.{place} == in.{place}", "decode(encode(x)) = x") for place in places]
-    takes = _all(f"({item})" for item in valid(codec))
-    decoded = (
-        out,
-        wire,
-        f"{codec.type} before = out;",
-        f"{result} found = {name}_decode(&variant, {answers}{passed}, &out);",
+    wire, answers = _Wire.of_codec(codec), codec.variants.answers
+    out, declare_in = codec.header.anything(codec.type, "out"), codec.header.anything(codec.type, "in")
+    decode = f"{codec.name}_decode(&variant, {answers}{wire.source}, &out);"
+    encode = f"{codec.name}_encode(&variant, {answers}&in, {wire.destination});"
+    encode_again = f"{codec.name}_encode(&variant, {answers}&out, {wire.destination_again});"
+    decoded = (out, wire.declare, f"{codec.type} before = out;", f"cw_result found = {decode}")
+    encoded = (declare_in, wire.declare, wire.declare_before, f"cw_result found = {encode}")
+    text = _decode(codec, wire, decoded) + _encode(codec, wire, encoded)
+    text += _decode_of_encode(codec, (*encoded, "if (found != 0) return;", out, f"found = {decode}"))
+    text += _encode_of_decode(
+        codec, wire, (*decoded, "if (found != 0) return;", wire.declare_again, f"found = {encode_again}")
     )
+    if codec.crc is not None:
+        crc_holds = f"found != 0 || crc_of({wire.number}) == {layout_crc(codec, wire.number)}"
+        text += _function("encode_crc", *encoded, _claim(crc_holds, "the CRC of the definition"))
+    return text
+
+
+def _member_claims(codec: Codec, struct: str, words: str) -> list[str]:
+    """Return the claims that the members of ``in`` or ``out`` have the values of the reference."""
+    members = codec.visible_members
+    return [_claim(member.equals(struct, f"({member.type})({member.value})"), words) for member in members]
+
+
+def _decode(codec: Codec, wire: _Wire, decoded: Sequence[str]) -> str:
+    members = _member_claims(codec, "out", "same member as the reference")
     text = _function(
-        "decode_result", *decoded, _claim(f"(int)found == reference({number})", "same result as the reference")
+        "decode_result", *decoded, _claim(f"(int)found == reference({wire.number})", "same result as the reference")
     )
-    text += _function(
+    return text + _function(
         "decode_members",
         *decoded,
-        f"(void)check({number});",
+        f"(void)check({wire.number});",
         f"if (found == 0) {{ {' '.join(members)} }}",
-        f"else {{ {_claim(_same(codec, _every_name(codec)), 'a fault leaves the result as it was')} }}",
+        f"else {{ {_claim(_unchanged(codec, _every_name(codec)), 'a fault leaves the result as it was')} }}",
     )
-    encoded = (given, wire, before_wire, f"{result} found = {name}_encode(&variant, {answers}&in, {sent});")
-    text += _function(
+
+
+def _encode(codec: Codec, wire: _Wire, encoded: Sequence[str]) -> str:
+    takes = _all(f"({condition})" for condition in valid(codec))
+    number = wire.number
+    fits = _claim(f"({number}) >> {in_c(codec.layout.bits)} == 0", "as many bits as the layout has")
+    return _function(
         "encode_members",
         *encoded,
         _claim(f"(int)found == (({takes}) ? 0 : {RANGE})", "takes exactly the values in range"),
-        f"if (found != 0) {{ {_claim(same_wire, 'a fault leaves the result as it was')} return; }}",
+        f"if (found != 0) {{ {_claim(wire.is_unchanged, 'a fault leaves the result as it was')} return; }}",
         _claim(f"check({number}) == 0", "constants, parity and choices as the layout has them"),
-        _claim(f"({number}) >> {in_c(codec.layout.bits)} == 0", "as many bits as the layout has")
-        if codec.by_word
-        else "",
+        fits if codec.by_word else "",
         _claim(f"uncovered({number}) == 0", "bits without a field are 0"),
-        *read_back,
+        *_member_claims(codec, "in", "the reference reads the member back"),
     )
-    text += _function(
+
+
+def _decode_of_encode(codec: Codec, encoded_and_decoded: Sequence[str]) -> str:
+    members = [member for member in codec.visible_members if member.type != "digits"]
+    places = (place for member in members for place in _places(member.member.name, member.characters))
+    text = _function(
         "decode_of_encode",
-        *encoded,
-        "if (found != 0) return;",
-        out,
-        f"found = {name}_decode(&variant, {answers}{passed}, &out);",
+        *encoded_and_decoded,
         _claim("found == 0", "what was encoded can be decoded"),
-        *equal_in,
+        *(_claim(f"out.{place} == in.{place}", "decode(encode(x)) = x") for place in places),
     )
-    text += _function(
-        "reached",
-        *encoded,
-        "if (found != 0) return;",
-        out,
-        f"found = {name}_decode(&variant, {answers}{passed}, &out);",
-        f"if (found == 0) {_claim('0', 'something comes through')}",
+    return text + _function(
+        "reached", *encoded_and_decoded, f"if (found == 0) {_claim('0', 'something comes through')}"
     )
-    text += _function(
+
+
+def _encode_of_decode(codec: Codec, wire: _Wire, decoded_and_encoded: Sequence[str]) -> str:
+    number, number_again = wire.number, wire.number.replace("wire", "again")
+    return _function(
         "encode_of_decode",
-        *decoded,
-        "if (found != 0) return;",
-        again,
-        f"found = {name}_encode(&variant, {answers}&out, {again_sent});",
+        *decoded_and_encoded,
         _claim(
             "1" if codec.has_digits else f"(found == 0) == ({_all(_writable(codec))})",
             "what was decoded can be encoded",
         ),
-        _claim(
-            f"found != 0 || {number.replace('wire', 'again')} == (({number}) & ~uncovered({number}))",
-            "encode(decode(f)) = f",
-        ),
+        _claim(f"found != 0 || {number_again} == (({number}) & ~uncovered({number}))", "encode(decode(f)) = f"),
     )
-    if codec.crc is not None:
-        right = f"found != 0 || crc_of({number}) == {layout_crc(codec, number)}"
-        text += _function("encode_crc", *encoded, _claim(right, "the CRC of the definition"))
-    return text
 
 
 def _writable(codec: Codec) -> Iterator[str]:
@@ -165,14 +196,14 @@ def _writable(codec: Codec) -> Iterator[str]:
     def out(name: str) -> str:
         return f"((number)out.{codec.member(name).name})"
 
-    yield from (f"({item})" for item in limits(codec, out))
+    yield from (f"({limit})" for limit in limits(codec, out))
     yield from (f"({one_bit(field, out(field.name))})" for field in codec.fields if field.number.power_of_two)
 
 
 def _length(codec: Codec) -> str:
     if codec.by_word:
         return ""
-    out, given = codec.header.anything(codec.type, "out"), codec.header.anything(codec.type, "in")
+    out, declare_in = codec.header.anything(codec.type, "out"), codec.header.anything(codec.type, "in")
     refused = f"{codec.name}_decode(&variant, {codec.variants.answers}none, length, &out) == {LENGTH}"
     return _function(
         "length",
@@ -181,8 +212,10 @@ def _length(codec: Codec) -> str:
         "size_t length = nondet_size();",
         f"__CPROVER_assume(length != {codec.size});",
         "uint8_t none[1];",
-        _claim(f"{refused} && {_same(codec, _every_name(codec))}", "another length is refused before a byte is read"),
-        given,
+        _claim(
+            f"{refused} && {_unchanged(codec, _every_name(codec))}", "another length is refused before a byte is read"
+        ),
+        declare_in,
         _claim(
             f"{codec.name}_encode(&variant, {codec.variants.answers}&in, none, length) == {LENGTH}",
             "another length is refused before a byte is written",
@@ -191,13 +224,9 @@ def _length(codec: Codec) -> str:
 
 
 def _set_names(codec: Codec) -> list[str]:
-    return [
-        f"set_{item}"
-        for item in (
-            *(join.name for join in codec.layout.joins),
-            *(field.name for field in codec.fields if field.runs),
-        )
-    ]
+    names = [join.name for join in codec.layout.joins]
+    names += [field.name for field in codec.fields if field.runs]
+    return [f"set_{name}" for name in names]
 
 
 def _setters(codec: Codec) -> Iterator[str]:
@@ -239,9 +268,9 @@ def _setter(codec: Codec, name: str, fits: str, parts: dict[str, str]) -> str:
         f"{whole.type} given = ({whole.type})nondet_word();",
         f"int found = (int){codec.name}_set_{name}(&variant, given, &out);",
         _claim(f"found == (({fits}) ? 0 : {RANGE})", "takes exactly the numbers that fit"),
-        _claim(_same(codec, set(_every_name(codec)) - touched), "sets nothing else"),
+        _claim(_unchanged(codec, set(_every_name(codec)) - touched), "sets nothing else"),
         _claim(f"found != 0 || ({equal})", "sets the number and its parts"),
-        _claim(f"found == 0 || ({_same(codec, touched)})", "a fault leaves the result as it was"),
+        _claim(f"found == 0 || ({_unchanged(codec, touched)})", "a fault leaves the result as it was"),
     )
 
 
@@ -249,16 +278,15 @@ def _has_expected(codec: Codec) -> bool:
     return f"{codec.name}_is_expected" in codec.header.functions
 
 
-def _expected(codec: Codec) -> str:
+def _expected_claims(codec: Codec) -> str:
     if not _has_expected(codec):
         return ""
     conditions: list[str] = []
     for field in codec.fields:
         member = codec.member(field.name).name
         if isinstance(field.equals, str):
-            conditions += [
-                f"(unsigned char)in.{member}[{at}] == {byte}" for at, byte in enumerate(field.equals.encode("ascii"))
-            ]
+            characters = enumerate(field.equals.encode("ascii"))
+            conditions += [f"(unsigned char)in.{member}[{at}] == {byte}" for at, byte in characters]
         elif isinstance(field.equals, Expression):
             conditions.append(f"(number)in.{member} == {in_c(field.equals)}")
         elif field.equals is not None:
@@ -268,42 +296,39 @@ def _expected(codec: Codec) -> str:
     return _function("expected", codec.header.anything(codec.type, "in"), _claim(test, "reads as the manual states"))
 
 
-def _tells(codec: Codec) -> str:
+def _report_claims(codec: Codec) -> str:
     """Return claims about the verdict and the mask of reports of any frame. ``unused`` has no other bit."""
-    known = sum(((1 << field.widest) - 1) << place for field, place in codec.layout.unused)
-    assume = [f"__CPROVER_assume((in.unused & ~{known:#x}ULL) == 0);"] if codec.layout.unused else []
-    claims = [_claim(f"{function}(&variant, &in) == ({value})", words) for function, value, words in told_of(codec)]
+    unused_bits = sum(((1 << field.widest) - 1) << place for field, place in codec.layout.unused)
+    assume = [f"__CPROVER_assume((in.unused & ~{unused_bits:#x}ULL) == 0);"] if codec.layout.unused else []
+    reports = report_functions(codec)
+    claims = [_claim(f"{function}(&variant, &in) == ({value})", words) for function, value, words in reports]
     return _function("tells", codec.header.anything(codec.type, "in"), *assume, *claims) if claims else ""
 
 
 def functions(codec: Codec) -> Iterator[str]:
     """Return the functions that are proved here."""
-    yield from (f"{codec.name}_{item}" for item in ("decode", "encode", *_set_names(codec)))
+    yield from (f"{codec.name}_{suffix}" for suffix in ("decode", "encode", *_set_names(codec)))
     if _has_expected(codec):
         yield f"{codec.name}_is_expected"
-    yield from (name for name, _, _ in told_of(codec))
+    yield from (name for name, _, _ in report_functions(codec))
 
 
 def proofs(codec: Codec) -> Iterable[Proof]:
-    text, covers = _harness(codec), codec.variants.count
-    state = "".join(f", {name} {value}" for name, value in codec.held.items())
-    of = codec.name + state
-    unwind = max(66, codec.layout.widest + 2)
-    yield Proof(f"{codec.name} everything{state}", text, "everything", unwind, tuple(UNDEFINED), covers, of)
-    yield Proof(
-        f"{codec.name} reached{state}", text, "reached", unwind, ("--no-standard-checks",), covers, of, reached=True
+    state = "".join(f", {name} {value}" for name, value in codec.fixed_values.items())
+    new_proof = partial(
+        Proof,
+        harness=_harness(codec),
+        unwind=max(66, codec.layout.widest + 2),
+        covers=codec.variants.count,
+        subject=codec.name + state,
     )
+    without_checks = ("--no-standard-checks",)
+    yield new_proof(f"{codec.name} everything{state}", function="everything", options=tuple(UNDEFINED))
+    yield new_proof(f"{codec.name} reached{state}", function="reached", options=without_checks, reached=True)
     if codec.crc is not None:
-        for entry in _WITH_CRC:
-            yield Proof(f"{codec.name} {entry}{state}", text, entry, unwind, ("--no-standard-checks",), covers, of)
+        for function in _WITH_CRC:
+            yield new_proof(f"{codec.name} {function}{state}", function=function, options=without_checks)
         for option in codec.header.options:
-            for entry in ("decode_result", "encode_crc"):
-                yield Proof(
-                    f"{codec.name} {entry} with {option}{state}",
-                    text,
-                    entry,
-                    unwind,
-                    (f"-D{option}", *UNDEFINED),
-                    covers,
-                    of,
-                )
+            for function in ("decode_result", "encode_crc"):
+                name = f"{codec.name} {function} with {option}{state}"
+                yield new_proof(name, function=function, options=(f"-D{option}", *UNDEFINED))

@@ -20,7 +20,7 @@ LENGTH, CRC, CONSTANT, RANGE = 1, 2, 3, 4
 
 
 @dataclass(frozen=True)
-class Item:
+class VisibleMember:
     """A member that users see: a field of the layout, a run of digits, or a join.
 
     ``value`` is the expected value according to the reference.
@@ -32,15 +32,14 @@ class Item:
     value: str
     characters: int = 0
 
-    def same(self, struct: str, expected: str) -> str:
+    def equals(self, struct: str, expected: str) -> str:
         if self.type == "digits":
             return "1"  # division is too hard for the checker, so proof_digits.py goes through all numbers
         if self.characters:
-            parts = (
-                f"(unsigned char){struct}.{self.member.name}[{at}] == "
-                f"(unsigned char)({expected} >> {8 * (self.characters - 1 - at)})"
-                for at in range(self.characters)
-            )
+            parts = []
+            for at in range(self.characters):
+                character = f"(unsigned char){struct}.{self.member.name}[{at}]"
+                parts.append(f"{character} == (unsigned char)({expected} >> {8 * (self.characters - 1 - at)})")
             return "(" + " && ".join(parts) + ")"
         return f"(({self.type}){struct}.{self.member.name} == {expected})"
 
@@ -49,7 +48,7 @@ class Item:
 class Codec:
     """One layout with its decoder and encoder.
 
-    ``name`` is the name of the struct in C, and ``held`` fixes the contents of registers at run time.
+    ``name`` is the name of the struct in C, and ``fixed_values`` fixes the contents of registers at run time.
     """
 
     device: Device
@@ -59,7 +58,7 @@ class Codec:
     prefix: str
     name: str
     register: Register | None = None
-    held: Mapping[str, int] = attribute(default_factory=dict)
+    fixed_values: Mapping[str, int] = attribute(default_factory=dict)
 
     @property
     def type(self) -> str:
@@ -69,23 +68,23 @@ class Codec:
     @cached_property
     def fields(self) -> tuple[Field, ...]:
         fixed = self.layout.selector if len(self.layout.selects) == 1 else ""
-        return tuple(item for item in self.layout.data_fields if item.name != fixed)
+        return tuple(field for field in self.layout.data_fields if field.name != fixed)
 
     @cached_property
     def variants(self) -> Variants:
         ends = () if self.register is None else (self.register.min, self.register.max)
-        limits = [item for item in ends if item is not None]
-        equals = [item.equals for item in self.layout.fields if isinstance(item.equals, Expression)]
+        limits = [end for end in ends if end is not None]
+        equals = [field.equals for field in self.layout.fields if isinstance(field.equals, Expression)]
         expressions = [
             self.layout.bits,
-            *(part for item in self.layout.fields for part in (item.low, item.width)),
+            *(part for field in self.layout.fields for part in (field.low, field.width)),
             *limits,
             *equals,
         ]
-        used = dict.fromkeys(name for item in expressions for name in item.parameters)
-        return Variants.of(
+        used = dict.fromkeys(name for expression in expressions for name in expression.parameters)
+        return Variants.of_interface(
             self.device, self.interface, [*used, *([self.layout.gray_when] if self.layout.gray_when else [])]
-        ).fixed(self.held)
+        ).fixed(self.fixed_values)
 
     @property
     def by_word(self) -> bool:
@@ -117,7 +116,7 @@ class Codec:
         """Return the only values that a field may have, or nothing if it may have any."""
         if field.name == self.layout.selector:
             return tuple(self.layout.selects)
-        return tuple(item.value for item in field.values) if isinstance(field.kind, Choice) else ()
+        return tuple(value.value for value in field.values) if isinstance(field.kind, Choice) else ()
 
     def member(self, name: str) -> Member:
         return self.header.member(self.type, name)
@@ -133,30 +132,31 @@ class Codec:
         return value
 
     @cached_property
-    def items(self) -> tuple[Item, ...]:
-        items: list[Item] = []
+    def visible_members(self) -> tuple[VisibleMember, ...]:
+        members: list[VisibleMember] = []
         for field in self.fields:
             raw, member = f"r_{field.name}", self.member(field.name)
             if isinstance(field.kind, Text):
-                items.append(Item(field.name, member, "number", raw, field.widest // 8))
+                members.append(VisibleMember(field.name, member, "number", raw, field.widest // 8))
             elif isinstance(field.kind, Flag):
                 sign = "==" if field.kind.active_low else "!="
-                items.append(Item(field.name, member, "unsigned", f"({raw} {sign} 0)"))
+                members.append(VisibleMember(field.name, member, "unsigned", f"({raw} {sign} 0)"))
             elif field.number.signed:
-                items.append(Item(field.name, member, "long long", f"signed_number({raw}, {in_c(field.width)})"))
+                value = f"signed_number({raw}, {in_c(field.width)})"
+                members.append(VisibleMember(field.name, member, "long long", value))
             else:
                 zero = field.number.zero_means
                 value = f"({raw} == 0 ? (number){zero} : {raw})" if zero else raw
-                items.append(Item(field.name, member, "number", value))
-            items += [Item(run.name, self.member(run.name), "digits", field.name) for run in field.runs]
-        items += [Item(join.name, self.member(join.name), "number", f"r_{join.name}") for join in self.layout.joins]
-        items += [Item("unused", self.member("unused"), "number", "r_unused")] if self.layout.unused else []
-        return tuple(items)
+                members.append(VisibleMember(field.name, member, "number", value))
+            members += [VisibleMember(run.name, self.member(run.name), "digits", field.name) for run in field.runs]
+        numbers = [join.name for join in self.layout.joins] + (["unused"] if self.layout.unused else [])
+        members += [VisibleMember(name, self.member(name), "number", f"r_{name}") for name in numbers]
+        return tuple(members)
 
     def check_members(self) -> None:
         """Check that the struct has exactly the members of the layout."""
-        found = {item.name for item in self.header.structs[self.type]} - {"no_data"}
-        expected = {item.member.name for item in self.items}
-        assert found == expected, f"{self.name}: members {sorted(found ^ expected)}"
-        counts = {item.member.name: item.member.count for item in self.items}
-        assert all(counts[item.member.name] == item.characters for item in self.items), f"{self.name}: characters"
+        names = {member.name for member in self.header.structs[self.type]} - {"no_data"}
+        members = self.visible_members
+        expected_names = {visible.member.name for visible in members}
+        assert names == expected_names, f"{self.name}: members {sorted(names ^ expected_names)}"
+        assert all(visible.member.count == visible.characters for visible in members), f"{self.name}: characters"

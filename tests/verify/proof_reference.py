@@ -33,10 +33,8 @@ def shifted_out(crc: Crc) -> tuple[str, ...]:
 
 def reference(codec: Codec) -> str:
     layout, crc, check = codec.layout, codec.crc, layout_crc(codec)
-    lines = [
-        f"static number r_{name};"
-        for name in (*(item.name for item in layout.fields), *(join.name for join in layout.joins))
-    ]
+    names = [*(field.name for field in layout.fields), *(join.name for join in layout.joins)]
+    lines = [f"static number r_{name};" for name in names]
     lines += ["static number r_unused;"] if layout.unused else []
     lines += ["static number received(number word, long long low, long long width)", "{", "    number value = 0;"]
     lines += [
@@ -44,35 +42,39 @@ def reference(codec: Codec) -> str:
         "    return value;",
         "}",
     ]
-    if any(item.number.signed for item in layout.fields):
+    if any(field.number.signed for field in layout.fields):
         lines += ["static long long signed_number(number raw, long long width)", "{"]
         lines += ["    return (raw >> (width - 1)) & 1 ? (long long)raw - (1LL << width) : (long long)raw;", "}"]
     lines += _out_of_gray(codec)
     if crc is not None:
         lines += _crc_of(codec, crc)
-    lines += ["static int check(number word)", "{", "    number plain = out_of_gray(word);"]
-    for field in layout.fields:
-        of = "word" if isinstance(field.kind, Parity) else "plain"
-        lines.append(f"    r_{field.name} = received({of}, {in_c(field.low)}, {in_c(field.width)});")
-    lines += [
-        f"    r_{join.name} = {codec.joined(join, *(f'r_{name}' for name in join.fields))};" for join in layout.joins
-    ]
-    # A bit is 1 if it differs from the documented one. If the field is narrower, so is the documented value.
-    lines += [
-        f"    r_unused {'|=' if index else '='} (r_{field.name} ^ ({documented(field)}ULL & {ones(field)})) << {place};"
-        for index, (field, place) in enumerate(layout.unused)
-    ]
-    for fault, conditions in ((CONSTANT, _constants(codec)), (RANGE, _ranges(codec))):
-        lines += [f"    if ({condition}) return {fault};" for condition in conditions]
-    lines += ["    return 0;", "}", "static number uncovered(number word)", "{"]
-    lines += [
-        f"    word &= ~(received(~(number)0, 0, {in_c(field.width)}) << {in_c(field.low)});" for field in layout.fields
-    ]
+    lines += [*_check(codec), "static number uncovered(number word)", "{"]
+    places = [(in_c(field.width), in_c(field.low)) for field in layout.fields]
+    lines += [f"    word &= ~(received(~(number)0, 0, {width}) << {low});" for width, low in places]
     lines += [f"    return received(word, 0, {in_c(layout.bits)});", "}"]
     lines += ["static int reference(number word)", "{"]
     lines += [f"    if (word >> {in_c(layout.bits)}) return {LENGTH};"] if codec.by_word else []
     lines += [f"    if (crc_of(word) != {check}) return {CRC};"] if check else []
     return "\n".join([*lines, "    return check(word);", "}", ""])
+
+
+def _check(codec: Codec) -> Iterator[str]:
+    """Return the function that reads the fields of a word, and checks its constants and ranges."""
+    layout = codec.layout
+    yield from ("static int check(number word)", "{", "    number plain = out_of_gray(word);")
+    for field in layout.fields:
+        source = "word" if isinstance(field.kind, Parity) else "plain"
+        yield f"    r_{field.name} = received({source}, {in_c(field.low)}, {in_c(field.width)});"
+    for join in layout.joins:
+        parts = [f"r_{name}" for name in join.fields]
+        yield f"    r_{join.name} = {codec.joined(join, *parts)};"
+    # A bit is 1 if it differs from the documented one. If the field is narrower, so is the documented value.
+    for index, (field, place) in enumerate(layout.unused):
+        difference = f"(r_{field.name} ^ ({documented(field)}ULL & {ones(field)}))"
+        yield f"    r_unused {'|=' if index else '='} {difference} << {place};"
+    for fault, conditions in ((CONSTANT, _constants(codec)), (RANGE, _ranges(codec))):
+        yield from (f"    if ({condition}) return {fault};" for condition in conditions)
+    yield from ("    return 0;", "}")
 
 
 def documented(field: Field) -> int:
@@ -100,7 +102,7 @@ def _out_of_gray(codec: Codec) -> Iterator[str]:
     layout = codec.layout
     yield from ("static number out_of_gray(number word)", "{")
     if layout.gray_of:
-        join = next((item for item in layout.joins if item.name == layout.gray_of), Join("", (layout.gray_of,)))
+        join = next((join for join in layout.joins if join.name == layout.gray_of), Join("", (layout.gray_of,)))
         lowest = layout.field(join.fields[-1]).low
         yield from (
             f"    if (p_{layout.gray_when} != 0) {{" if layout.gray_when else "    {",
@@ -141,8 +143,8 @@ def _constants(codec: Codec) -> Iterator[str]:
             yield f"{in_c(field.width)} > 0 && r_{field.name} != {field.kind.value}ULL"
         if isinstance(field.kind, Parity):
             covered, mask = map(codec.layout.field, field.kind.of), field.kind.mask
-            places = ((of.name, bit) for of in covered for bit in range(of.widest) if mask >> bit & 1)
-            bits = [f"((r_{name} >> {bit}) & 1)" for name, bit in places]
+            places = [(counted.name, bit) for counted in covered for bit in range(counted.widest)]
+            bits = [f"((r_{name} >> {bit}) & 1)" for name, bit in places if mask >> bit & 1]
             yield f"r_{field.name} != ({' ^ '.join([*bits, *(['1'] if field.kind.odd else [])])})"
 
 

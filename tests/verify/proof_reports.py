@@ -9,7 +9,7 @@ from codewheel.plan.reports import reportings
 from proof_layout import Codec
 
 
-def told_of(codec: Codec) -> Iterator[tuple[str, str, str]]:
+def report_functions(codec: Codec) -> Iterator[tuple[str, str, str]]:
     """Yield the functions of a frame about the encoder, the expected result for ``in``, and a description."""
     functions = codec.header.functions
     if f"{codec.name}_verdict" in functions:
@@ -21,22 +21,22 @@ def told_of(codec: Codec) -> Iterator[tuple[str, str, str]]:
 def _speaks(codec: Codec, field: Field) -> str:
     if isinstance(field.kind, Flag):
         return f"(in.{codec.member(field.name).name} != 0)"
-    (place,) = (place for item, place in codec.layout.unused if item is field)
+    (place,) = (place for unused_field, place in codec.layout.unused if unused_field is field)
     return f"(((in.unused >> {place}) & {(1 << field.widest) - 1}ULL) != 0)"
 
 
 def _speaking(codec: Codec) -> Iterator[tuple[Field, Verdict | None]]:
-    for item in codec.layout.fields:
-        if isinstance(item.kind, (Flag, Unused)):
-            yield item, item.kind.makes_position
+    for field in codec.layout.fields:
+        if isinstance(field.kind, (Flag, Unused)):
+            yield field, field.kind.makes_position
 
 
 def _signs(codec: Codec) -> Iterator[tuple[str, str, Verdict]]:
     """Yield each named value with a verdict and each combination: its name, its condition in C, and the verdict."""
-    for item in codec.layout.fields:
-        for value in item.values:
+    for field in codec.layout.fields:
+        for value in field.values:
             if value.makes_position is not None:
-                yield f"{item.name}_{value.name}", _has_value(codec, item, value.name), value.makes_position
+                yield f"{field.name}_{value.name}", _has_value(codec, field, value.name), value.makes_position
     for combination in codec.layout.combinations:
         pairs = [text.split(".") for text in combination.when]
         conditions = [_has_value(codec, codec.layout.field(name), word) for name, word in pairs]
@@ -51,26 +51,23 @@ def _has_value(codec: Codec, field: Field, word: str) -> str:
 
 
 def _verdict(codec: Codec) -> str:
-    by_name = {item.name: item for item, _ in _speaking(codec)}
+    by_name = {field.name: field for field, _ in _speaking(codec)}
     text = str(list(Verdict).index(Verdict.UNKNOWN))
-    flags = [item.kind for item in codec.layout.fields if isinstance(item.kind, Flag)]
+    flags = [field.kind for field in codec.layout.fields if isinstance(field.kind, Flag)]
     signs = list(_signs(codec))
     tells = any(kind.makes_position is not Verdict.USABLE and not kind.only for kind in flags)
-    tells = tells or any(worth is not Verdict.USABLE for _, _, worth in signs)
+    tells = tells or any(effect is not Verdict.USABLE for _, _, effect in signs)
     if tells:
         text = str(list(Verdict).index(Verdict.USABLE))
     for verdict in (Verdict.USABLE_WITH_WARNING, Verdict.NOT_USABLE):
-        saying = [condition for _, condition, worth in signs if worth is verdict]
-        for item, worth in _speaking(codec):
-            names = item.kind.sums_up if isinstance(item.kind, Flag) else ()
-            others = "".join(f" && !{_speaks(codec, by_name[name])}" for name in names if name in by_name)
-            saying += [
-                f"({_explained(item)}{answered}{_speaks(codec, item)}{others})"
-                for answered, answered_worth in _by_answer(item, worth)
-                if answered_worth is verdict
-            ]
-            if _explained(item) and verdict is Verdict.USABLE_WITH_WARNING:
-                saying.append(f"(!({_explained(item)}1) && {_speaks(codec, item)})")
+        saying = [condition for _, condition, effect in signs if effect is verdict]
+        for field, effect in _speaking(codec):
+            names = field.kind.sums_up if isinstance(field.kind, Flag) else ()
+            no_part = "".join(f" && !{_speaks(codec, by_name[name])}" for name in names if name in by_name)
+            answers = [answer for answer, answer_effect in _by_answer(field, effect) if answer_effect is verdict]
+            saying += [f"({_explained(field)}{answer}{_speaks(codec, field)}{no_part})" for answer in answers]
+            if _explained(field) and verdict is Verdict.USABLE_WITH_WARNING:
+                saying.append(f"(!({_explained(field)}1) && {_speaks(codec, field)})")
         if saying and (tells or verdict is Verdict.NOT_USABLE):
             text = f"({' || '.join(saying)}) ? {list(Verdict).index(verdict)} : ({text})"
     return text
@@ -78,20 +75,19 @@ def _verdict(codec: Codec) -> str:
 
 def _reports(codec: Codec) -> str:
     """Return the mask of reports. The plan defines the names of the bits, and each report has the name of its field."""
-    (frame,) = (item for item in reportings(codec.device) if item.codec.layout.name == codec.layout.name)
-    names = {(told.by.field.name, told.report.name.endswith("_unexplained")): told.report.name for told in frame.causes}
-    told = [
-        f"({explained}{_speaks(codec, item)} ? {f'{codec.prefix}_report_{names[item.name, is_other]}'.upper()} : 0)"
-        for item, worth in _speaking(codec)
-        for is_other, explained in _by_code(item)
-        if is_other or worth is not Verdict.USABLE
-    ]
-    told += [
-        f"({condition} ? {f'{codec.prefix}_report_{names[name, False]}'.upper()} : 0)"
-        for name, condition, worth in _signs(codec)
-        if worth is not Verdict.USABLE
-    ]
-    return " | ".join(told)
+    (frame,) = (reporting for reporting in reportings(codec.device) if reporting.codec.layout.name == codec.layout.name)
+    names = {}
+    for cause in frame.causes:
+        is_unexplained = cause.report.name.endswith("_unexplained")
+        names[cause.by.field.name, is_unexplained] = f"{codec.prefix}_report_{cause.report.name}".upper()
+    terms = []
+    for field, effect in _speaking(codec):
+        cases = [case for case in _by_code(field) if case[0] or effect is not Verdict.USABLE]
+        active = _speaks(codec, field)
+        terms += [f"({explained}{active} ? {names[field.name, is_other]} : 0)" for is_other, explained in cases]
+    signs = [(name, condition) for name, condition, effect in _signs(codec) if effect is not Verdict.USABLE]
+    terms += [f"({condition} ? {names[name, False]} : 0)" for name, condition in signs]
+    return " | ".join(terms)
 
 
 def _explained(field: Field) -> str:

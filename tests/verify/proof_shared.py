@@ -97,7 +97,7 @@ void difference_of_anything(void) { (void)cw_difference(nondet_word(), nondet_wo
 
 def shared_proofs() -> Iterable[Proof]:
     text = f'#include "codewheel/bits.h"\n{PRELUDE}' + _BITS.replace("@powers@", str(POWERS))
-    for entry in (
+    for function in (
         "to_gray",
         "from_gray",
         "numbers",
@@ -106,9 +106,10 @@ def shared_proofs() -> Iterable[Proof]:
         "difference_of_bytes",
         "difference_of_anything",
     ):
-        yield Proof(f"cw {entry}", text, entry, 66, tuple(UNDEFINED))
+        yield Proof(f"cw {function}", harness=text, function=function, options=tuple(UNDEFINED))
     for power in range(0, 64, POWERS):
-        yield Proof(f"cw difference by 2^{power} and on", text, "difference", 66, (f"-DPOWER={power}", *UNDEFINED))
+        options = (f"-DPOWER={power}", *UNDEFINED)
+        yield Proof(f"cw difference by 2^{power} and on", harness=text, function="difference", options=options)
 
 
 def crc_proofs(device: Device, header: Header) -> Iterable[Proof]:
@@ -120,24 +121,25 @@ def crc_proofs(device: Device, header: Header) -> Iterable[Proof]:
                 continue
             kinds = [kind for kind, _ in function.arguments]
             text = f"{included(device)}{PRELUDE}" + _crc(crc, function.name, kinds)
-            yield Proof(f"{function.name} of every input", text, "crc", 8 * BYTES + 2, tuple(UNDEFINED))
+            name, rounds = f"{function.name} of every input", 8 * BYTES + 2
+            yield Proof(name, harness=text, function="crc", unwind=rounds, options=tuple(UNDEFINED))
 
 
 def _crc(crc: Crc, name: str, kinds: list[str]) -> str:
     if kinds == ["const uint8_t *", "size_t"]:
-        given = f"uint8_t data[{BYTES}]; for (int i = 0; i < {BYTES}; i++) data[i] = nondet_byte();"
-        given += f" size_t length = nondet_size(); __CPROVER_assume(length <= {BYTES});"
+        data_setup = f"uint8_t data[{BYTES}]; for (int i = 0; i < {BYTES}; i++) data[i] = nondet_byte();"
+        data_setup += f" size_t length = nondet_size(); __CPROVER_assume(length <= {BYTES});"
         call, rounds, before = f"{name}(data, length)", 8 * BYTES, "i / 8 < length"
         bit = f"(data[i / 8] >> ({'i % 8' if crc.refin else '7 - i % 8'})) & 1"
     else:
         assert kinds == ["uint64_t"], f"{name}: a CRC function of {kinds} has no proof yet"
         assert crc.init == 0, f"{name}: a CRC function of {kinds} has no proof yet"
-        given = "unsigned long long data = nondet_word();"
+        data_setup = "unsigned long long data = nondet_word();"
         call, rounds, before, bit = f"{name}(data)", 64, "1", "(data >> (63 - i)) & 1"
     shift, turn = "\n            ".join(shift_in(crc, bit)), "\n    ".join(shifted_out(crc))
     return f"""void crc(void)
 {{
-    {given}
+    {data_setup}
     unsigned long long shift_register = {crc.init}ULL;
     for (int i = 0; i < {rounds}; i++)
         if ({before}) {{

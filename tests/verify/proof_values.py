@@ -15,49 +15,50 @@ def valid(codec: Codec) -> Iterator[str]:
     for field in codec.fields:
         yield from _valid_field(codec, field)
     for join in codec.layout.joins:
-        yield f"{_given(codec, join.name)} == {codec.joined(join, *(_given(codec, name) for name in join.fields))}"
+        parts = [_member_value(codec, name) for name in join.fields]
+        yield f"{_member_value(codec, join.name)} == {codec.joined(join, *parts)}"
     if codec.layout.unused:
         mask = " | ".join(f"({ones(field)} << {place})" for field, place in codec.layout.unused)
-        yield f"({_given(codec, 'unused')} & ~({mask})) == 0"
-    yield from limits(codec, lambda name: _given(codec, name))
+        yield f"({_member_value(codec, 'unused')} & ~({mask})) == 0"
+    yield from limits(codec, lambda name: _member_value(codec, name))
 
 
-def _given(codec: Codec, name: str) -> str:
+def _member_value(codec: Codec, name: str) -> str:
     return f"((number)in.{codec.member(name).name})"
 
 
 def _valid_field(codec: Codec, field: Field) -> Iterator[str]:
-    given, width = _given(codec, field.name), in_c(field.width)
+    plain, width = _member_value(codec, field.name), in_c(field.width)
     if isinstance(field.kind, (Flag, Text)):
         return
     if field.number.signed:
         member = f"(long long)in.{codec.member(field.name).name}"
         yield f"{member} >= -(1LL << ({width} - 1)) && {member} <= (1LL << ({width} - 1)) - 1"
         return
-    fits = f"({given} >> {width}) == 0"
-    yield f"(({given} != 0 && {fits}) || {given} == {field.number.zero_means})" if field.number.zero_means else fits
+    fits = f"({plain} >> {width}) == 0"
+    yield f"(({plain} != 0 && {fits}) || {plain} == {field.number.zero_means})" if field.number.zero_means else fits
     allowed = codec.allowed(field)
     if allowed:
-        yield " || ".join(f"{given} == {value}" for value in allowed)
+        yield " || ".join(f"{plain} == {allowed_value}" for allowed_value in allowed)
     if field.number.power_of_two:
-        yield one_bit(field, given)
+        yield one_bit(field, plain)
     for run in field.runs:
-        yield f"{_given(codec, run.name)} < {run.modulus}"
+        yield f"{_member_value(codec, run.name)} < {run.modulus}"
     if field.runs:
-        yield f"{given} == {' + '.join(f'{_given(codec, run.name)} * {run.divisor}' for run in field.runs)}"
+        yield f"{plain} == {' + '.join(f'{_member_value(codec, run.name)} * {run.divisor}' for run in field.runs)}"
 
 
-def one_bit(field: Field, given: str) -> str:
-    return " || ".join(f"{given} == {1 << bit}ULL" for bit in range(field.widest))
+def one_bit(field: Field, value: str) -> str:
+    return " || ".join(f"{value} == {1 << bit}ULL" for bit in range(field.widest))
 
 
-def limits(codec: Codec, given: Callable[[str], str]) -> Iterator[str]:
+def limits(codec: Codec, value_of: Callable[[str], str]) -> Iterator[str]:
     """Return the limits of a register, which apply to writes and not to reads."""
     register = codec.register
     name = bounded(register) if register is not None else ""
     if register is None or not name:
         return
     if register.min is not None and not (register.min.is_constant and register.min.constant <= 0):
-        yield f"{given(name)} >= {in_c(register.min)}"
+        yield f"{value_of(name)} >= {in_c(register.min)}"
     if register.max is not None:
-        yield f"{given(name)} <= {in_c(register.max)}"
+        yield f"{value_of(name)} <= {in_c(register.max)}"

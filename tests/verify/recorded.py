@@ -36,10 +36,10 @@ class Recording:
     answers: dict[str, str] = field(default_factory=dict)
 
     def __call__(self, lines: Iterable[str]) -> list[str]:
-        asked = list(lines)
-        given = self.run(asked)
-        self.answers.update(zip(asked, given, strict=True))
-        return given
+        sent_lines = list(lines)
+        replies = self.run(sent_lines)
+        self.answers.update(zip(sent_lines, replies, strict=True))
+        return replies
 
 
 def run_tests(devices: Mapping[str, Device], programs: Mapping[str, Run]) -> list[str]:
@@ -58,14 +58,15 @@ def run_tests(devices: Mapping[str, Device], programs: Mapping[str, Run]) -> lis
         module = importlib.import_module(path.stem)
         # Tests with a program of their own do not use the harness.
         for function in _tests(module) if "run" not in vars(module) else []:
-            for given in _arguments(function, shared, devices, programs):
-                function(**given)
+            for arguments in _arguments(function, shared, devices, programs):
+                function(**arguments)
                 called.append(function.__name__)
     return called
 
 
 def _tests(module: ModuleType) -> list[Callable[..., None]]:
-    return [item for name, item in vars(module).items() if name.startswith("test_") and inspect.isfunction(item)]
+    named = [value for name, value in vars(module).items() if name.startswith("test_")]
+    return [function for function in named if inspect.isfunction(function)]
 
 
 def _arguments(
@@ -82,12 +83,12 @@ def _arguments(
     for mark in getattr(function, "pytestmark", ()):
         rows = list(_rows(mark)) if mark.name == "parametrize" and len(rows) == 1 else []
     pairs = {"machine": tuple(devices), "family": FAMILIES}
-    each = next((name for name in names if name in pairs), "")
+    family_argument = next((name for name in names if name in pairs), "")
     for row in rows:
-        for device in pairs.get(each, ("",)):
-            given = {**shared, **row, each: (devices[device], programs[device]) if device else None}
-            if all(name in given for name in names):
-                yield {name: given[name] for name in names}
+        for device in pairs.get(family_argument, ("",)):
+            values = {**shared, **row, family_argument: (devices[device], programs[device]) if device else None}
+            if all(name in values for name in names):
+                yield {name: values[name] for name in names}
 
 
 def _rows(mark: pytest.Mark) -> Iterable[dict[str, Any]]:

@@ -24,15 +24,15 @@ CLAIMS = re.findall(r"^void (\w+)\(void\)$", HARNESS.read_text(encoding="utf-8")
 def verdict(include: Path, claim: str) -> str:
     """Return the failed claims."""
     checker = tool("cbmc", [str(Path(__file__).resolve().parents[2] / ".cbmc")])
-    done = subprocess.run(
+    completed = subprocess.run(
         [checker, str(HARNESS), f"-I{include}", "--function", claim, *CHECKS],
         capture_output=True,
         text=True,
         timeout=400,
     )
     # A function without a body may return anything, and the harness needs this.
-    failed = [line for line in done.stdout.splitlines() if line.endswith(": FAILURE") and ".no-body." not in line]
-    assert failed or "0 of " in done.stdout, done.stdout[-2000:] + done.stderr[-2000:]
+    failed = [line for line in completed.stdout.splitlines() if line.endswith(": FAILURE") and ".no-body." not in line]
+    assert failed or "0 of " in completed.stdout, completed.stdout[-2000:] + completed.stderr[-2000:]
     return "\n".join(failed)
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from browser_harness import Asker, Case, cases, drawn
+from browser_harness import Asker, Case, cases, disturbed_numbers
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
 from codewheel.targets import Library
@@ -30,13 +30,13 @@ def packages(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return generated_tree(tmp_path_factory.mktemp("tree")) / "python"
 
 
-def item_of(case: Case, count: int, random_: random.Random, encoder: Any, kinds: Counter[str]) -> dict[str, Any]:
+def frames_of_case(case: Case, count: int, random_: random.Random, encoder: Any, kinds: Counter[str]) -> dict[str, Any]:
     """Return frames of a case with a CRC-32 of the reference's result for each. Python is compared on the way."""
     texts, expected = [], []
-    for number, other in drawn(case, count, random_):
-        decoded = case.decoded(number, other)
-        texts.append(case.text(number, other))
-        expected.append(f"{zlib.crc32(case.said(decoded).encode()):08x}")
+    for number, extra_bits in disturbed_numbers(case, count, random_):
+        decoded = case.decoded(number, extra_bits)
+        texts.append(case.text(number, extra_bits))
+        expected.append(f"{zlib.crc32(case.result_text(decoded).encode()):08x}")
         kinds[decoded.problems[0].fault.value if decoded.problems else "sound"] += 1
         if encoder is not None:
             same_in_python(case, encoder, texts[-1], decoded)
@@ -47,27 +47,28 @@ def same_in_python(case: Case, encoder: Any, text: str, decoded: codec.Decoded) 
     if decoded.layout is not None and case.device.alternatives_of(decoded.layout.layout):
         return  # Python requires an answer. Frames with one are compared with the reference elsewhere.
     try:
-        found = encoder.decode(given(case, text))
+        package_frame = encoder.decode(frame_of_text(case, text))
     except ValueError as error:
         assert decoded.problems, text
         assert KINDS[type(error).__name__] == decoded.problems[0].fault.value, text
         return
-    said = findings(case.device, case.variant, decoded)
+    expected = findings(case.device, case.variant, decoded)
     assert not decoded.problems, text
-    verdict = getattr(found, "verdict", None)
-    assert (verdict and verdict.value) == (said.verdict and said.verdict.value), text
-    assert sorted(item.meaning for item in found.reports) == sorted(item.meaning for item in said.reports), text
+    verdict = getattr(package_frame, "verdict", None)
+    assert (verdict and verdict.value) == (expected.verdict and expected.verdict.value), text
+    expected_meanings = sorted(report.meaning for report in expected.reports)
+    assert sorted(report.meaning for report in package_frame.reports) == expected_meanings, text
     layout = decoded.layout.layout if decoded.layout is not None else case.layout
-    names = {item.name for item in layout.fields if item.carries_data} | {item.name for item in layout.joins}
-    for item in decoded.fields:
-        if item.name in names and hasattr(found, item.name):
-            value = getattr(found, item.name)
-            assert item.value == (
-                value.name.lower() if isinstance(item.value, str) and hasattr(value, "name") else value
+    names = {field.name for field in layout.fields if field.carries_data} | {join.name for join in layout.joins}
+    for field in decoded.fields:
+        if field.name in names and hasattr(package_frame, field.name):
+            value = getattr(package_frame, field.name)
+            assert field.value == (
+                value.name.lower() if isinstance(field.value, str) and hasattr(value, "name") else value
             )
 
 
-def given(case: Case, text: str) -> bytes | int | str:
+def frame_of_text(case: Case, text: str) -> bytes | int | str:
     """Return the result of Python for the text of a frame."""
     if case.layout.in_bytes:
         return bytes.fromhex(text)
@@ -81,14 +82,14 @@ def test_frames_and_registers(family: str, packages: Path, tmp_path: Path) -> No
     program = tool("chromium")
     ask = Asker(tmp_path, generate(Library((device,)))["browser/decode.js"], program)
     random_, items, kinds = random.Random(family), [], Counter[str]()
-    delivered = {item.code: item.parameters for item in device.variants}
-    for found in cases(device):
-        count = FRAMES if found[0].register is None else FRAMES // 10
-        for case in found:
+    delivered = {variant.code: variant.parameters for variant in device.variants}
+    for layout_cases in cases(device):
+        count = FRAMES if layout_cases[0].register is None else FRAMES // 10
+        for case in layout_cases:
             is_listed = delivered.get(case.variant.code) == case.variant.parameters
             in_python = is_listed and case.layout.sender == "encoder"
             encoder = package.lookup(case.variant.code) if in_python else None
-            items.append(item_of(case, count // len(found), random_, encoder, kinds))
+            items.append(frames_of_case(case, count // len(layout_cases), random_, encoder, kinds))
     answers = ask("compared", items, timeout=1800)
-    assert [wrong for one in answers for wrong in one][:5] == []
+    assert [difference for answer in answers for difference in answer][:5] == []
     assert kinds.keys() >= {"sound", "length"}

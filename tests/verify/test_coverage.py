@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
-from coverage import Coverage, measured, run_tests
+from coverage import Coverage, read_coverage, run_tests
 from tools import tool
 from tree import generated_tree
 
@@ -101,11 +101,11 @@ def coverage(headers: dict[str, Path], tmp_path_factory: pytest.TempPathFactory)
     folder = tmp_path_factory.mktemp("coverage")
     gcc, clang = tool("gcc"), tool("clang")
     with ThreadPoolExecutor(2) as pool:
-        for status, said in pool.map(
+        for status, output in pool.map(
             lambda name: run_tests(folder / name, [*TESTS[name], "-k", "not no_warning"], gcc, clang, ROOT), TESTS
         ):
-            assert status == 0, said
-    return measured([folder / name for name in TESTS], headers.values(), tool("llvm-profdata"), tool("llvm-cov"))
+            assert status == 0, output
+    return read_coverage([folder / name for name in TESTS], headers.values(), tool("llvm-profdata"), tool("llvm-cov"))
 
 
 def test_every_line_and_branch_is_reached(coverage: Coverage, headers: dict[str, Path]) -> None:
@@ -115,16 +115,14 @@ def test_every_line_and_branch_is_reached(coverage: Coverage, headers: dict[str,
     assert len(coverage.regions) > 2_000
     assert len(coverage.true) > 500
     lines = {name: path.read_text(encoding="ascii").splitlines() for name, path in headers.items()}
-    missing, known = [], Counter[Unreached]()
-    for (name, line, column, end, last), function, what in coverage.unreached():
+    missing, reason_counts = [], Counter[Unreached]()
+    for (name, line, column, end, last), function, missing_part in coverage.unreached():
         text = lines[name][line - 1][column - 1 : last - 1 if line == end else None].strip()
-        item = next(
-            (item for item in UNREACHED if re.fullmatch(item.function, function) and re.fullmatch(item.text, text)),
-            None,
-        )
-        if item is None:
-            missing.append(f"{name}:{line} {function}: {text[:80]} {what}")
+        of_function = [reason for reason in UNREACHED if re.fullmatch(reason.function, function)]
+        reason = next((reason for reason in of_function if re.fullmatch(reason.text, text)), None)
+        if reason is None:
+            missing.append(f"{name}:{line} {function}: {text[:80]} {missing_part}")
         else:
-            known[item] += 1
+            reason_counts[reason] += 1
     assert not missing, f"{len(missing)} places\n" + "\n".join(missing)
-    assert {item: known[item] for item in UNREACHED} == {item: item.count for item in UNREACHED}
+    assert {reason: reason_counts[reason] for reason in UNREACHED} == {reason: reason.count for reason in UNREACHED}

@@ -29,7 +29,7 @@ from codewheel.reference.findings import findings
 from codewheel.targets.c.reserved import c_name
 from codewheel.targets.python.context import Context
 from frames import chunks, input_of, wires
-from test_c_reports import said_by
+from test_c_reports import report_key
 from tools import tool
 from tree import generated_tree, interfaces, number_from_environment, package_of
 
@@ -38,7 +38,7 @@ FRAMES = number_from_environment("CODEWHEEL_FRAMES", 1_000_000)
 PIECE = 100_000
 LENGTH, CRC, CONSTANT, RANGE = 1, 2, 3, 4
 #: Verdicts in C, by their names in Python. 255 means none.
-VERDICTS = {item.value: number for number, item in enumerate(Verdict)}
+VERDICTS = {verdict.value: number for number, verdict in enumerate(Verdict)}
 NO_VERDICT = 255
 #: Errors of the model, as C numbers them.
 FAULTS = {Fault.LENGTH: LENGTH, Fault.CRC: CRC, Fault.CONSTANT: CONSTANT, Fault.RANGE: RANGE}
@@ -52,13 +52,13 @@ class Peer:
         self.module = module
         self.kind = getattr(module, names.frames.get(codec.name) or names.registers[codec.name.removeprefix("reg_")])
         self.takes_variant = "variant" in inspect.signature(self.kind.decode).parameters
-        known = [
-            *(item.name for item in codec.layout.fields),
-            *(run.name for item in codec.layout.fields for run in item.runs),
-            *(item.name for item in codec.layout.joins),
+        field_names = [
+            *(field.name for field in codec.layout.fields),
+            *(run.name for field in codec.layout.fields for run in field.runs),
+            *(join.name for join in codec.layout.joins),
             *([UNUSED] if codec.layout.unused else []),
         ]
-        by_member = {c_name(name): name if hasattr(self.kind, name) else f"{name}_" for name in known}
+        by_member = {c_name(name): name if hasattr(self.kind, name) else f"{name}_" for name in field_names}
         self.text = [index for index, member in enumerate(codec.members, 1) if member.characters]
         if [member.name for member in codec.members] == ["no_data"]:
             self.members: Callable[[Any], tuple[Any, ...]] = lambda _: (0, 0)
@@ -69,14 +69,12 @@ class Peer:
                 f"lambda value: (0, {''.join(f'value.{by_member[member.name]}, ' for member in codec.members)})"
             )
         self.tells_verdict, self.tells_reports = hasattr(self.kind, "verdict"), hasattr(self.kind, "reports")
-        self.bits = {item.name: 1 << number for number, item in enumerate(reports_of(batch.device))}
+        self.bits = {report.name: 1 << number for number, report in enumerate(reports_of(batch.device))}
         #: Open questions about the layout: the name of each alternative, and its answers in order.
-        self.open = {
-            item.name: [
-                getattr(module, names.questions[item.name].kind)[answer.name.upper()] for answer in item.answers
-            ]
-            for item in batch.device.alternatives_of(codec.layout)
-        }
+        self.open = {}
+        for alternative in batch.device.alternatives_of(codec.layout):
+            answers = getattr(module, names.questions[alternative.name].kind)
+            self.open[alternative.name] = [answers[answer.name.upper()] for answer in alternative.answers]
         package = importlib.import_module(module.__name__.partition(".")[0])
         self.error = package.FrameError
         self.errors = {
@@ -88,57 +86,57 @@ class Peer:
 
     def variant(self, device: Device, variant: Variant) -> Any:
         """Return the order code of the package, with the contents of its registers."""
-        label, state = told(variant)
-        held: dict[int, int] = {}
+        label, state = label_and_state(variant)
+        contents: dict[int, int] = {}
         for name, data in state.items():
-            if name in {item.name for item in device.alternatives}:
+            if name in {alternative.name for alternative in device.alternatives}:
                 continue
-            held |= {device.register(name).address + index: byte for index, byte in enumerate(bytes.fromhex(data))}
-        found = self.module.lookup(label)
-        return found.with_registers(held) if held else found
+            contents |= {device.register(name).address + index: byte for index, byte in enumerate(bytes.fromhex(data))}
+        encoder = self.module.lookup(label)
+        return encoder.with_registers(contents) if contents else encoder
 
     def answers(self, variant: Variant) -> list[Any]:
         """Return the answers for a decoder, with the first one if the variant has none."""
-        _, state = told(variant)
+        _, state = label_and_state(variant)
         return [answers[int(state.get(name, "0"), 16)] for name, answers in self.open.items()]
 
-    def tells(self, value: Any) -> tuple[int, int]:
+    def verdict_and_reports(self, value: Any) -> tuple[int, int]:
         """Return the verdict and the mask of the reports."""
         verdict = VERDICTS[value.verdict.value] if self.tells_verdict else NO_VERDICT
-        return verdict, sum(self.bits[item.name] for item in value.reports) if self.tells_reports else 0
+        return verdict, sum(self.bits[report.name] for report in value.reports) if self.tells_reports else 0
 
-    def wrong(
+    def differences(
         self,
         codec: Codec,
         extra: Sequence[Any],
-        sent: Sequence[int] | Sequence[bytes],
+        wires: Sequence[int] | Sequence[bytes],
         answers: bytes,
         kinds: Counter[int],
     ) -> list[object]:
         """Return the differences in C's answers. Every fourth valid frame is encoded again, in half the time."""
-        found: list[object] = []
+        differences: list[object] = []
         decode, members, error, faults, text = self.kind.decode, self.members, self.error, self.errors, self.text
         last = 1 + len(codec.members)
         results: list[int] = []
-        for wire, answer in zip(sent, struct.iter_unpack(codec.answer, answers), strict=True):
+        for wire, answer in zip(wires, struct.iter_unpack(codec.answer, answers), strict=True):
             try:
                 value = decode(wire, *extra)
             except error as reason:
                 expected: tuple[Any, ...] = (faults[type(reason)],)
-                same = answer[0] == expected[0] and not any(answer[last + 1])
+                matches = answer[0] == expected[0] and not any(answer[last + 1])
             else:
                 expected = members(value)
                 again = len(results) & 3 == 0
                 decoded = answer[:last]
                 if text:
-                    decoded = tuple(item.decode("latin-1") if type(item) is bytes else item for item in answer[:last])
-                same = decoded == expected and (not again or answer[last:-2] == self.encoded(codec, value))
-                same = same and answer[-2:] == self.tells(value)
+                    decoded = tuple(part.decode("latin-1") if type(part) is bytes else part for part in answer[:last])
+                matches = decoded == expected and (not again or answer[last:-2] == self.encoded(codec, value))
+                matches = matches and answer[-2:] == self.verdict_and_reports(value)
             results.append(expected[0])
-            if not same:
-                found.append((wire, answer, expected))
+            if not matches:
+                differences.append((wire, answer, expected))
         kinds.update(results)
-        return found
+        return differences
 
     def encoded(self, codec: Codec, value: Any) -> tuple[int, bytes]:
         """Return the result and the bytes that C should give for ``value``.
@@ -150,14 +148,14 @@ class Peer:
         try:
             again = value.encode()
         except self.error as reason:
-            return self.errors[type(reason)], bytes(codec.sent)
+            return self.errors[type(reason)], bytes(codec.encoded_bytes)
         return 0, again.to_bytes(8, "big") if not codec.view.plan.in_bytes else again
 
 
-def told(variant: Variant) -> tuple[str, dict[str, str]]:
+def label_and_state(variant: Variant) -> tuple[str, dict[str, str]]:
     """Return the label, and the further parts of a variant's code: bytes of registers and answers, by name."""
     label, *state = variant.code.split(";")
-    return label, dict(item.split("=") for item in state)
+    return label, dict(part.split("=") for part in state)
 
 
 def compare(family: str, name: str, program: Path, package: Path) -> tuple[int, Counter[int], list[object]]:
@@ -165,19 +163,19 @@ def compare(family: str, name: str, program: Path, package: Path) -> tuple[int, 
     device = interfaces()[family]
     module = getattr(package_of(device, package), device.name)
     batch = Batch(device)
-    codec = next(item for item in batch.codecs if item.name == name)
+    codec = next(codec for codec in batch.codecs if codec.name == name)
     peer = Peer(batch, codec, module)
     kinds: Counter[int] = Counter()
-    found: list[object] = []
-    done = 0
+    differences: list[object] = []
+    compared = 0
     pieces: list[tuple[Variant, bytes]] = []
     for variant, records in chunks(batch, codec, FRAMES, "cross-check"):
         pieces.append((variant, records))
-        if sum(len(item) for _, item in pieces) >= PIECE * batch.record:
-            done += compare_piece(batch, codec, peer, pieces, program, kinds, found)
+        if sum(len(piece_records) for _, piece_records in pieces) >= PIECE * batch.record:
+            compared += compare_piece(batch, codec, peer, pieces, program, kinds, differences)
             pieces = []
-    done += compare_piece(batch, codec, peer, pieces, program, kinds, found)
-    return done, kinds, found[:5]
+    compared += compare_piece(batch, codec, peer, pieces, program, kinds, differences)
+    return compared, kinds, differences[:5]
 
 
 def compare_piece(
@@ -187,15 +185,15 @@ def compare_piece(
     pieces: list[tuple[Variant, bytes]],
     program: Path,
     kinds: Counter[int],
-    found: list[object],
+    differences: list[object],
 ) -> int:
     out = subprocess.run([str(program)], input=input_of(batch, codec, pieces), capture_output=True, check=True).stdout
     size, at = struct.calcsize(codec.answer), 0
     for variant, records in pieces:
-        sent = wires(batch, codec, records)
+        frames = wires(batch, codec, records)
         extra = [*([peer.variant(batch.device, variant)] if peer.takes_variant else []), *peer.answers(variant)]
-        found += peer.wrong(codec, extra, sent, out[at : at + size * len(sent)], kinds)
-        at += size * len(sent)
+        differences += peer.differences(codec, extra, frames, out[at : at + size * len(frames)], kinds)
+        at += size * len(frames)
     assert at == len(out)
     return at // size
 
@@ -225,8 +223,8 @@ def programs(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Callable[[
     ("family", "name"), [(stem, codec.name) for stem, device in interfaces().items() for codec in Batch(device).codecs]
 )
 def test_c_and_python_agree(family: str, name: str, programs: Callable[[str], Path], tree: Path) -> None:
-    done, kinds, wrong = compare(family, name, programs(family), tree / "python")
-    assert not wrong
+    done, kinds, differences = compare(family, name, programs(family), tree / "python")
+    assert not differences
     assert done == FRAMES == sum(kinds.values())
     # At least a sixth is valid, and lengths are sometimes wrong, so that the comparison covers different cases.
     assert kinds[0] > FRAMES / 6, kinds
@@ -235,12 +233,9 @@ def test_c_and_python_agree(family: str, name: str, programs: Callable[[str], Pa
 
 def of_encoders() -> list[tuple[str, str]]:
     """Return the frames that encoders send, as family and name."""
-    return [
-        (stem, codec.name)
-        for stem, device in interfaces().items()
-        for codec in Batch(device).codecs
-        if codec.layout.sender == "encoder"
-    ]
+    families = interfaces().items()
+    codecs = [(stem, codec) for stem, device in families for codec in Batch(device).codecs]
+    return [(stem, codec.name) for stem, codec in codecs if codec.layout.sender == "encoder"]
 
 
 class Oracle:
@@ -248,12 +243,16 @@ class Oracle:
 
     def __init__(self, device: Device, codec: Codec) -> None:
         self.device, self.layout = device, codec.layout
-        told = next((item.causes for item in reportings(device) if item.codec.layout.name == codec.name), ())
-        self._bits = {said_by(device, item): 1 << item.report.number for item in told}
+        reports = next(
+            (reporting.causes for reporting in reportings(device) if reporting.codec.layout.name == codec.name), ()
+        )
+        self._bits = {report_key(device, report): 1 << report.report.number for report in reports}
 
-    def of(self, variant: Variant, sent: Sequence[int] | Sequence[bytes]) -> Iterator[tuple[int, int, int, int]]:
+    def findings_of(
+        self, variant: Variant, frames: Sequence[int] | Sequence[bytes]
+    ) -> Iterator[tuple[int, int, int, int]]:
         device, placed, bits = self.device, self.layout.place(variant.parameters), self._bits
-        for wire in sent:
+        for wire in frames:
             if isinstance(wire, bytes):
                 decoded = reference.decode_placed(device, placed, wire)
             else:
@@ -261,29 +260,29 @@ class Oracle:
             if decoded.problems:
                 yield FAULTS[decoded.problems[0].fault], NO_VERDICT, 0, 0
                 continue
-            said = findings(device, variant, decoded)
-            verdict = VERDICTS[said.verdict.value] if said.verdict is not None else NO_VERDICT
+            report = findings(device, variant, decoded)
+            verdict = VERDICTS[report.verdict.value] if report.verdict is not None else NO_VERDICT
             unused = decoded.fields[-1].raw if decoded.fields[-1].name == UNUSED else 0
-            yield 0, verdict, sum(bits[item.field, item.meaning] for item in said.reports), unused
+            yield 0, verdict, sum(bits[flag.field, flag.meaning] for flag in report.reports), unused
 
 
 @pytest.mark.parametrize(("family", "name"), of_encoders())
 def test_c_tells_what_the_reference_tells(family: str, name: str, programs: Callable[[str], Path]) -> None:
     batch = Batch(interfaces()[family])
-    codec = next(item for item in batch.codecs if item.name == name)
+    codec = next(codec for codec in batch.codecs if codec.name == name)
     oracle, size = Oracle(batch.device, codec), struct.calcsize(codec.answer)
     unused = next((at for at, member in enumerate(codec.members, 1) if member.name == UNUSED), None)
     kinds: Counter[tuple[int, int]] = Counter()
     for variant, records in chunks(batch, codec, FRAMES, "reference"):
-        given = input_of(batch, codec, [(variant, records)])
-        out = subprocess.run([str(programs(family))], input=given, capture_output=True, check=True).stdout
+        program_input = input_of(batch, codec, [(variant, records)])
+        out = subprocess.run([str(programs(family))], input=program_input, capture_output=True, check=True).stdout
         assert len(out) == size * (len(records) // batch.record)
-        sent = wires(batch, codec, records)
+        frames = wires(batch, codec, records)
         answers = struct.iter_unpack(codec.answer, out)
-        for wire, answer, expected in zip(sent, answers, oracle.of(variant, sent), strict=True):
+        for wire, answer, expected in zip(frames, answers, oracle.findings_of(variant, frames), strict=True):
             verdict, reports = answer[-2:] if answer[0] == 0 else (NO_VERDICT, 0)
-            found = answer[0], verdict, reports, answer[unused] if unused is not None else 0
-            assert found == expected, (variant.code, wire)
+            decoded = answer[0], verdict, reports, answer[unused] if unused is not None else 0
+            assert decoded == expected, (variant.code, wire)
             kinds[expected[:2]] += 1
     assert kinds.total() == FRAMES
     # There are valid frames, and each verdict that a flag can cause.

@@ -35,10 +35,10 @@ def warnings(include: Path, folder: Path) -> list[str]:
     program = tool("doxygen")
     folder.mkdir()
     (folder / "Doxyfile").write_text(SETTINGS.format(include=include, output=folder / "out"), encoding="utf-8")
-    done = subprocess.run([program, "Doxyfile"], cwd=folder, capture_output=True, text=True, timeout=500)
-    assert done.returncode == 0, done.stderr
+    completed = subprocess.run([program, "Doxyfile"], cwd=folder, capture_output=True, text=True, timeout=500)
+    assert completed.returncode == 0, completed.stderr
     assert (folder / "out" / "html" / "receive_8h.html").is_file()
-    return done.stderr.splitlines()
+    return completed.stderr.splitlines()
 
 
 def test_doxygen_has_no_warning(tmp_path: Path) -> None:
@@ -48,7 +48,7 @@ def test_doxygen_has_no_warning(tmp_path: Path) -> None:
 
 def test_a_warning_would_be_seen(tmp_path: Path) -> None:
     include = generated_tree(tmp_path) / "c" / "include"
-    made = tmp_path / "broken"
-    made.mkdir()
-    broken = planted(include, "receive.h", "Bit 0 was received first.", "\\nothing_of_the_kind", made)
+    folder = tmp_path / "broken"
+    folder.mkdir()
+    broken = planted(include, "receive.h", "Bit 0 was received first.", "\\nothing_of_the_kind", folder)
     assert any("nothing_of_the_kind" in line for line in warnings(broken, tmp_path / "doxygen"))

@@ -250,28 +250,28 @@ def program(folder: Path, example: str, port: str, main: str) -> Path:
     )
     assert replaced[1] == 1
     source = f"{UART}#define main example\n{replaced[0]}{main}"
-    made = MACHINE.compile_main(source, folder, folder / "c" / "include", "firmware")
-    return Path(made.command[-1])
+    compiled = MACHINE.compile_main(source, folder, folder / "c" / "include", "firmware")
+    return Path(compiled.command[-1])
 
 
 def run(firmware: Path, line: Path) -> str:
     command = [tool("qemu-system-arm"), "-M", "mps2-an386", "-nographic", "-monitor", "none"]
     command += ["-semihosting-config", "enable=on,target=native", "-chardev", f"socket,id=line,path={line}"]
-    done = subprocess.run(
+    completed = subprocess.run(
         [*command, "-serial", "chardev:line", "-kernel", str(firmware)], capture_output=True, text=True, timeout=300
     )
-    assert done.returncode == 0, (done.returncode, done.stdout[-2000:], done.stderr[-2000:])
-    return done.stdout
+    assert completed.returncode == 0, (completed.returncode, completed.stdout[-2000:], completed.stderr[-2000:])
+    return completed.stdout
 
 
-def recording(sent: list[int], bits: int, most: int) -> Callable[[float], float]:
+def recorded_positions(recorded: list[int], bits: int, limit: int) -> Callable[[float], float]:
     """Return this many positions without a pattern, each recorded as it is sent. Then the shaft is at rest."""
 
     def position(_: float) -> float:
-        if len(sent) == most:
+        if len(recorded) == limit:
             return 77
-        sent.append((7919 * (len(sent) + 1) ** 2) & ((1 << bits) - 1))
-        return sent[-1]
+        recorded.append((7919 * (len(recorded) + 1) ** 2) & ((1 << bits) - 1))
+        return recorded[-1]
 
     return position
 
@@ -279,17 +279,17 @@ def recording(sent: list[int], bits: int, most: int) -> Callable[[float], float]
 def test_an_rs_485_program_reads_positions_and_resets_errors(tmp_path: Path) -> None:
     """5,000 positions in a row, after a first reply that lacks its beginning. Then the ten requests of a reset."""
     firmware = program(tmp_path, "amm5_rs485.c", RS485_PORT, RS485_MAIN)
-    sent: list[int] = []
-    encoder = VirtualEncoder("AMM5A23/65KJP1", recording(sent, 23, 100_000))
+    recorded: list[int] = []
+    encoder = VirtualEncoder("AMM5A23/65KJP1", recorded_positions(recorded, 23, 100_000))
     encoder.set_flag("ps_error")
     with on_socket(tmp_path, encoder, FirstReplyCut(encoder)) as line:
         out = run(firmware, line)
-    positions = [int(item) for item in re.findall(r"singleturn: (\d+)", out)]
+    positions = [int(text) for text in re.findall(r"singleturn: (\d+)", out)]
     failures = re.findall(r"us: (.*reply.*)", out)
     # The emulator itself may lose bytes at the start.
     assert len(failures) in (1, 2)
     assert len(positions) == 5002 - len(failures)
-    replies = iter(sent)
+    replies = iter(recorded)
     assert all(position in replies for position in positions), "each position is that of a later reply"
     assert out.rstrip().endswith("us: done")
     assert encoder.flags == set()
@@ -298,15 +298,15 @@ def test_an_rs_485_program_reads_positions_and_resets_errors(tmp_path: Path) -> 
 def test_a_biss_program_reads_frames_and_sets_a_preset(tmp_path: Path) -> None:
     """1,000 frames, bit by bit, then the whole example: the preset 1,000,003, and three registers."""
     firmware = program(tmp_path, "amm5_biss.c", BISS_PORT, BISS_MAIN)
-    sent: list[int] = []
+    recorded: list[int] = []
     registers = {"serial_number": bytes.fromhex("0AE869EE")}
-    encoder = VirtualEncoder("AMM5A21/65KSC1", recording(sent, 37, 1000), registers=registers)
+    encoder = VirtualEncoder("AMM5A21/65KSC1", recorded_positions(recorded, 37, 1000), registers=registers)
     line = Waiting(encoder)
     encoder.clock = lambda: line.now
     with on_socket(tmp_path, encoder, line) as path:
         out = run(firmware, path)
-    positions = [int(item) for item in re.findall(r"  position: (\d+)", out)]
-    assert positions[:1000] == sent[:1000]
+    positions = [int(text) for text in re.findall(r"  position: (\d+)", out)]
+    assert positions[:1000] == recorded[:1000]
     # The frame of the example, and the preset that it reads back.
     assert positions[1000:] == [77, 1_000_003]
     assert encoder.position_now() == 1_000_003

@@ -11,6 +11,7 @@ import importlib.util
 import json
 import os
 import sys
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -42,7 +43,7 @@ def footprint(monkeypatch: pytest.MonkeyPatch) -> Any:
 
 @pytest.mark.parametrize("name", RECORDED)
 def test_no_byte_and_no_instruction_more_than_recorded(name: str, footprint: Any, tmp_path: Path) -> None:
-    (board,) = (item for item in footprint.BOARDS if item.name == name)
+    (board,) = (board for board in footprint.BOARDS if board.name == name)
     tool(board.compiler)
     if name == "avr":
         tool("simavr")
@@ -52,19 +53,15 @@ def test_no_byte_and_no_instruction_more_than_recorded(name: str, footprint: Any
             f"the figures were recorded with {recorded['compiler']}, here is {board.version()}; "
             "make bench BENCH=--write records them anew"
         )
-    measured = {
-        frame: {key: list(pair) for key, pair in rows.items()}
-        for frame, rows in footprint.measure_ours(board, tmp_path).items()
-    }
-    assert {frame: set(rows) for frame, rows in measured.items()} == {
-        frame: set(rows) for frame, rows in recorded["figures"].items()
-    }
-    more = [
-        f"{frame}, {key}: {pair} where {recorded['figures'][frame][key]} are recorded (bytes, {board.unit})"
-        for frame, rows in measured.items()
-        for key, pair in rows.items()
-        if pair[0] > recorded["figures"][frame][key][0] or pair[1] > recorded["figures"][frame][key][1]
-    ]
+    measured, figures = footprint.measure_ours(board, tmp_path), recorded["figures"]
+    assert measured.keys() == figures.keys()
+    more = []
+    for frame, rows in measured.items():
+        assert rows.keys() == figures[frame].keys()
+        for key, pair in rows.items():
+            figure = figures[frame][key]
+            if pair[0] > figure[0] or pair[1] > figure[1]:
+                more.append(f"{frame}, {key}: {list(pair)} where {figure} are recorded (bytes, {board.unit})")
     assert not more, "\n".join(more)
 
 
@@ -75,7 +72,7 @@ def around(footprint: Any) -> Any:
 
 @pytest.mark.parametrize("name", AROUND)
 def test_what_is_around_takes_no_more_than_recorded(name: str, around: Any, tmp_path: Path) -> None:
-    (board,) = (item for item in around.BOARDS if item.name == name)
+    (board,) = (board for board in around.BOARDS if board.name == name)
     tool(board.compiler)
     if name == "avr":
         tool("simavr")
@@ -83,11 +80,12 @@ def test_what_is_around_takes_no_more_than_recorded(name: str, around: Any, tmp_
         pytest.skip(f"the figures were recorded with {AROUND[name]['compiler']}, here is {board.version()}")
     measured, recorded = around.measure(board, around.write_headers(tmp_path), tmp_path), AROUND[name]["figures"]
     assert measured.keys() == recorded.keys()
-    assert {
-        key: (pair, recorded[key])
-        for key, pair in measured.items()
-        if pair[0] > recorded[key][0] or (pair[1] or 0) > (recorded[key][1] or 0)
-    } == {}
+    pairs = {key: (pair, recorded[key]) for key, pair in measured.items()}
+    assert {key: pair for key, pair in pairs.items() if _is_more(*pair)} == {}
+
+
+def _is_more(measured: Sequence[int | None], recorded: Sequence[int | None]) -> bool:
+    return (measured[0] or 0) > (recorded[0] or 0) or (measured[1] or 0) > (recorded[1] or 0)
 
 
 @pytest.mark.parametrize("name", ["cortex-m0plus", "cortex-m4"])
@@ -97,16 +95,16 @@ def test_what_is_around_is_within_its_bounds(name: str, around: Any) -> None:
     assert {part.title: part.most for part in around.PARTS if 0 < part.most < recorded[part.title][0]} == {}
     bounds = {part.title: part.call.at_most[name] for part in around.PARTS if part.call and name in part.call.at_most}
     assert bounds
-    assert {key: most for key, most in bounds.items() if recorded[key][1] > most} == {}
+    assert {key: limit for key, limit in bounds.items() if recorded[key][1] > limit} == {}
 
 
 def test_a_wrong_position_is_no_figure(around: Any, tmp_path: Path) -> None:
     """The emulated call must return the position of the sample."""
     tool(around.BOARDS[0].compiler)
-    part = next(item for item in around.PARTS if item.call)
-    wrong = replace(part, call=replace(part.call, good=part.call.good.replace("==", "!=")))
+    part = next(part for part in around.PARTS if part.call)
+    changed_part = replace(part, call=replace(part.call, good=part.call.good.replace("==", "!=")))
     with pytest.raises(RuntimeError, match="not decoded as it should be"):
-        around.measured(wrong, around.BOARDS[0], around.write_headers(tmp_path), tmp_path)
+        around.measured(changed_part, around.BOARDS[0], around.write_headers(tmp_path), tmp_path)
 
 
 def test_a_wrongly_decoded_frame_is_no_figure(footprint: Any, tmp_path: Path) -> None:

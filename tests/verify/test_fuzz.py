@@ -53,8 +53,10 @@ def fuzzed(compiler: list[str], text: str, inputs: Iterable[bytes], folder: Path
         (corpus / f"{index:04}").write_bytes(data)
     program = folder / "target"
     (folder / "target.c").write_text(text, encoding="utf-8")
-    done = subprocess.run([*compiler, str(folder / "target.c"), "-o", str(program)], capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[:4000]
+    completed = subprocess.run(
+        [*compiler, str(folder / "target.c"), "-o", str(program)], capture_output=True, text=True
+    )
+    assert completed.returncode == 0, completed.stderr[:4000]
     options = [
         f"-max_total_time={seconds(folder.name)}",
         "-max_len=1200" if folder.name == "biss" else "-max_len=96",
@@ -63,14 +65,14 @@ def fuzzed(compiler: list[str], text: str, inputs: Iterable[bytes], folder: Path
         "-print_final_stats=1",
         "-verbosity=1",
     ]
-    done = subprocess.run(
+    completed = subprocess.run(
         [str(program), *options, f"-artifact_prefix={folder}/", str(corpus)],
         capture_output=True,
         text=True,
         errors="replace",
         timeout=SECONDS + 120,
     )
-    return done.returncode, done.stderr
+    return completed.returncode, completed.stderr
 
 
 @pytest.mark.parametrize("target", TARGETS)
@@ -92,11 +94,11 @@ def test_the_fuzzer_finds_nothing(target: str, folder: Path, include: Path) -> N
     else:
         text, inputs = (HERE / f"fuzz_{name}.c").read_text(encoding="utf-8"), iter(())
     status, log = fuzzed(compiler, text, inputs, folder / target)
-    said = [line for line in log.splitlines() if not re.match(r"#\d|INFO|\s+NEW_FUNC", line)]
-    assert status == 0, "\n".join(said[-60:])
+    log_lines = [line for line in log.splitlines() if not re.match(r"#\d|INFO|\s+NEW_FUNC", line)]
+    assert status == 0, "\n".join(log_lines[-60:])
     runs = re.search(r"number_of_executed_units:\s+(\d+)", log)
-    assert runs is not None, said[-10:]
-    assert int(runs[1]) > 500 * seconds(target), said[-10:]
+    assert runs is not None, log_lines[-10:]
+    assert int(runs[1]) > 500 * seconds(target), log_lines[-10:]
 
 
 @pytest.mark.parametrize("name", INTERFACES)
@@ -105,10 +107,7 @@ def test_every_function_is_called(name: str, include: Path) -> None:
     batch = Batch(interfaces()[name])
     header = Header(batch, include)
     called = re.findall(r"\(void\)(\w+)\(", header.calls())
-    own = [f"{item.view.name}_decode" for item in batch.codecs]
-    declared = [
-        found
-        for text in texts_of(batch, include)
-        for found in re.findall(r"^static inline [^;{]*?(\w+)\(", text, re.MULTILINE)
-    ]
-    assert sorted([*called, *own, *(f"cw_{item}" for item in PRECONDITIONS)]) == sorted(declared)
+    decoders = [f"{codec.view.name}_decode" for codec in batch.codecs]
+    declaration = re.compile(r"^static inline [^;{]*?(\w+)\(", re.MULTILINE)
+    declared = [name for text in texts_of(batch, include) for name in declaration.findall(text)]
+    assert sorted([*called, *decoders, *(f"cw_{name}" for name in PRECONDITIONS)]) == sorted(declared)

@@ -61,14 +61,14 @@ def folder(tmp_path: Path) -> Path:
 @pytest.fixture
 def user(folder: Path) -> Path:
     """An empty folder with the README's example."""
-    made = folder.parent / "user"
-    made.mkdir()
-    shutil.copy(folder / "examples" / "amm5_biss.c", made / "main.c")
-    return made
+    user_folder = folder.parent / "user"
+    user_folder.mkdir()
+    shutil.copy(folder / "examples" / "amm5_biss.c", user_folder / "main.c")
+    return user_folder
 
 
 def run(*command: str | Path, cwd: Path, **environment: str) -> str:
-    done = subprocess.run(
+    completed = subprocess.run(
         [str(part) for part in command],
         cwd=cwd,
         capture_output=True,
@@ -76,14 +76,14 @@ def run(*command: str | Path, cwd: Path, **environment: str) -> str:
         timeout=300,
         env={"PATH": os.environ["PATH"], **environment},
     )
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
-    return done.stdout
+    assert completed.returncode == 0, completed.stdout[-2000:] + completed.stderr[-2000:]
+    return completed.stdout
 
 
 def prints(program: Path) -> None:
     """The program first prints a frame, for which the manual has no example, and then the manual's examples."""
-    said = run(program, cwd=program.parent)
-    assert said[said.index("Set,") :] == PRESET
+    output = run(program, cwd=program.parent)
+    assert output[output.index("Set,") :] == PRESET
 
 
 def built_by_cmake(user: Path, lines: str, *options: str, maker: str = "lika") -> Path:
@@ -124,14 +124,14 @@ def test_cmake_with_the_folder_as_it_is(folder: Path, user: Path) -> None:
 def test_cmake_refuses_a_version_to_come(folder: Path, user: Path) -> None:
     cmake = tool("cmake")
     (user / "CMakeLists.txt").write_text(CMAKE.format(lines="find_package(lika-encoders 9.0 REQUIRED)", maker="lika"))
-    done = subprocess.run(
+    completed = subprocess.run(
         [cmake, "-S", str(user), "-B", str(user / "build"), f"-DCMAKE_PREFIX_PATH={folder}"],
         capture_output=True,
         text=True,
         timeout=300,
     )
-    assert done.returncode != 0
-    assert "version: 0.1.0" in done.stderr
+    assert completed.returncode != 0
+    assert "version: 0.1.0" in completed.stderr
 
 
 def test_the_examples_of_the_folder(folder: Path, tmp_path: Path) -> None:
@@ -154,19 +154,19 @@ def test_the_self_test_of_the_folder(folder: Path, tmp_path: Path) -> None:
     assert "100% tests passed, 0 tests failed out of 1" in run(
         cmake, "--build", tmp_path / "b", "--target", "test", cwd=tmp_path
     )
-    own = tmp_path / "own"
-    own.mkdir()
-    (own / "main.c").write_text(
+    project = tmp_path / "own"
+    project.mkdir()
+    (project / "main.c").write_text(
         '#include "selftest.h"\nint main(void) { return lika_amm5_biss_selftest() == 0U ? 0 : 1; }\n'
     )
-    (own / "CMakeLists.txt").write_text(
+    (project / "CMakeLists.txt").write_text(
         "cmake_minimum_required(VERSION 3.14)\nproject(own C)\nset(LIKA_ENCODERS_SELFTEST ON)\n"
         f'add_subdirectory("{folder}" encoders)\nadd_executable(own main.c)\n'
         "target_link_libraries(own PRIVATE lika::selftest)\n"
     )
-    run(cmake, "-S", own, "-B", own / "b", cwd=own)
-    run(cmake, "--build", own / "b", cwd=own)
-    run(own / "b" / "own", cwd=own)
+    run(cmake, "-S", project, "-B", project / "b", cwd=project)
+    run(cmake, "--build", project / "b", cwd=project)
+    run(project / "b" / "own", cwd=project)
 
 
 @pytest.mark.parametrize("lines", ['add_subdirectory("../c" c)', "find_package(ichaus-encoders 0.1 REQUIRED)"])

@@ -23,9 +23,8 @@ SMALL, USUAL, LARGE = "avr8", "arm32-wchar_t4", "unix64"
 def deviations() -> set[str]:
     """Return the rules of the first table, which lists the findings of the add-on."""
     table = DEVIATIONS.read_text(encoding="utf-8").partition("These further deviations are known")[0]
-    rows = [
-        [cell.strip() for cell in line.strip("|").split("|")] for line in table.splitlines() if line.startswith("|")
-    ][2:]
+    lines = [line.strip("|").split("|") for line in table.splitlines() if line.startswith("|")]
+    rows = [[*map(str.strip, cells)] for cells in lines[2:]]
     assert rows, "each deviation has a rule, a category, a place and a reason"
     assert all(len(row) == 4 and all(row) for row in rows), (
         "each deviation has a rule, a category, a place and a reason"
@@ -53,12 +52,12 @@ def findings(code: str, include: Path, folder: Path, platform: str) -> set[tuple
         "--template={file}:{line}: [{id}] {message}",
         str(unit),
     ]
-    done = subprocess.run(command, capture_output=True, text=True)
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert "Bailing out" not in done.stderr, done.stdout + done.stderr
-    found = re.findall(r"^(.+?):(\d+): \[(?:misra-c2012-)?(.+?)\]", done.stderr, re.MULTILINE)
-    assert len(found) == len(done.stderr.splitlines()), done.stderr[:2000]
-    return {(rule, f"{Path(path).relative_to(include)}:{line}") for path, line, rule in found if Path(path) != unit}
+    completed = subprocess.run(command, capture_output=True, text=True)
+    assert completed.returncode == 0, completed.stdout + completed.stderr
+    assert "Bailing out" not in completed.stderr, completed.stdout + completed.stderr
+    rows = re.findall(r"^(.+?):(\d+): \[(?:misra-c2012-)?(.+?)\]", completed.stderr, re.MULTILINE)
+    assert len(rows) == len(completed.stderr.splitlines()), completed.stderr[:2000]
+    return {(rule, f"{Path(path).relative_to(include)}:{line}") for path, line, rule in rows if Path(path) != unit}
 
 
 def by_interface(headers: list[str]) -> list[list[str]]:
@@ -78,22 +77,22 @@ def by_interface(headers: list[str]) -> list[list[str]]:
 def test_headers_that_are_included_have_no_finding_without_a_reason(
     headers: tuple[Path, list[str]], tmp_path: Path
 ) -> None:
-    include, every = headers
-    found = set[tuple[str, str]]()
-    for group in by_interface(every):
-        found |= findings("".join(f'#include "{header}"\n' for header in group), include, tmp_path, SMALL)
+    include, names = headers
+    reported = set[tuple[str, str]]()
+    for group in by_interface(names):
+        reported |= findings("".join(f'#include "{header}"\n' for header in group), include, tmp_path, SMALL)
     allowed = deviations()
-    assert [item for item in sorted(found) if item[0] not in allowed] == []
-    assert {rule for rule, _ in found} == allowed, "a deviation that nothing needs"
+    assert [finding for finding in sorted(reported) if finding[0] not in allowed] == []
+    assert {rule for rule, _ in reported} == allowed, "a deviation that nothing needs"
 
 
 def test_headers_of_which_all_is_used_have_no_finding_without_a_reason(
     headers: tuple[Path, list[str]], tmp_path: Path
 ) -> None:
-    include, every = headers
-    for group in by_interface(every):
-        found = findings(use_everything(group, include), include, tmp_path, USUAL)
-        assert [item for item in sorted(found) if item[0] not in deviations() - UNUSED] == []
+    include, names = headers
+    for group in by_interface(names):
+        reported = findings(use_everything(group, include), include, tmp_path, USUAL)
+        assert [finding for finding in sorted(reported) if finding[0] not in deviations() - UNUSED] == []
 
 
 @pytest.mark.parametrize(
@@ -127,12 +126,11 @@ def test_what_is_planted_is_found(
     text = header.read_text(encoding="ascii")
     assert text.count(sound) == 1
     header.write_text(text.replace(sound, planted), encoding="ascii")
-    found = findings(f'#include "codewheel/{name}"\n', tmp_path / "include", tmp_path, LARGE)
-    assert rule in {item for item, _ in found} - deviations()
+    reported = findings(f'#include "codewheel/{name}"\n', tmp_path / "include", tmp_path, LARGE)
+    assert rule in {reported_rule for reported_rule, _ in reported} - deviations()
 
 
 def test_nothing_is_switched_off(headers: tuple[Path, list[str]]) -> None:
-    include, every = headers
-    assert not [
-        header for header in every if re.search(r"cppcheck-suppress|NOLINT|lint ?[-!]e", (include / header).read_text())
-    ]
+    include, names = headers
+    suppression = re.compile(r"cppcheck-suppress|NOLINT|lint ?[-!]e")
+    assert not [header for header in names if suppression.search((include / header).read_text())]

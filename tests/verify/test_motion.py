@@ -151,19 +151,19 @@ def symbols(core: str, include: Path, folder: Path, *options: str) -> Mapping[st
     (folder / "motion.c").write_text(source(), encoding="utf-8")
     command = [compiler, f"-mcpu={core}", "-mthumb", "-std=c99", "-Os", "-ffunction-sections", f"-I{include}", *options]
     subprocess.run([*command, "-c", str(folder / "motion.c"), "-o", str(folder / "motion.o")], check=True)
-    listed = subprocess.run(
+    symbol_list = subprocess.run(
         [tool("arm-none-eabi-nm"), "-S", str(folder / "motion.o")], capture_output=True, text=True, check=True
     ).stdout
-    found = re.findall(r"^(?:\w+ (\w+))? +(\w) (\S+)$", listed, re.MULTILINE)
-    return {name: (letter, int(size or "0", 16)) for size, letter, name in found}
+    rows = re.findall(r"^(?:\w+ (\w+))? +(\w) (\S+)$", symbol_list, re.MULTILINE)
+    return {name: (letter, int(size or "0", 16)) for size, letter, name in rows}
 
 
 @pytest.mark.parametrize("core", CORES)
 def test_nothing_divides_and_the_tracker_calls_nothing(core: str, include: Path, tmp_path: Path) -> None:
-    found = symbols(core, include, tmp_path)
-    called = {name for name, (letter, _) in found.items() if letter == "U"}
+    symbol_table = symbols(core, include, tmp_path)
+    called = {name for name, (letter, _) in symbol_table.items() if letter == "U"}
     assert not [name for name in called if "div" in name or "mod" in name or re.search(r"_d[a-z]+$|2d$", name)]
-    assert "tracker_add" in found
+    assert "tracker_add" in symbol_table
     # The tracker alone, without functions of the compiler's library.
     alone = tmp_path / "alone"
     alone.mkdir()

@@ -16,11 +16,11 @@ NEEDED = re.findall(r"^dependencies = (.*)$", (ROOT / "pyproject.toml").read_tex
 LOWEST = re.findall(r'"([\w-]+)>=([\d.]+)"', NEEDED)
 
 
-def found(version: str) -> str:
+def python_of_version(version: str) -> str:
     """Return the Python of a version, on the path or where version managers put it, next to this one. "" if none."""
     beside = Path(sys.base_prefix).parent
-    there = [shutil.which(f"python{version}"), *map(str, sorted(beside.glob(f"{version}.*/bin/python")))]
-    return next((path for path in there if path and _runs(path)), "")
+    candidates = [shutil.which(f"python{version}"), *map(str, sorted(beside.glob(f"{version}.*/bin/python")))]
+    return next((path for path in candidates if path and _runs(path)), "")
 
 
 def _runs(python: str) -> bool:
@@ -29,23 +29,23 @@ def _runs(python: str) -> bool:
 
 
 def run(*command: str | Path) -> str:
-    done = subprocess.run([str(item) for item in command], capture_output=True, text=True, cwd=ROOT)
-    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-4000:]
-    return done.stdout
+    completed = subprocess.run([str(word) for word in command], capture_output=True, text=True, cwd=ROOT)
+    assert completed.returncode == 0, completed.stdout[-2000:] + completed.stderr[-4000:]
+    return completed.stdout
 
 
 @pytest.mark.parametrize("version", PYTHONS)
 def test_the_same_bytes(version: str, tmp_path: Path) -> None:
     """With the lowest versions on the oldest two, for which all have wheels, and otherwise with the newest."""
-    python = found(version)
+    python = python_of_version(version)
     if not python:
         pytest.skip(f"no Python {version} here, so it is not shown to work there")
     run(python, "-m", "venv", tmp_path / "there")
-    there = tmp_path / "there" / "bin"
-    lowest = [f"{name}=={least}" for name, least in LOWEST] if version in PYTHONS[:2] else []
+    programs = tmp_path / "there" / "bin"
+    lowest = [f"{name}=={lowest_version}" for name, lowest_version in LOWEST] if version in PYTHONS[:2] else []
     # Return a copy, because setuptools leaves its files next to the sources.
     sources = tmp_path / "sources"
     shutil.copytree(ROOT, sources, ignore=shutil.ignore_patterns(".*", "*.egg-info", "__pycache__"))
-    run(there / "python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *lowest, sources)
-    assert "no problems in 5 families" in run(there / "codewheel", "check", "specs")
-    assert run(there / "codewheel", "generate", "--check").endswith("files up to date\n")
+    run(programs / "python", "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *lowest, sources)
+    assert "no problems in 5 families" in run(programs / "codewheel", "check", "specs")
+    assert run(programs / "codewheel", "generate", "--check").endswith("files up to date\n")

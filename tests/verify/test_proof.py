@@ -19,13 +19,14 @@ import shutil
 import subprocess
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 
 import pytest
 from c_harness import INTERFACES, SHARED, SPECS, devices_of, interfaces_of, write
 from codewheel.model import Device
 from codewheel.targets.c.device import DeviceView
-from proof import Checker, Header, Proof, Result, Told, limited
+from proof import Checker, Header, Proof, ProofCount, Result, limited
 from proof_calls import CallProof
 from proof_codec import functions, proofs
 from proof_digits import program
@@ -52,13 +53,13 @@ def checker() -> Checker:
 
 
 def header_of(device: Device, include: Path) -> Header:
-    own = [include / header for header in DeviceView(device).headers]
-    return Header.read(*(path.read_text(encoding="utf-8") for path in (*runtime(include), *own)))
+    headers = [include / header for header in DeviceView(device).headers]
+    return Header.parse(*(path.read_text(encoding="utf-8") for path in (*runtime(include), *headers)))
 
 
 def all_shared(include: Path) -> Header:
     """Return the declarations of the runtime headers that the families include."""
-    return Header.read(*(path.read_text(encoding="utf-8") for path in runtime(include)))
+    return Header.parse(*(path.read_text(encoding="utf-8") for path in runtime(include)))
 
 
 def runtime(include: Path) -> list[Path]:
@@ -80,15 +81,14 @@ def device_of(stem: str) -> Device | None:
 def codecs(device: Device, header: Header) -> Iterator[Codec]:
     """Return every frame, and every register that is more than one number in one byte."""
     view = DeviceView(device)
-    prefix = view.prefix
+    new_codec = partial(Codec, device, header=header, prefix=view.prefix)
     for codec in view.interface.codecs:
-        yield Codec(device, view.context.interface.name, codec.struct.layout, header, prefix, codec.name)
+        yield new_codec(view.context.interface.name, layout=codec.struct.layout, name=codec.name)
     for register in device.registers:
-        plain = register.length == 1 and [item.width.render() for item in register.layout.fields] == ["8"]
+        plain = register.length == 1 and [field.width.render() for field in register.layout.fields] == ["8"]
         if not plain:
-            yield Codec(
-                device, register.interface, register.layout, header, prefix, f"{prefix}_reg_{register.name}", register
-            )
+            name = f"{view.prefix}_reg_{register.name}"
+            yield new_codec(register.interface, layout=register.layout, name=name, register=register)
 
 
 def states(codec: Codec) -> Iterator[Mapping[str, int]]:
@@ -100,8 +100,8 @@ def states(codec: Codec) -> Iterator[Mapping[str, int]]:
     if codec.variants.count <= AT_ONCE:
         yield {}
         return
-    first, (low, high) = next((name, both) for name, both in codec.variants.ranges.items() if both[1] > 1)
-    switches = [name for name, both in codec.variants.ranges.items() if both == (0, 1)]
+    first, (low, high) = next((name, limits) for name, limits in codec.variants.ranges.items() if limits[1] > 1)
+    switches = [name for name, limits in codec.variants.ranges.items() if limits == (0, 1)]
     for value in range(low, high + 1) if ALL else (low, (low + high) // 2, high):
         for state in itertools.product((0, 1), repeat=len(switches)):
             yield {first: value, **dict(zip(switches, state, strict=True))}
@@ -111,27 +111,25 @@ Prove = Callable[..., None]
 
 
 @pytest.fixture
-def prove(checker: Checker, include: Path, tmp_path: Path, told: list[Told]) -> Prove:
+def prove(checker: Checker, include: Path, tmp_path: Path, proof_counts: list[ProofCount]) -> Prove:
     """Return a function that proves them and records their number. It fails with the refuted claims."""
 
-    def run(what: str, proofs: Iterable[Proof], headers: Path = include) -> None:
+    def run(subject: str, proofs: Iterable[Proof], headers: Path = include) -> None:
         results = checker.prove_all([(proof, headers) for proof in proofs], tmp_path)
-        bad = [item.words for item in results if not item.proved]
-        covered = {item.proof.of: item.proof.covers for item in results}
-        told.append(Told(what, len(results), len(bad), sum(covered.values())))
-        assert results, "\n\n".join(bad)
-        assert not bad, "\n\n".join(bad)
+        failures = [result.words for result in results if not result.proved]
+        covered = {result.proof.subject: result.proof.covers for result in results}
+        proof_counts.append(ProofCount(subject, len(results), len(failures), sum(covered.values())))
+        assert results, "\n\n".join(failures)
+        assert not failures, "\n\n".join(failures)
 
     return run
 
 
 @pytest.mark.parametrize("family", INTERFACES)
 def test_codecs_are_equal_to_their_layout(family: str, include: Path, prove: Prove) -> None:
-    found = codecs(interfaces()[family], header_of(interfaces()[family], include))
-    prove(
-        f"{family}, decoders and encoders",
-        [proof for codec in found for held in states(codec) for proof in proofs(replace(codec, held=held))],
-    )
+    family_codecs = codecs(interfaces()[family], header_of(interfaces()[family], include))
+    cases = [replace(codec, fixed_values=values) for codec in family_codecs for values in states(codec)]
+    prove(f"{family}, decoders and encoders", [proof for codec in cases for proof in proofs(codec)])
 
 
 def test_long_codecs_are_equal_to_their_layout(prove: Prove, tmp_path: Path) -> None:
@@ -139,13 +137,17 @@ def test_long_codecs_are_equal_to_their_layout(prove: Prove, tmp_path: Path) -> 
     devices = devices_of(SPECS / "long_crc.yaml")
     headers = write(tmp_path, devices)
     for stem, device in interfaces_of(devices).items():
-        found = codecs(device, header_of(device, headers))
-        prove(f"{stem}, decoders and encoders", [proof for codec in found for proof in proofs(codec)], headers)
+        family_codecs = codecs(device, header_of(device, headers))
+        prove(f"{stem}, decoders and encoders", [proof for codec in family_codecs for proof in proofs(codec)], headers)
 
 
 def _with_crcs() -> list[str]:
     """Return the interfaces with a CRC function over bytes. The one for a frame of BiSS is proved with its encoder."""
-    return [name for name, device in interfaces().items() if any(item.is_called for item in DeviceView(device).crcs)]
+    return [name for name, device in interfaces().items() if _calls_a_crc(device)]
+
+
+def _calls_a_crc(device: Device) -> bool:
+    return any(crc.is_called for crc in DeviceView(device).crcs)
 
 
 @pytest.mark.parametrize("family", _with_crcs())
@@ -159,34 +161,34 @@ def test_shared_functions_on_bits(prove: Prove) -> None:
 
 def stems() -> list[str]:
     """Return every header of the interfaces, and their headers of the runtime."""
-    own = [Path(header).stem for device in interfaces().values() for header in DeviceView(device).headers]
-    return ["bits", "encoder", "transport", *own]
+    family_headers = [Path(header).stem for device in interfaces().values() for header in DeviceView(device).headers]
+    return ["bits", "encoder", "transport", *family_headers]
 
 
 @pytest.mark.parametrize("stem", stems())
 def test_other_functions_keep_what_the_headers_promise(stem: str, include: Path, prove: Prove) -> None:
     device = device_of(stem)
     path = header_named(stem, include)
-    own = Header.read(path.read_text(encoding="utf-8"))
+    tested_header = Header.parse(path.read_text(encoding="utf-8"))
     header = header_of(device, include) if device is not None else all_shared(include)
-    proved = {f"cw_{item}" for item in FUNCTIONS if stem == "bits"}
+    proved = {f"cw_{name}" for name in FUNCTIONS if stem == "bits"}
     if device is not None:
         proved = {name for codec in codecs(device, header) for name in functions(codec)}
     assert proved <= header.functions.keys()
-    rest = [item for item in own.functions.values() if item.name not in proved]
-    if not rest:
+    other_functions = [function for function in tested_header.functions.values() if function.name not in proved]
+    if not other_functions:
         return
-    proofs_of_calls = CallProof(header, str(path.relative_to(include)), rest, device).proofs()
-    prove(f"{stem}.h, {len(rest)} other functions", proofs_of_calls)
+    proofs_of_calls = CallProof(header, str(path.relative_to(include)), other_functions, device).proofs()
+    prove(f"{stem}.h, {len(other_functions)} other functions", proofs_of_calls)
 
 
 def test_every_number_with_decimal_digits(include: Path, tmp_path: Path) -> None:
-    found = 0
+    count = 0
     for device in interfaces().values():
         for codec in codecs(device, header_of(device, include)):
             if not codec.has_digits:
                 continue
-            found += 1
+            count += 1
             file = tmp_path / f"{codec.name}.c"
             file.write_text(program(codec), encoding="utf-8")
             subprocess.run(
@@ -194,7 +196,7 @@ def test_every_number_with_decimal_digits(include: Path, tmp_path: Path) -> None
                 check=True,
             )
             assert subprocess.run(limited([str(tmp_path / codec.name)])).returncode == 0, codec.name
-    assert found
+    assert count
 
 
 #: Errors like those of a wrong generator: header, function, text in it, its replacement,
@@ -324,11 +326,10 @@ def proof_called(name: str, stem: str, include: Path) -> Proof:
         path = header_named(stem, include).relative_to(include)
         return next(iter(CallProof(header, str(path), functions, device).proofs()))
     maker = device.manufacturer.name
-    found = [*crc_proofs(device, header)]
-    found += [
-        proof for codec in codecs(device, header) if f"{codec.name} " in f"{maker}_{name}" for proof in proofs(codec)
-    ]
-    return next(item for item in found if item.name == f"{maker}_{name}")
+    candidates = [*crc_proofs(device, header)]
+    named = [codec for codec in codecs(device, header) if f"{codec.name} " in f"{maker}_{name}"]
+    candidates += [proof for codec in named for proof in proofs(codec)]
+    return next(proof for proof in candidates if proof.name == f"{maker}_{name}")
 
 
 @pytest.fixture(scope="module")

@@ -44,15 +44,15 @@ PIECE = 10_000
 
 @pytest.mark.parametrize("family", [*FAMILIES, *MADE_UP], indirect=True)
 def test_columns_are_what_each_frame_is(family: shorter.Family, monkeypatch: pytest.MonkeyPatch) -> None:
-    most = FRAMES if family.device.name in FAMILIES else FRAMES_OF_TESTS
-    monkeypatch.setattr(shorter, "FRAMES", min(most, FRAMES))
+    frames = FRAMES if family.device.name in FAMILIES else FRAMES_OF_TESTS
+    monkeypatch.setattr(shorter, "FRAMES", min(frames, FRAMES))
     shorter.test_columns_are_what_each_frame_is(family)
 
 
 @pytest.mark.parametrize("family", [*FAMILIES, *MADE_UP], indirect=True)
 def test_columns_are_what_the_model_says(family: shorter.Family, monkeypatch: pytest.MonkeyPatch) -> None:
-    most = FRAMES_OF_THE_MODEL if family.device.name in FAMILIES else FRAMES_OF_THE_MODEL // 10
-    monkeypatch.setattr(shorter, "FRAMES_OF_THE_MODEL", min(most, FRAMES))
+    frames = FRAMES_OF_THE_MODEL if family.device.name in FAMILIES else FRAMES_OF_THE_MODEL // 10
+    monkeypatch.setattr(shorter, "FRAMES_OF_THE_MODEL", min(frames, FRAMES))
     shorter.test_columns_are_what_the_model_says(family)
 
 
@@ -83,13 +83,13 @@ def frames_of(batch: Batch) -> list[Codec]:
 def test_columns_are_what_c_says(family: str, name: str, programs: Callable[[str], Path], tree: Path) -> None:
     device = interfaces()[family]
     batch = Batch(device)
-    codec = next(item for item in batch.codecs if item.name == name)
+    codec = next(codec for codec in batch.codecs if codec.name == name)
     peer = Peer(batch, codec, getattr(package_of(device, tree / "python"), device.name))
     kinds: Counter[int] = Counter()
     for variant, records in chunks(batch, codec, FRAMES, "columns", PIECE):
-        sent = input_of(batch, codec, [(variant, records)])
-        said = subprocess.run([str(programs(family))], input=sent, capture_output=True, check=True).stdout
-        answers = numpy.frombuffer(said, answer_of(codec))
+        program_input = input_of(batch, codec, [(variant, records)])
+        output = subprocess.run([str(programs(family))], input=program_input, capture_output=True, check=True).stdout
+        answers = numpy.frombuffer(output, answer_of(codec))
         extra = [*([peer.variant(device, variant)] if peer.takes_variant else []), *peer.answers(variant)]
         table = peer.kind.decode_many(frames_in(batch, codec, records), *extra)
         compare(batch, codec, table, answers)
@@ -113,10 +113,11 @@ def frames_in(batch: Batch, codec: Codec, records: bytes) -> Any:
 def answer_of(codec: Codec) -> numpy.dtype[Any]:
     """Return the answers of C to the records, as columns."""
     kinds = {"?": "?", "B": "u1", "H": "<u2", "I": "<u4", "Q": "<u8", "b": "i1", "h": "<i2", "i": "<i4", "q": "<i8"}
-    members = [
-        (item.name, f"S{item.characters}" if item.characters else kinds[member_format(item)]) for item in codec.members
-    ]
-    again = [("again", "u1"), ("sent", "u1", (codec.sent,)), ("verdict ", "u1"), ("reports ", "<u8")]
+    members = []
+    for member in codec.members:
+        kind = f"S{member.characters}" if member.characters else kinds[member_format(member)]
+        members.append((member.name, kind))
+    again = [("again", "u1"), ("sent", "u1", (codec.encoded_bytes,)), ("verdict ", "u1"), ("reports ", "<u8")]
     return numpy.dtype([("fault ", "u1"), *members, *again])
 
 
@@ -126,7 +127,7 @@ def compare(batch: Batch, codec: Codec, table: Any, answers: Any) -> None:
     compared = set()
     for name in names_of(codec.layout):
         column = attribute(name, CLASS_NAMES)
-        member = next((item.name for item in codec.members if item.name in (name, f"{name}_")), None)
+        member = next((member.name for member in codec.members if member.name in (name, f"{name}_")), None)
         if column in table and member is not None:
             assert (table[column][sound] == answers[member][sound]).all(), (codec.name, name)
             compared |= {column}
@@ -138,7 +139,7 @@ def compare(batch: Batch, codec: Codec, table: Any, answers: Any) -> None:
     else:
         assert (verdict == NO_VERDICT).all()
     reported = numpy.zeros(len(sound), numpy.uint64)
-    number = {item.name: item.number for item in reports_of(batch.device)}
+    number = {report.name: report.number for report in reports_of(batch.device)}
     for name, active in table.reports.items():
         reported |= active.astype(numpy.uint64) << numpy.uint64(number[name])
     assert (reported[sound] == answers["reports "][sound]).all(), codec.name
@@ -146,5 +147,5 @@ def compare(batch: Batch, codec: Codec, table: Any, answers: Any) -> None:
 
 def names_of(layout: Layout) -> list[str]:
     """Return every column of a frame."""
-    runs = [run.name for item in layout.fields for run in item.runs]
-    return [*(item.name for item in layout.fields), *runs, *(item.name for item in layout.joins), "unused"]
+    runs = [run.name for field in layout.fields for run in field.runs]
+    return [*(part.name for part in layout.fields), *runs, *(part.name for part in layout.joins), "unused"]

@@ -87,12 +87,12 @@ def test_what_is_planted_is_found(claim: str, sound: str, instead: str, include:
 BUFFERS, WATCHED = 10_000_000, 500_000
 
 
-def compared(include: Path, folder: Path, options: Sequence[str], buffers: int) -> tuple[int, int]:
+def count_differences(include: Path, folder: Path, options: Sequence[str], buffers: int) -> tuple[int, int]:
     """Return the number of buffers with a frame, and of those whose result differs from bitwise reception."""
     text = HARNESS.with_name("receive_random.c").read_text(encoding="ascii")
     program = compile_c([*GCC, *options, f"-I{HARNESS.parent}"], text, folder, include)
-    said = subprocess.run([str(program), str(buffers)], capture_output=True, text=True, check=True).stdout
-    count, frames, differing = map(int, said.split())
+    output = subprocess.run([str(program), str(buffers)], capture_output=True, text=True, check=True).stdout
+    count, frames, differing = map(int, output.split())
     assert count == buffers
     return frames, differing
 
@@ -111,7 +111,7 @@ LOADS = ("-D__ARM_FEATURE_UNALIGNED", "-D__ARM_FEATURE_CLZ")
     ],
 )
 def test_the_same_as_bit_by_bit(options: Sequence[str], buffers: int, include: Path, tmp_path: Path) -> None:
-    frames, differing = compared(include, tmp_path, options, buffers)
+    frames, differing = count_differences(include, tmp_path, options, buffers)
     assert differing == 0
     assert frames > buffers // 10
 
@@ -131,7 +131,7 @@ def test_the_same_as_bit_by_bit(options: Sequence[str], buffers: int, include: P
 def test_a_difference_would_be_seen(sound: str, instead: str, include: Path, tmp_path: Path) -> None:
     broken = planted(include, header_with(sound), sound, instead, tmp_path)
     try:
-        assert compared(broken, tmp_path, ["-O2"], 10_000)[1] > 0
+        assert count_differences(broken, tmp_path, ["-O2"], 10_000)[1] > 0
     except subprocess.CalledProcessError as ended:  # With one bit too many, it writes beyond the array.
         assert ended.returncode == -signal.SIGSEGV
 
@@ -139,7 +139,7 @@ def test_a_difference_would_be_seen(sound: str, instead: str, include: Path, tmp
 @pytest.mark.parametrize("cpu", ["cortex-m0plus", "cortex-m4"])
 def test_how_many_bytes_a_receiver_takes(cpu: str, include: Path, tmp_path: Path) -> None:
     """At most 300 bytes for a known order code, without functions of the compiler's library."""
-    source, made = tmp_path / "source.c", tmp_path / "source.o"
+    source, object_file = tmp_path / "source.c", tmp_path / "source.o"
     source.write_text(
         '#include "codewheel/receive.h"\n'
         "cw_result received(const uint8_t *rx, uint64_t *word);\n"
@@ -148,8 +148,10 @@ def test_how_many_bytes_a_receiver_takes(cpu: str, include: Path, tmp_path: Path
         encoding="ascii",
     )
     command = [tool("arm-none-eabi-gcc"), "-std=c99", "-Os", "-mthumb", f"-mcpu={cpu}", f"-I{include}", "-c"]
-    subprocess.run([*command, str(source), "-o", str(made)], check=True)
-    needed = subprocess.run(["arm-none-eabi-nm", "-u", str(made)], capture_output=True, text=True, check=True)
+    subprocess.run([*command, str(source), "-o", str(object_file)], check=True)
+    needed = subprocess.run(["arm-none-eabi-nm", "-u", str(object_file)], capture_output=True, text=True, check=True)
     assert needed.stdout == ""
-    said = subprocess.run(["arm-none-eabi-size", str(made)], capture_output=True, text=True, check=True).stdout
-    assert int(said.splitlines()[1].split()[0]) <= 300
+    size_table = subprocess.run(
+        ["arm-none-eabi-size", str(object_file)], capture_output=True, text=True, check=True
+    ).stdout
+    assert int(size_table.splitlines()[1].split()[0]) <= 300

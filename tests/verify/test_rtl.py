@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 import pytest
 from biss_driver import Master, MasterEnd, SlaveEnd, SlaveInC, accesses, built
-from biss_models import crc_4, number, of
+from biss_models import bits_of, crc_4, number
 from c_harness import GCC, MadeOnce, compile_c, devices_of, write
 from tree import number_from_environment
 from verilog import FAULTS, RECEIVE, Bench, RtlMaster, RtlSlave, verilated
@@ -49,10 +49,10 @@ LOSSES = ("cut", "never ready", "hurried")
 
 def read_back(line: MasterEnd, places: range) -> bytes:
     """Read. An error at the end of the access before may disturb its zeros. This is reported, and a retry succeeds."""
-    told, read = line.read(places[0], len(places), 2000)
-    if told != "DONE":
-        told, read = line.read(places[0], len(places), 2000)
-    assert told == "DONE"
+    outcome, read = line.read(places[0], len(places), 2000)
+    if outcome != "DONE":
+        outcome, read = line.read(places[0], len(places), 2000)
+    assert outcome == "DONE"
     return read
 
 
@@ -61,42 +61,42 @@ def cut_short(value: int) -> set[int]:
 
     They contain the sent part of the byte and its CRC, perhaps without the bit of the lost frame, and then zeros.
     """
-    word = [*of(value, 8), *crc_4(of(value, 8))]
+    word = [*bits_of(value, 8), *crc_4(bits_of(value, 8))]
     heads = [word[:end] for end in range(12)]
     heads += [head[:lost] + head[lost + 1 :] for head in heads for lost in range(len(head))]
     return {number([*head, *[0] * 8][:8]) for head in heads}
 
 
-def disturbed(line: MasterEnd, slave: SlaveEnd, bench: Bench, kind: str, places: range, writes: bool) -> str:
+def disturbed_access(line: MasterEnd, slave: SlaveEnd, bench: Bench, kind: str, places: range, writes: bool) -> str:
     """Make an access with an error somewhere between its first zero and its last bit.
 
     All values that are read are right, only written values are stored, an incomplete access is reported, and the next
     one succeeds.
     """
-    held = bytes(map(slave.held, places))
+    contents = bytes(map(slave.stored_value, places))
     data = bytes(bench.chance.randrange(256) for _ in places)
     bench.plant(kind, bench.chance.randint(1, 36 + 14 * len(places)))
     bench.fetch = bench.store = (LIMIT + 10, LIMIT + 50) if kind == "busy" else (0, 0)
     slave.stored.clear()
     if writes:
-        outcome, read = line.write(places[0], data, LIMIT), held
+        outcome, read = line.write(places[0], data, LIMIT), contents
     else:
         outcome, read = line.read(places[0], len(places), LIMIT)
     bench.plant("", 0)
     bench.fetch = bench.store = (0, 0)
-    assert read == held[: len(read)]
+    assert read == contents[: len(read)]
     assert outcome != "DONE" or len(read) == len(places)
-    back = read_back(line, places)
-    if writes and back != data:
+    stored_data = read_back(line, places)
+    if writes and stored_data != data:
         # If the S of the slave is lost, an access can look successful without storing, so a program must read back.
         assert outcome != "DONE" or kind == "cds"
         assert line.write(places[0], data, 2000) == "DONE"
-        back = read_back(line, places)
-    assert back == bytes(map(slave.held, places)) == (data if writes else held)
+        stored_data = read_back(line, places)
+    assert stored_data == bytes(map(slave.stored_value, places)) == (data if writes else contents)
     for address, value in slave.stored:
         assert writes
-        sent = data[address - places[0]]
-        assert value == sent or (kind in LOSSES and value in cut_short(sent))
+        intended = data[address - places[0]]
+        assert value == intended or (kind in LOSSES and value in cut_short(intended))
     return outcome
 
 
@@ -108,7 +108,7 @@ def disturbed_accesses(
     for index in range(count):
         kind, address = faults[index % len(faults)], bench.chance.randrange(0x10, 0x5F)
         places = range(address, address + (1 if address == 0x3F else bench.chance.choice((1, 1, 2))))
-        ends[kind][disturbed(line, slave, bench, kind, places, bench.chance.random() < 0.5)] += 1
+        ends[kind][disturbed_access(line, slave, bench, kind, places, bench.chance.random() < 0.5)] += 1
     return ends
 
 
@@ -203,15 +203,18 @@ int @name@_bytes(void) { return (int)LIKA_@NAME@_@ANSWER@RX_BYTES; }
 
 def positions(folder: Path) -> None:
     include = write(folder, devices_of())
-    text = "".join(
-        POSITIONS.replace("@family@", item.name.split("_")[0].lower())
-        .replace("@NAME@", item.name.replace("_", "_BISS_", 1))
-        .replace("@name@", item.called.lower())
-        .replace("@ANSWER@", f"{item.zero_bit}_" if item.zero_bit else "")
-        .replace("@answer@", f"LIKA_ASC85_BISS_ZERO_BIT_{item.zero_bit}, " if item.zero_bit else "")
-        for item in ENCODERS
-    )
+    text = "".join(map(_position_functions, ENCODERS))
     compile_c([*GCC, "-O1", "-shared", "-fPIC"], text, folder, include)
+
+
+def _position_functions(encoder: Encoder) -> str:
+    return (
+        POSITIONS.replace("@family@", encoder.name.split("_")[0].lower())
+        .replace("@NAME@", encoder.name.replace("_", "_BISS_", 1))
+        .replace("@name@", encoder.called.lower())
+        .replace("@ANSWER@", f"{encoder.zero_bit}_" if encoder.zero_bit else "")
+        .replace("@answer@", f"LIKA_ASC85_BISS_ZERO_BIT_{encoder.zero_bit}, " if encoder.zero_bit else "")
+    )
 
 
 @pytest.fixture(scope="session")
@@ -219,7 +222,7 @@ def readers(made_once: MadeOnce) -> ctypes.CDLL:
     return ctypes.CDLL(str(made_once("rtl_positions", positions) / "program"))
 
 
-@pytest.mark.parametrize("encoder", ENCODERS, ids=[item.called for item in ENCODERS])
+@pytest.mark.parametrize("encoder", ENCODERS, ids=[encoder.called for encoder in ENCODERS])
 def test_positions(encoder: Encoder, verilog: ctypes.CDLL, library: ctypes.CDLL, readers: ctypes.CDLL) -> None:
     """Any position, over lines whose delay and acknowledge leave room for the frame in the buffer of the order code.
 
@@ -227,9 +230,13 @@ def test_positions(encoder: Encoder, verilog: ctypes.CDLL, library: ctypes.CDLL,
     """
     bench = Bench(verilog, library, True, random.Random(encoder.called))
     chance, size = bench.chance, getattr(readers, f"{encoder.called.lower()}_bytes")()
-    read, rx, found = getattr(readers, f"{encoder.called.lower()}_read"), (ctypes.c_uint8 * size)(), ctypes.c_uint64(0)
+    read, rx, position_read = (
+        getattr(readers, f"{encoder.called.lower()}_read"),
+        (ctypes.c_uint8 * size)(),
+        ctypes.c_uint64(0),
+    )
     bits = encoder.zeros_before + encoder.position_bits + encoder.zeros_after + 2
-    told = Counter[int]()
+    results = Counter[int]()
     for _ in range(ACCESSES // 4):
         half, delay, processing = chance.randint(2, 5), chance.randint(0, 40), chance.randint(0, 90)
         position, error = chance.getrandbits(encoder.position_bits), chance.random() < 0.1
@@ -239,10 +246,10 @@ def test_positions(encoder: Encoder, verilog: ctypes.CDLL, library: ctypes.CDLL,
         bench.rest(chance.getrandbits(1), 3 * half + 5)
         # Two bits of rest, the delay, the acknowledge, start and CDS, the word with its CRC, and the stop bit.
         clocks = 2 + -(-delay // (2 * half)) + 1 + processing + 2 + bits + 6 + 1
-        result = read(rx, ctypes.byref(found))
-        told[result] += 1
+        result = read(rx, ctypes.byref(position_read))
+        results[result] += 1
         if result in (0, 100):
-            assert found.value == position
+            assert position_read.value == position
             assert (result == 100) == error
         assert result in (0, 100) or clocks > 8 * size
-    assert set(told) == {0, 100, LENGTH, NO_START}
+    assert set(results) == {0, 100, LENGTH, NO_START}

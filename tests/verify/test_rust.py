@@ -30,8 +30,8 @@ def workshop(tmp_path_factory: pytest.TempPathFactory) -> Workshop:
 
 def layouts() -> list[tuple[str, int]]:
     """Return the number of each layout of each family. Registers have none."""
-    found = ((spec, load_library([ROOT / spec])[0][0]) for spec in SPECS)
-    return [(spec, index) for spec, device in found for index, _ in enumerate(device.layouts())]
+    devices = ((spec, load_library([ROOT / spec])[0][0]) for spec in SPECS)
+    return [(spec, index) for spec, device in devices for index, _ in enumerate(device.layouts())]
 
 
 @pytest.mark.parametrize(("spec", "index"), layouts())
@@ -59,16 +59,16 @@ def test_clippy_finds_nothing_in_hostile_texts(hostile: Library, tmp_path: Path)
 def clippy(main: Path, folder: Path) -> None:
     """Fail on findings of a strict version, and warn of those of any other."""
     driver = rust_tool("clippy-driver")
-    sysroot = _said(str(Path(driver).with_name("rustc")), "--print", "sysroot")[0].strip()
+    sysroot = _output_of(str(Path(driver).with_name("rustc")), "--print", "sysroot")[0].strip()
     options = ("--sysroot", sysroot, "--edition", "2021", "--emit", "metadata", "--out-dir", str(folder))
-    _, found = _said(driver, *LIBRARY, *options, str(main))
-    version = re.search(r"\d+\.\d+\.\d+", _said(driver, "--version")[0])
+    _, messages = _output_of(driver, *LIBRARY, *options, str(main))
+    version = re.search(r"\d+\.\d+\.\d+", _output_of(driver, "--version")[0])
     if version is not None and version[0] in STRICT:
-        assert not found, found[:4000]
-    elif found:
-        warnings.warn(f"clippy {version and version[0]} finds in {main}:\n{found[:4000]}", stacklevel=2)
+        assert not messages, messages[:4000]
+    elif messages:
+        warnings.warn(f"clippy {version and version[0]} finds in {main}:\n{messages[:4000]}", stacklevel=2)
 
 
-def _said(*command: str) -> tuple[str, str]:
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    return done.stdout, done.stderr
+def _output_of(*command: str) -> tuple[str, str]:
+    completed = subprocess.run(command, capture_output=True, text=True, check=False)
+    return completed.stdout, completed.stderr

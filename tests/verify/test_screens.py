@@ -38,23 +38,23 @@ def site(made_once: Callable[[str, Callable[[Path], object]], Path]) -> Path:
 @pytest.fixture
 def browser(tmp_path: Path) -> Iterator[Browser]:
     require([CHROMIUM])
-    with Browser(tmp_path / "profile") as found:
-        yield found
+    with Browser(tmp_path / "profile") as opened:
+        yield opened
 
 
 def order_codes(site: Path) -> list[Path]:
     """Return the pages of order codes, whose names have capital letters."""
-    found = [path for path in sorted(site.glob("generated/docs/*/*.html")) if path.stem != path.stem.lower()]
-    assert len(found) > 50
-    return found
+    paths = [path for path in sorted(site.glob("generated/docs/*/*.html")) if path.stem != path.stem.lower()]
+    assert len(paths) > 50
+    return paths
 
 
 def screens(browser: Browser, height: int) -> float:
     return float(browser.run("document.documentElement.scrollHeight")) / height
 
 
-@pytest.mark.parametrize(("width", "height", "most"), SCREENS)
-def test_a_page_is_a_few_screens_long(site: Path, browser: Browser, width: int, height: int, most: float) -> None:
+@pytest.mark.parametrize(("width", "height", "limit"), SCREENS)
+def test_a_page_is_a_few_screens_long(site: Path, browser: Browser, width: int, height: int, limit: float) -> None:
     browser.look(width, height=height)
     folded, opened = {}, {}
     for page in order_codes(site):
@@ -62,31 +62,31 @@ def test_a_page_is_a_few_screens_long(site: Path, browser: Browser, width: int, 
         folded[page.stem] = screens(browser, height)
         browser.run('document.querySelectorAll("details").forEach((item) => { item.open = true; })')
         opened[page.stem] = screens(browser, height)
-    assert {name: count for name, count in folded.items() if count > most} == {}
+    assert {name: count for name, count in folded.items() if count > limit} == {}
     assert {name: count for name, count in opened.items() if count > OPEN.get(name, REST)[width]} == {}
 
 
 def test_errata_do_not_fill_what_is_in_sight(site: Path, browser: Browser) -> None:
     browser.look(1280, height=800)
-    found = {}
+    shares = {}
     for page in order_codes(site):
         browser.open(page.as_uri())
         errata, words = browser.run(_WORDS)
-        found[page.stem] = errata / words
-    assert {name: share for name, share in found.items() if share > ERRATA} == {}
-    assert max(found.values()) > 0
+        shares[page.stem] = errata / words
+    assert {name: share for name, share in shares.items() if share > ERRATA} == {}
+    assert max(shares.values()) > 0
 
 
 @pytest.mark.parametrize("anchor", ["register-preset", "procedure-set_preset", "erratum-ground_wire", "crc-biss_6"])
 def test_a_link_opens_the_fold_into_which_it_leads(site: Path, browser: Browser, anchor: str) -> None:
     page = site / "generated/docs/amm5/AMM5A21-65KSC1.html"
-    seen = f'document.getElementById("{anchor}").parentElement.checkVisibility()'
+    is_visible = f'document.getElementById("{anchor}").parentElement.checkVisibility()'
     browser.look(1280, height=800)
     browser.open(page.as_uri())
-    assert browser.run(seen) is False
+    assert browser.run(is_visible) is False
     browser.open("about:blank")
     browser.open(f"{page.as_uri()}#{anchor}")
-    assert browser.run(seen) is True
+    assert browser.run(is_visible) is True
 
 
 def test_the_picture_of_a_frame_is_wide_on_a_wide_screen_only(site: Path, browser: Browser) -> None:
@@ -106,4 +106,4 @@ def test_the_answers_stand_in_their_order(site: Path, browser: Browser) -> None:
         # The spec of the iC-MU has no LEDs, and does not cover all pages of its documents.
         leds = ["LEDs"] if page.parent.name != "icmu" or "LEDs" in heads else []
         order = ["Wiring", speed, "Frame", "What to send", *leds, "Details"]
-        assert [item for item in heads if item in order] == order, page.stem
+        assert [title for title in heads if title in order] == order, page.stem

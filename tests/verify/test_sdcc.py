@@ -71,8 +71,8 @@ def include(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def compiled(processor: str, text: str, include: Path, tmp_path: Path, *more: str) -> None:
     (tmp_path / "unit.c").write_text(text, encoding="ascii")
     command = [tool("sdcc"), "--std-c99", *PROCESSORS[processor], f"-I{include}", "unit.c", *more]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300)
-    assert done.returncode == 0, done.stderr[-3000:]
+    completed = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300)
+    assert completed.returncode == 0, completed.stderr[-3000:]
 
 
 @pytest.mark.parametrize(
@@ -87,11 +87,11 @@ def test_headers_compile(interface: str, processor: str, include: Path, tmp_path
 
 def crc_of(data: int, bits: int) -> int:
     """Return the CRC x^6 + x + 1, sent inverted, bit by bit."""
-    found = 0
+    crc = 0
     for bit in range(bits - 1, -1, -1):
-        found ^= (data >> bit & 1) << 5
-        found = (found << 1 ^ (0x03 if found & 0x20 else 0)) & 0x3F
-    return found ^ 0x3F
+        crc ^= (data >> bit & 1) << 5
+        crc = (crc << 1 ^ (0x03 if crc & 0x20 else 0)) & 0x3F
+    return crc ^ 0x3F
 
 
 def received(random_: random.Random) -> tuple[bytes, list[int]]:
@@ -101,8 +101,8 @@ def received(random_: random.Random) -> tuple[bytes, list[int]]:
     word = data << 6 | crc_of(data, BITS - 6) ^ crc_error
     line = "1" * random_.randint(1, 10) + "0" * random_.randint(1, 20) + "1" + random_.choice("01")
     bits = f"{line}{word:0{BITS}b}0".ljust(8 * SIZE, random_.choice("01"))
-    found = [0, 0, *bytes(8)] if crc_error else [0, 3, *position.to_bytes(8, "little")]
-    return int(bits, 2).to_bytes(SIZE, "big"), found
+    expected = [0, 0, *bytes(8)] if crc_error else [0, 3, *position.to_bytes(8, "little")]
+    return int(bits, 2).to_bytes(SIZE, "big"), expected
 
 
 @pytest.mark.parametrize("processor", SIMULATORS)
@@ -118,10 +118,10 @@ def test_results_in_the_simulator(processor: str, include: Path, tmp_path: Path)
         "bits": BITS,
         "buffers": ",\n".join(f"{{ {', '.join(map(str, buffer))} }}" for buffer, _ in pairs),
     }
-    text = re.sub(r"@(\w+)@", lambda found: str(values[found[1]]), PROGRAM)
+    text = re.sub(r"@(\w+)@", lambda match: str(values[match[1]]), PROGRAM)
     compiled(processor, text, include, tmp_path, "-o", "unit.ihx")
     last = 0x300 + 10 * COUNT - 1
-    said = subprocess.run(
+    output = subprocess.run(
         [tool(simulator), *(["-t", "8052"] if processor == "mcs51" else []), "unit.ihx"],
         input=f"step 6000000\ndump {memory} 0x2f0 0x2f0\ndump {memory} 0x300 {last:#x}\nquit\n",
         cwd=tmp_path,
@@ -129,11 +129,8 @@ def test_results_in_the_simulator(processor: str, include: Path, tmp_path: Path)
         text=True,
         timeout=300,
     ).stdout
-    found = [
-        int(byte, 16)
-        for row in re.findall(r"^0x0*[23][0-9a-f]{2}\s+((?:[0-9a-f]{2} )+)", said, re.MULTILINE)
-        for byte in row.split()
-    ]
-    assert found[0] == 0x55, said[-2000:]
-    assert len(found) == 1 + 10 * COUNT
-    assert [found[start : start + 10] for start in range(1, len(found), 10)] == [expected for _, expected in pairs]
+    rows = re.findall(r"^0x0*[23][0-9a-f]{2}\s+((?:[0-9a-f]{2} )+)", output, re.MULTILINE)
+    dumped = [int(byte, 16) for row in rows for byte in row.split()]
+    assert dumped[0] == 0x55, output[-2000:]
+    assert len(dumped) == 1 + 10 * COUNT
+    assert [dumped[start : start + 10] for start in range(1, len(dumped), 10)] == [expected for _, expected in pairs]

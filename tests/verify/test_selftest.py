@@ -21,7 +21,7 @@ def include(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return write(tmp_path_factory.mktemp("selftest"), devices_of())
 
 
-def told(machine: Machine, include: Path, tests: Path, folder: Path) -> int:
+def failed_checks(machine: Machine, include: Path, tests: Path, folder: Path) -> int:
     """The self-test in one unit. The static functions of each file get names of their own."""
     text = ""
     for path in sorted(tests.glob("*.c")):
@@ -31,12 +31,12 @@ def told(machine: Machine, include: Path, tests: Path, folder: Path) -> int:
     return int(machine.compile_main(text + _MAIN, folder, include, "selftest")(b""))
 
 
-@pytest.mark.parametrize("machine", [HOST, *MACHINES], ids=[item.name for item in (HOST, *MACHINES)])
+@pytest.mark.parametrize("machine", [HOST, *MACHINES], ids=[machine.name for machine in (HOST, *MACHINES)])
 def test_all_is_well_on_every_machine(machine: Machine, include: Path, tmp_path: Path) -> None:
-    assert told(machine, include, include.parent / "selftest", tmp_path) == 0
+    assert failed_checks(machine, include, include.parent / "selftest", tmp_path) == 0
 
 
 def test_a_change_is_told_on_a_machine_without_a_system(include: Path, tmp_path: Path) -> None:
-    machine = next(item for item in MACHINES if item.bare)
+    machine = next(machine for machine in MACHINES if machine.bare)
     broken = planted(include, "tracker.h", "forward += modulus;", "forward += 1U;", tmp_path)
-    assert told(machine, broken, include.parent / "selftest", tmp_path) == 8002
+    assert failed_checks(machine, broken, include.parent / "selftest", tmp_path) == 8002

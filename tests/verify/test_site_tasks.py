@@ -172,8 +172,8 @@ def site(made_once: Callable[[str, Callable[[Path], object]], Path]) -> Path:
 @pytest.fixture
 def browser(tmp_path: Path) -> Iterator[Browser]:
     require([CHROMIUM])
-    with Browser(tmp_path / "profile") as found:
-        yield found
+    with Browser(tmp_path / "profile") as opened:
+        yield opened
 
 
 def search(site: Path, browser: Browser, query: str) -> None:
@@ -184,7 +184,7 @@ def search(site: Path, browser: Browser, query: str) -> None:
     browser.wait()
 
 
-def answered(site: Path, browser: Browser, query: str, rows: list[str], height: int) -> Seen | str:
+def find_answer(site: Path, browser: Browser, query: str, rows: list[str], height: int) -> Seen | str:
     """Search, click on the first hit, and return where the answer is, or the row that is not in sight."""
     search(site, browser, query)
     hit = browser.run(f'{_FIRST}?.getAttribute("href") ?? ""')
@@ -196,10 +196,10 @@ def answered(site: Path, browser: Browser, query: str, rows: list[str], height: 
         browser.run("new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)))")
     places: list[Any] = []
     for row in rows:
-        found = browser.run(_PLACE % json.dumps([text.strip() for text in row.split(" | ")]))
-        if found is None:
+        place = browser.run(_PLACE % json.dumps([text.strip() for text in row.split(" | ")]))
+        if place is None:
             return f"{hit}: not in sight: {row}"
-        places.append(found)
+        places.append(place)
     top = max(at + scroll for at, _, scroll in places) / height
     # An answer above the window is as far away as one has to scroll back.
     below = max(max(bottom, height - at) for at, bottom, _ in places) / height
@@ -207,25 +207,25 @@ def answered(site: Path, browser: Browser, query: str, rows: list[str], height: 
     return Seen(hit.rpartition("/")[2], top, below)
 
 
-@pytest.mark.parametrize(("width", "height", "most"), SCREENS)
+@pytest.mark.parametrize(("width", "height", "limit"), SCREENS)
 def test_a_label_and_a_word_lead_to_the_answer(
-    site: Path, browser: Browser, width: int, height: int, most: float
+    site: Path, browser: Browser, width: int, height: int, limit: float
 ) -> None:
     browser.look(width, height=height)
-    wrong = []
+    failures = []
     for code, answers in ANSWERS.items():
         assert answers.keys() == QUERIES.keys()
         for task, rows in answers.items():
             query = f"{code} {QUERIES[task]}"
-            seen = answered(site, browser, query, rows, height)
-            if isinstance(seen, str):
-                wrong.append(f"{query}: {seen}")
+            answer = find_answer(site, browser, query, rows, height)
+            if isinstance(answer, str):
+                failures.append(f"{query}: {answer}")
                 continue
-            print(seen.row(code, task, QUERIES[task], width))
+            print(answer.row(code, task, QUERIES[task], width))
             # At 1280 pixels, the answer is also in the first one and a half screens of its page.
-            if seen.below > most or (width > 1000 and seen.top > most):
-                wrong.append(f"{query}: {seen}")
-    assert wrong == []
+            if answer.below > limit or (width > 1000 and answer.top > limit):
+                failures.append(f"{query}: {answer}")
+    assert failures == []
 
 
 @pytest.mark.parametrize(("label", "words"), OTHER_LABELS.items())
@@ -264,10 +264,10 @@ def test_the_slider_gives_the_clock_for_a_cable(
 ) -> None:
     browser.look(1280)
     browser.open((site / f"generated/docs/{page}.html").as_uri())
-    said = browser.run(_SLIDE)
-    assert all(spoken == shown and chosen == 1 for shown, spoken, chosen in said)
-    shown = {text.partition(" m:")[0]: text for text, _, _ in said}
-    assert {metres: shown[metres] for metres in expected} == expected
+    slider_states = browser.run(_SLIDE)
+    assert all(spoken == printed and chosen == 1 for printed, spoken, chosen in slider_states)
+    printed_texts = {text.partition(" m:")[0]: text for text, _, _ in slider_states}
+    assert {metres: printed_texts[metres] for metres in expected} == expected
 
 
 #: An order code, typed numbers, and the bytes that the rows then have. The first is the example of the manual of AMM5.
@@ -296,8 +296,8 @@ _PRESET = """((typed) => {
 @pytest.mark.parametrize(("page", "typed", "data"), PRESETS)
 def test_the_bytes_follow_the_typed_preset(site: Path, browser: Browser, page: str, typed: str, data: str) -> None:
     browser.open((site / f"generated/docs/{page}.html").as_uri())
-    first, shown, rows, invalid, _, about = browser.run(_PRESET % json.dumps(typed))
-    assert (first, shown, invalid) == ("0", data, "false")
+    first, printed, rows, invalid, _, about = browser.run(_PRESET % json.dumps(typed))
+    assert (first, printed, invalid) == ("0", data, "false")
     assert len(rows) >= 1
     assert set(rows) == {data}
     assert about == f"The preset is {int(typed.replace(',', ''), 0):,} in these rows."
@@ -319,9 +319,9 @@ def test_a_preset_that_does_not_fit_leaves_no_bytes(
     """The position of AMM5A21/65KSC1 has 37 bits. No row keeps the bytes of an earlier preset."""
     browser.open((site / f"generated/docs/{page}.html").as_uri())
     _, _, earlier, _, before, _ = browser.run(_PRESET % json.dumps("1000"))
-    _, shown, chosen, invalid, rows, about = browser.run(_PRESET % json.dumps(typed))
-    assert (shown, chosen, invalid) == (words, [], "true")
-    assert rows == ["…" if item in earlier else item for item in before]
+    _, message, chosen, invalid, rows, about = browser.run(_PRESET % json.dumps(typed))
+    assert (message, chosen, invalid) == (words, [], "true")
+    assert rows == ["…" if cell in earlier else cell for cell in before]
     assert "The preset is 1,000" not in about
 
 
@@ -343,15 +343,15 @@ _DRAWN = """((name, how) => {
 })(%s, %s)"""
 
 
-@pytest.mark.parametrize(("address", "name", "shown"), DRAWN)
+@pytest.mark.parametrize(("address", "name", "expected_text"), DRAWN)
 @pytest.mark.parametrize("how", ["pointerenter", "focus"])
 def test_a_field_of_the_drawn_frame_shows_value_and_source(
-    site: Path, browser: Browser, address: str, name: str, shown: str, how: str
+    site: Path, browser: Browser, address: str, name: str, expected_text: str, how: str
 ) -> None:
     browser.open("about:blank")
     browser.open((site / "decode.html").as_uri() + address)
     about, label, lit, bits = browser.run(_DRAWN % (json.dumps(name), json.dumps(how)))
-    assert about.lower() == label.lower() == shown.lower()
+    assert about.lower() == label.lower() == expected_text.lower()
     assert lit == [name]
     assert bits == f"{0x0F4243D3:045b}"
 

@@ -44,9 +44,9 @@ def program(folder: Path, engine: str) -> str:
     """Return the code for an engine in the README of the package."""
     text = (folder / "README.md").read_text(encoding="utf-8")
     blocks = re.findall(r"```python\n(.*?)```", text, re.DOTALL)
-    found = [block for block in blocks if re.search(rf"^import {engine}\b", block, re.MULTILINE)]
-    assert len(found) == 1
-    return found[0]
+    engine_blocks = [block for block in blocks if re.search(rf"^import {engine}\b", block, re.MULTILINE)]
+    assert len(engine_blocks) == 1
+    return engine_blocks[0]
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -61,10 +61,10 @@ def test_the_readme_of_an_engine(generated_python: tuple[Path, ModuleType], capt
     (captures / "program.py").write_text(text, encoding="utf-8")
     command = [sys.executable, "program.py"]
     environment = {**os.environ, "PYTHONPATH": python_path(folder)}
-    done = subprocess.run(command, cwd=captures, env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    completed = subprocess.run(command, cwd=captures, env=environment, capture_output=True, text=True)
+    assert completed.returncode == 0, completed.stderr
     if engine == "duckdb":
-        counts = re.findall(r"(\w+)\s+│\s+(\d+)", done.stdout)
+        counts = re.findall(r"(\w+)\s+│\s+(\d+)", completed.stdout)
         assert counts == [("crc", str(FILES)), ("none", str(FILES * (ROWS - 1)))]
         return
     import pyarrow.parquet
@@ -99,10 +99,10 @@ if __name__ == "__main__":
     (captures / "program.py").write_text(text, encoding="utf-8")
     environment = {**os.environ, "PYTHONPATH": python_path(generated_python[0])}
     command = [sys.executable, "program.py"]
-    done = subprocess.run(command, cwd=captures, env=environment, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr
+    completed = subprocess.run(command, cwd=captures, env=environment, capture_output=True, text=True)
+    assert completed.returncode == 0, completed.stderr
     # With 16 bits for a revolution, the bits of the position above them are revolutions.
-    sound, error, *_ = done.stdout.splitlines()
+    sound, error, *_ = completed.stdout.splitlines()
     assert sound == f"{FILES * (ROWS - 1)} {POSITION >> 16}"
     assert error == "InputError the partition, column 'word': row 1: 'text' is not a hexadecimal number"
 

@@ -97,28 +97,30 @@ def options(compiler: str, names: tuple[str, ...]) -> list[str]:
 
 def compiled(command: Sequence[str], code: str, folder: Path, include: Path, *more: str) -> Path:
     """Return the object compiled from this text, without any message."""
-    text, made = folder / "unit.c", folder / "unit.o"
+    text, object_file = folder / "unit.c", folder / "unit.o"
     text.write_text(code, encoding="ascii")
-    done = subprocess.run(
-        [*command, f"-I{include}", *(more or ("-O2",)), "-c", str(text), "-o", str(made)],
+    completed = subprocess.run(
+        [*command, f"-I{include}", *(more or ("-O2",)), "-c", str(text), "-o", str(object_file)],
         capture_output=True,
         text=True,
     )
-    assert done.returncode == 0, done.stderr[:6000]
-    assert not done.stderr, done.stderr[:6000]
-    return made
+    assert completed.returncode == 0, completed.stderr[:6000]
+    assert not completed.stderr, completed.stderr[:6000]
+    return object_file
 
 
-@pytest.mark.parametrize(("compiler", "names"), COMPILERS, ids=lambda item: item if isinstance(item, str) else item[0])
+@pytest.mark.parametrize(
+    ("compiler", "names"), COMPILERS, ids=lambda value: value if isinstance(value, str) else value[0]
+)
 def test_no_warning(compiler: str, names: tuple[str, ...], headers: tuple[Path, list[str]], tmp_path: Path) -> None:
     """The oldest and the newest standard compile all headers, the oldest in all forms. Others only read them."""
-    include, every = headers
+    include, header_names = headers
     command = options(compiler, names)
     is_end = names in (C[0], C[-1], CXX[0], CXX[-1])
     for form in FORMS if names in (C[0], CXX[0]) else FORMS[:1]:
         how = "-O2" if is_end else "-fsyntax-only"
-        compiled(command, use_everything(every, include), tmp_path, include, how, *form)
-    for header in every if is_end else ():
+        compiled(command, use_everything(header_names, include), tmp_path, include, how, *form)
+    for header in header_names if is_end else ():
         # Alone and unused, as the first of a file, and a second time.
         compiled(
             command,
@@ -131,16 +133,16 @@ def test_no_warning(compiler: str, names: tuple[str, ...], headers: tuple[Path, 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang", "g++", "clang++"])
 def test_every_header_can_be_used_alone(compiler: str, headers: tuple[Path, list[str]], tmp_path: Path) -> None:
-    include, every = headers
+    include, names = headers
     command = options(compiler, CXX[0] if compiler.endswith("++") else C[0])
-    for header in every:
+    for header in names:
         compiled(command, use_everything([header], include), tmp_path, include, "-fsyntax-only")
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang", "g++", "clang++"])
 def test_no_macro_leaks(compiler: str, headers: tuple[Path, list[str]], tmp_path: Path) -> None:
     """The headers define only the macros of three standard headers and their own, which have the family's prefix."""
-    include, every = headers
+    include, names = headers
     language = "c++" if compiler.endswith("++") else "c"
 
     def macros(code: str) -> set[str]:
@@ -153,27 +155,23 @@ def test_no_macro_leaks(compiler: str, headers: tuple[Path, list[str]], tmp_path
             )
         )
 
-    every_one = "".join(f'#include "{header}"\n' for header in every if header.startswith("codewheel/"))
+    every_one = "".join(f'#include "{header}"\n' for header in names if header.startswith("codewheel/"))
     standard = macros("#include <stdbool.h>\n#include <stddef.h>\n#include <stdint.h>\n")
     runtime = macros(every_one) - standard
-    assert all(item.startswith(("CW_", "CODEWHEEL_")) for item in runtime)
-    for header in every:
+    assert all(macro.startswith(("CW_", "CODEWHEEL_")) for macro in runtime)
+    for header in names:
         if not header.startswith("codewheel/"):
             maker, name = header.removesuffix(".h").upper().split("/")
             name = re.sub("_(LABELS|REPORTS|REGISTERS|PROCEDURES|SIMULATE)$", "", name)
-            own = macros(f'#include "{header}"\n') - standard - runtime
-            assert own
-            assert all(item.startswith(f"{maker}_{name}_") for item in own)
+            family_macros = macros(f'#include "{header}"\n') - standard - runtime
+            assert family_macros
+            assert all(macro.startswith(f"{maker}_{name}_") for macro in family_macros)
 
 
 def test_only_the_three_headers_of_the_standard_are_included(headers: tuple[Path, list[str]]) -> None:
-    include, every = headers
-    used = {
-        line.strip()
-        for header in every
-        for line in (include / header).read_text().splitlines()
-        if re.match(r"\s*#\s*include", line)
-    }
+    include, names = headers
+    lines = [line.strip() for header in names for line in (include / header).read_text().splitlines()]
+    used = {line for line in lines if re.match(r"#\s*include", line)}
     assert {line for line in used if "<" in line} == {f"#include <std{name}.h>" for name in ("bool", "def", "int")}
 
 
@@ -192,8 +190,8 @@ def test_only_plain_c_is_used(headers: tuple[Path, list[str]]) -> None:
 
     The mark for results that must not be ignored is spelt as the compiler requires, and is tested separately.
     """
-    include, every = headers
-    for header in every:
+    include, names = headers
+    for header in names:
         code = without_nodiscard(without_texts((include / header).read_text(encoding="ascii")))
         directives = set(re.findall(r"^\s*#\s*(\w+)", code, re.MULTILINE))
         assert directives <= {"include", "define", "if", "ifndef", "ifdef", "elif", "else", "endif", "error", "pragma"}
@@ -213,10 +211,10 @@ INSERTED = {"memcpy", "memset", "memmove", "memcmp"}
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
 def test_no_function_of_a_library_is_needed(compiler: str, headers: tuple[Path, list[str]], tmp_path: Path) -> None:
-    include, every = headers
+    include, names = headers
     object_file = compiled(
         [tool(compiler), "-std=c99", "-x", "c"],
-        use_everything(every, include),
+        use_everything(names, include),
         tmp_path,
         include,
         "-Os",
@@ -224,8 +222,10 @@ def test_no_function_of_a_library_is_needed(compiler: str, headers: tuple[Path, 
         "-fno-pic",
         "-fno-stack-protector",
     )
-    listed = subprocess.run([tool("nm"), "-u", str(object_file)], capture_output=True, text=True, check=True).stdout
-    needed = {line.split()[-1] for line in listed.splitlines()}
+    symbol_list = subprocess.run(
+        [tool("nm"), "-u", str(object_file)], capture_output=True, text=True, check=True
+    ).stdout
+    needed = {line.split()[-1] for line in symbol_list.splitlines()}
     assert needed <= INSERTED, sorted(needed)
     defined = subprocess.run(
         [tool("nm"), "--defined-only", str(object_file)], capture_output=True, text=True, check=True
@@ -236,8 +236,8 @@ def test_no_function_of_a_library_is_needed(compiler: str, headers: tuple[Path, 
 
 def test_no_function_calls_itself(headers: tuple[Path, list[str]]) -> None:
     """Every function calls only functions that are defined above it, so there is no recursion."""
-    include, every = headers
-    for header in every:
+    include, header_names = headers
+    for header in header_names:
         code = without_texts((include / header).read_text(encoding="ascii"))
         names = [name for _, name, _ in declared([code]).functions]
         parts = re.split(r"^static inline [\w \*]+?\w+\([^()]*\)\s*\{", code, flags=re.MULTILINE)[1:]

@@ -35,9 +35,9 @@ def interfaces() -> Mapping[str, Device]:
 
 def generated_tree(folder: Path) -> Path:
     """Return a folder with ``c/include`` and ``python``, written to ``folder`` unless the environment names one."""
-    given = os.environ.get("CODEWHEEL_GENERATED")
-    if given:
-        return Path(given).resolve()
+    existing = os.environ.get("CODEWHEEL_GENERATED")
+    if existing:
+        return Path(existing).resolve()
     ours = Library(tuple(library().values()))
     for name, text in {**generate_c(ours), **generate_python(ours)}.items():
         path = folder / name
@@ -48,7 +48,7 @@ def generated_tree(folder: Path) -> Path:
 
 def package_of(device: Device, folder: Path) -> ModuleType:
     """Import the package of a device's manufacturer from the Python packages in ``folder``."""
-    for path in sorted(item.parent for item in folder.rglob("pyproject.toml")):
+    for path in sorted(project.parent for project in folder.rglob("pyproject.toml")):
         if str(path) not in sys.path:
             sys.path.insert(0, str(path))
     return importlib.import_module(device.manufacturer.python_package)

@@ -44,15 +44,15 @@ def verilated(folder: Path) -> Path:
     program = tool("verilator")
     root = subprocess.run([program, "--getenv", "VERILATOR_ROOT"], capture_output=True, text=True, check=True)
     include = Path(root.stdout.strip()) / "include"
-    made = []
+    generated = []
     for top in ("biss_master", "biss_slave"):
         command = [program, "--cc", "-Wall", "-O3", "--language", "1364-2001", "-y", ".", "--top-module", top]
         # Verilator does not take the name of a module from a path with a blank.
         subprocess.run([*command, "--Mdir", str(folder / top), f"{top}.v"], cwd=SOURCES, check=True)
-        made += sorted(map(str, (folder / top).glob("*.cpp")))
+        generated += sorted(map(str, (folder / top).glob("*.cpp")))
     sources = [
         str(SOURCES / "bench.cpp"),
-        *made,
+        *generated,
         str(include / "verilated.cpp"),
         str(include / "verilated_threads.cpp"),
     ]
@@ -119,7 +119,7 @@ class RtlSlave:
         for address in range(128):
             bench.write(address, bench.chance.randrange(256))
 
-    def held(self, address: int) -> int:
+    def stored_value(self, address: int) -> int:
         return int(self.bench.read(address))
 
     def run(self) -> Bits:

@@ -58,8 +58,8 @@ class Bench:
         begun = self.now
         try:
             value = self.do(self.session.position())
-            right = int(self.shaft(self.asked_at)) % self.counts
-            self.outcomes["right" if value == right else "wrong"] += 1
+            true_position = int(self.shaft(self.asked_at)) % self.counts
+            self.outcomes["right" if value == true_position else "wrong"] += 1
         except RuntimeError as error:
             assert "\n" not in str(error)
             self.outcomes[type(error).__name__] += 1
@@ -85,7 +85,7 @@ class Bench:
 
 def codes_with(devices: Any, interface: str) -> list[str]:
     """Return all listed order codes with an interface."""
-    return [item.code for device in devices for item in device.variants if item.interface == interface]
+    return [variant.code for device in devices for variant in device.variants if variant.interface == interface]
 
 
 def shares(total: int, codes: list[str]) -> Iterator[tuple[str, int]]:

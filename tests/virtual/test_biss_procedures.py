@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from bench import codes_with
+from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.virtual import BissLine, VirtualEncoder
 
@@ -36,12 +37,12 @@ class Wire:
 
     def exchange(self, cdm: int) -> int:
         self.now += 20e-6
-        here = self.countdown == 0
+        is_disturbed_bit = self.countdown == 0
         self.countdown -= 1
-        self.disturbed += here
-        way = self.chance.random() < 0.5
-        cds = self.line.exchange(cdm ^ (here and way))[0]
-        return cds ^ (here and not way)
+        self.disturbed += is_disturbed_bit
+        in_cdm = self.chance.random() < 0.5
+        cds = self.line.exchange(cdm ^ (is_disturbed_bit and in_cdm))[0]
+        return cds ^ (is_disturbed_bit and not in_cdm)
 
     def read(self, address: int, length: int, /) -> bytes:
         return self._repeated(length, lambda: bytes(self.bus.read(address, length)))
@@ -67,33 +68,37 @@ class Wire:
         self.countdown = self.chance.randrange(14, 32 + 14 * length) if self.accesses % self.every == 0 else -1
 
 
+def _has_preset(device: Device) -> bool:
+    return any(procedure.name == "set_preset" for procedure in device.procedures)
+
+
 def test_presets_of_every_order_code(generated_python: Package, library: Library) -> None:
     """The position is always the old one or the preset, and in the end the preset."""
     lika: Any = generated_python[1]
-    done = Counter[str]()
-    with_preset = [item for item in library.devices if any(it.name == "set_preset" for it in item.procedures)]
+    presets_by_module = Counter[str]()
+    with_preset = [device for device in library.devices if _has_preset(device)]
     for at, code in enumerate(codes_with(with_preset, "biss")):
         encoder = lika.lookup(code)
         module = getattr(lika, encoder.family.name)
         wire = Wire(lika, code, seed=at)
         before = 1000
         for _ in range(5):
-            wanted = wire.chance.randrange(wire.encoder.counts)
-            steps = module.set_preset(encoder, wanted)
+            expected = wire.chance.randrange(wire.encoder.counts)
+            steps = module.set_preset(encoder, expected)
             while True:
                 try:
                     lika.run(steps, wire, wait=wire.wait)
                     break
                 except lika.StepError as error:
                     assert isinstance(error.__cause__, lika.VerifyError)
-                    assert wire.encoder.position_now() in (before, wanted), code
-            assert wire.encoder.position_now() == wanted, code
-            assert encoder.decode(wire.line.frame()).usable_position in (None, wanted)
-            before = wanted
-        done[module.__name__] += 1
+                    assert wire.encoder.position_now() in (before, expected), code
+            assert wire.encoder.position_now() == expected, code
+            assert encoder.decode(wire.line.frame()).usable_position in (None, expected)
+            before = expected
+        presets_by_module[module.__name__] += 1
         assert wire.encoder.memory.too_early == 0
         assert 2 * wire.disturbed > wire.accesses // 5
-    assert len(done) == 3
+    assert len(presets_by_module) == 3
 
 
 def test_identities_and_serial_numbers(packages: Mapping[str, ModuleType], library: Library) -> None:
@@ -104,11 +109,11 @@ def test_identities_and_serial_numbers(packages: Mapping[str, ModuleType], libra
         for name, register in wire.encoder.memory.registers.items():
             if not register.readable:
                 continue
-            held = bytes(wire.chance.randrange(1, 256) for _ in range(register.length))
+            contents = bytes(wire.chance.randrange(1, 256) for _ in range(register.length))
             if name in ("serial_number", "device_id"):
-                for place, byte in enumerate(held):
+                for place, byte in enumerate(contents):
                     wire.encoder.memory.hold(register.address + place, byte)
-                assert [wire.read(register.address, register.length) for _ in range(5)] == [held] * 5
+                assert [wire.read(register.address, register.length) for _ in range(5)] == [contents] * 5
 
 
 def test_all_procedures_of_each_family(packages: Mapping[str, Any], library: Library) -> None:
@@ -116,9 +121,9 @@ def test_all_procedures_of_each_family(packages: Mapping[str, Any], library: Lib
     carried_out = 0
     for device in library.devices:
         package = packages[device.name]
-        code = next(item.code for item in device.variants if item.interface == "biss")
+        code = next(variant.code for variant in device.variants if variant.interface == "biss")
         module, encoder = getattr(package, device.name), package.lookup(code)
-        for at, procedure in enumerate(item for item in device.procedures if item.interface == "biss"):
+        for at, procedure in enumerate(procedure for procedure in device.procedures if procedure.interface == "biss"):
             wire = Wire(package, code, seed=at)
             values = {argument.name: _value(argument.of) for argument in procedure.arguments}
             # The module's own identify() compares registers.
@@ -145,13 +150,14 @@ def test_every_fault_of_a_clocked_line(generated_python: Package) -> None:
         outcomes = Counter[str]()
         for _ in range(2000):
             now[0] += 0.01
-            right = virtual.position_now()
+            true_position = virtual.position_now()
             bits = line.cycle(0)
             start = next((at for at, bit in enumerate(bits) if bit), None)
             word = "".join(map(str, bits[start + 2 : start + 2 + line.bits])) if start is not None else ""
-            found = encoder.try_decode(int(word or "0", 2), bits=len(word))
-            value = found.usable_position
-            outcomes["none" if value is None else "right" if value == right else "wrong"] += 1
+            decoded = encoder.try_decode(int(word or "0", 2), bits=len(word))
+            value = decoded.usable_position
+            outcome = "right" if value == true_position else "wrong"
+            outcomes["none" if value is None else outcome] += 1
         # A cut leaves ones, and a disturbed start bit moves the word: six bits of CRC miss one in 64.
         assert outcomes["wrong"] <= (2000 * 0.3 / 64 if fault in ("short", "brownout", "flip") else 0), fault
         assert outcomes["right"] > 100, fault

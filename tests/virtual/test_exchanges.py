@@ -38,7 +38,8 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def modules(outputs: Path) -> Iterator[dict[str, Any]]:
-    folders = [str(item) for item in (outputs / "python", *(outputs / "python").glob("*_encoders")) if item.is_dir()]
+    candidates = (outputs / "python", *(outputs / "python").glob("*_encoders"))
+    folders = [str(folder) for folder in candidates if folder.is_dir()]
     sys.path[:0] = folders
     yield {
         "AMT212B": importlib.import_module("cui_encoders.amt21"),
@@ -59,8 +60,8 @@ class Answering:
         self.waiting += self.reply(data)
 
     def read(self, timeout_s: float) -> bytes:
-        found, self.waiting = self.waiting, b""
-        return found
+        received, self.waiting = self.waiting, b""
+        return received
 
 
 def link(module: Any, code: str, reply: Callable[[bytes], bytes]) -> Any:
@@ -87,9 +88,9 @@ def test_the_link_asks_for_the_position(code: str, reply: bytes, position: int, 
     assert (alone.position(), alone.transport.sent) == (position, [ASK[code]])
     assert link(module, code, lambda data: data + reply).position() == position
     (first, *_) = module.lookup(code).exchanges()
-    asked = first.request(**first.defaults)
-    assert asked.encode() == first.request().encode() == ASK[code]
-    assert alone.position(asked) == alone.position(asked.encode()) == position
+    request = first.request(**first.defaults)
+    assert request.encode() == first.request().encode() == ASK[code]
+    assert alone.position(request) == alone.position(request.encode()) == position
 
 
 @pytest.mark.parametrize(
@@ -124,8 +125,8 @@ def test_requests_that_cannot_be_exchanged(modules: dict[str, Any]) -> None:
         line.exchange(module.ResetRequest(address=0x15))
     line.send(module.ResetRequest(address=0x15).encode())
     assert line.transport.sent == [bytes.fromhex("56 75")]
-    known = "PositionRequest, TurnsRequest, ZeroRequest, ResetRequest"
-    with pytest.raises(LinkError, match=f"^AMT212B has no request '57'; its requests are {known}$"):
+    request_names = "PositionRequest, TurnsRequest, ZeroRequest, ResetRequest"
+    with pytest.raises(LinkError, match=f"^AMT212B has no request '57'; its requests are {request_names}$"):
         line.exchange(b"\x57")
 
 
@@ -151,15 +152,15 @@ def test_a_virtual_encoder_answers(code: str, counts: int, modules: dict[str, An
 
 def outcomes(module: Any, code: str, fault: str, total: int) -> tuple[Counter[str], Counter[str], int]:
     """Return the outcomes without retries and many faults, those with retries and few, and the number of faults."""
-    found, injected = [], 0
+    counts, injected = [], 0
     for rate, retries in ((0.2, 0), (0.02, 3)):
         seed = crc32(f"{code} {fault}".encode())
         bench = Bench(module, code, f"{fault}:{rate}", seed=seed, retries=retries, specs=[SPECS])
         for _ in range(total // 2):
             bench.position()
-        found.append(bench.outcomes)
+        counts.append(bench.outcomes)
         injected += bench.virtual.faults.injected[fault]
-    return found[0], found[1], injected
+    return counts[0], counts[1], injected
 
 
 def check_positions(module: Any, code: str, fault: str, requests: int) -> None:
@@ -194,15 +195,15 @@ def test_the_program_of_the_page(modules: dict[str, Any], capsys: pytest.Capture
     line = link(module, "SKM36", reply)
     (program,) = re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
     exec(program, {"open_encoder": lambda port, code: line, "skm36": module})
-    sent = ["40 42 02", "41 42 03", "40 52 12", "40 53 13"]
-    assert [item.hex(" ") for item in line.transport.sent] == sent
+    expected_requests = ["40 42 02", "41 42 03", "40 52 12", "40 53 13"]
+    assert [request.hex(" ") for request in line.transport.sent] == expected_requests
     assert capsys.readouterr().out.splitlines()[:2] == 2 * [str(626 << 12 | 1361)]
 
 
 def test_the_command_of_the_page(capsys: pytest.CaptureFixture[str]) -> None:
-    (shown,) = re.findall(r"```console\n\$ codewheel (.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
-    command, output = shown.split("\n", 1)
-    specs = [str(SPECS) if item == "examples/encoders" else item for item in command.split()]
+    (session,) = re.findall(r"```console\n\$ codewheel (.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)
+    command, output = session.split("\n", 1)
+    specs = [str(SPECS) if word == "examples/encoders" else word for word in command.split()]
     assert main(specs) == 0
     assert capsys.readouterr().out == output
 
@@ -263,8 +264,8 @@ def test_a_program_in_c(outputs: Path, tmp_path: Path) -> None:
     flags = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", f"-I{outputs / 'c' / 'include'}"]
     subprocess.run(["gcc", *flags, str(source), "-o", str(program)], check=True)
     replies = [f"A 2 {AMT21.hex(' ')}", "A 2 AA 61", "A 1 AB", f"S 7 {SKM36.hex(' ')}", f"S 8 FF {SKM36.hex(' ')}"]
-    done = subprocess.run([program], input="\n".join(replies), capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines() == [
+    completed = subprocess.run([program], input="\n".join(replies), capture_output=True, text=True, check=True)
+    assert completed.stdout.splitlines() == [
         "54 1 0 8619",
         "54 1 3 0",
         "54 0 1 0",

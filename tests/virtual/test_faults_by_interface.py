@@ -5,7 +5,7 @@ from __future__ import annotations
 import random
 import re
 from collections.abc import Callable, Iterator
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -28,7 +28,7 @@ REPLIES = 40
 PAUSES_MS = (1, 50)
 
 
-def made(code: str, *faults: str, **more: Any) -> VirtualEncoder:
+def new_encoder(code: str, *faults: str, **more: Any) -> VirtualEncoder:
     return VirtualEncoder(code, faults=faults, specs=[EXAMPLES] if code == "AS5047P" else [], **more)
 
 
@@ -46,7 +46,7 @@ def test_a_fault_that_the_interface_cannot_have_is_refused(interface: str, fault
     name = {"biss": "BiSS", "ssi": "SSI", "spi": "SPI"}[interface]
     message = f"{name} cannot have the fault '{fault}'; it can have: lost, short, "
     with pytest.raises(ValueError, match=f"^{message}"):
-        made(CODES[interface], f"{fault}{rate}")
+        new_encoder(CODES[interface], f"{fault}{rate}")
     with pytest.raises(ValueError, match=f"^{message}"):
         Faults(interface, [f"{fault}{rate}"])
 
@@ -68,9 +68,9 @@ def test_the_fixture_refuses_it(virtual_encoder: Callable[..., Any]) -> None:
 
 def test_the_help_lists_the_faults_of_each_interface(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["simulate", "--help"]) == 0
-    shown = capsys.readouterr().out
+    help_text = capsys.readouterr().out
     for interface in CODES:
-        block = shown.split(f"faults over {INTERFACES[interface].short}:\n")[1].split("\n\n")[0]
+        block = help_text.split(f"faults over {INTERFACES[interface].short}:\n")[1].split("\n\n")[0]
         assert dict(re.findall(r"^  (\w+) +(.*)$", block, re.MULTILINE)) == faults_of(interface)
 
 
@@ -78,7 +78,9 @@ def test_the_page_lists_the_faults_of_each_interface() -> None:
     page = (ROOT / "docs" / "command-line.md").read_text(encoding="utf-8")
     rows = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("| `")]
     printed = {cells[0].strip("`"): cells[1:] for cells in rows if cells[0].strip("`") in FAULTS}
-    assert printed == {fault: [effects.get(interface, "–") for interface in CODES] for fault, effects in FAULTS.items()}
+    assert printed.keys() == FAULTS.keys()
+    for fault, effects in FAULTS.items():
+        assert printed[fault] == [effects.get(interface, "–") for interface in CODES], fault
 
 
 @cache
@@ -92,9 +94,9 @@ def families() -> tuple[Device, ...]:
 def encoders(interface: str) -> Iterator[tuple[str, dict[str, str]]]:
     """Yield the first and the last order code of each family with an interface, with answers to its questions."""
     for device in families():
-        codes = [item.code for item in device.variants if item.interface == interface]
+        codes = [variant.code for variant in device.variants if variant.interface == interface]
         for code in dict.fromkeys(codes[:1] + codes[-1:]):
-            yield code, {item.name: item.answers[0].name for item in device.alternatives}
+            yield code, {alternative.name: alternative.answers[0].name for alternative in device.alternatives}
 
 
 class Pair:
@@ -102,17 +104,9 @@ class Pair:
 
     def __init__(self, code: str, answers: dict[str, str], fault: str) -> None:
         self.now = 100.0
-        self.encoders = [
-            VirtualEncoder(
-                code,
-                self.position,
-                choose=answers,
-                faults=faults,
-                clock=lambda: self.now,
-                specs=[ROOT / "specs", EXAMPLES],
-            )
-            for faults in ((), (fault,))
-        ]
+        specs = [ROOT / "specs", EXAMPLES]
+        encoder_with = partial(VirtualEncoder, code, self.position, choose=answers, clock=lambda: self.now, specs=specs)
+        self.encoders = [encoder_with(faults=()), encoder_with(faults=(fault,))]
         self.counts, self.lowest = self.encoders[0].counts, self.encoders[0].lowest
         # Neither all bits 0 nor all 1, which a line at one level would not change.
         self.places = random.Random(code).sample(range(1, self.counts - 1), REPLIES)
@@ -142,17 +136,17 @@ def cycles(encoder: VirtualEncoder) -> Callable[[], Any]:
 def spi_words(encoder: VirtualEncoder) -> Callable[[], Any]:
     line, interface = SpiLine(encoder), encoder.device.interface("spi")
     assert isinstance(interface, Spi)
-    asked = next((item for item in interface.exchanges if item.purpose == "position"), None)
-    if asked is None:
+    exchange = next((exchange for exchange in interface.exchanges if exchange.purpose == "position"), None)
+    if exchange is None:
         return lambda: line.exchange(0)
-    layout = next(item for item in interface.layouts if item.name == asked.request)
+    layout = next(layout for layout in interface.layouts if layout.name == exchange.request)
     bits = encoder.place(layout).bits
     word = codec.encode(encoder.device, encoder.place(layout), values_of(layout))
     line.exchange(word, bits)
     return lambda: line.exchange(word, bits)
 
 
-def levels(encoder: VirtualEncoder) -> Callable[[], Any]:
+def line_levels(encoder: VirtualEncoder) -> Callable[[], Any]:
     """Return a function that clocks out all bits, and returns the levels of the data line."""
     line: ByLevels = BissLine(encoder) if encoder.variant.interface == "biss" else SsiLine(encoder)
     clocks = 8 + encoder.place(encoder.layouts("encoder")[0]).bits
@@ -164,7 +158,7 @@ def levels(encoder: VirtualEncoder) -> Callable[[], Any]:
     return clocked
 
 
-BITS = {"ssi": (words, levels), "biss": (cycles, levels), "spi": (spi_words,)}
+BITS = {"ssi": (words, line_levels), "biss": (cycles, line_levels), "spi": (spi_words,)}
 
 
 @pytest.mark.slow
@@ -186,14 +180,14 @@ def requests(encoder: VirtualEncoder) -> Iterator[bytes]:
     """Yield each request for data."""
     interface = encoder.device.interface("rs485")
     assert isinstance(interface, Rs485)
-    layouts = {item.name: item for item in interface.layouts}
-    for asked in interface.data_ids:
-        if asked.purpose == "read":
-            request = next(item for item in encoder.layouts("master") if asked.id in item.selects)
-            values: dict[str, int | str | bool] = {request.selector: asked.id, "address": 1}
+    layouts = {layout.name: layout for layout in interface.layouts}
+    for data_id in interface.data_ids:
+        if data_id.purpose == "read":
+            request = next(layout for layout in encoder.layouts("master") if data_id.id in layout.selects)
+            values: dict[str, int | str | bool] = {request.selector: data_id.id, "address": 1}
             yield encoded(encoder, request, values)
-        elif asked.purpose != "write":
-            yield bytes([asked.control])
+        elif data_id.purpose != "write":
+            yield bytes([data_id.control])
     for exchange in interface.exchanges:
         if exchange.purpose == "position":
             request = layouts[exchange.request]
@@ -210,7 +204,7 @@ def encoded(encoder: VirtualEncoder, layout: Layout, values: dict[str, int | str
     return number_to_bytes(layout, codec.encode(encoder.device, placed, values), placed.bits)
 
 
-def timed(request: bytes) -> Callable[[VirtualEncoder], Callable[[], Any]]:
+def timed_reply(request: bytes) -> Callable[[VirtualEncoder], Callable[[], Any]]:
     """Return the bytes that come at once, and the time and the bytes of those that come later."""
 
     def reply(encoder: VirtualEncoder) -> Callable[[], Any]:
@@ -231,11 +225,11 @@ def timed(request: bytes) -> Callable[[VirtualEncoder], Callable[[], Any]]:
 def test_each_fault_changes_every_reply(fault: str) -> None:
     tried = 0
     for code, answers in encoders("rs485"):
-        listed = list(requests(VirtualEncoder(code, choose=answers, specs=[ROOT / "specs", EXAMPLES])))
-        assert listed, code
-        for request in listed:
+        data_requests = list(requests(VirtualEncoder(code, choose=answers, specs=[ROOT / "specs", EXAMPLES])))
+        assert data_requests, code
+        for request in data_requests:
             pair = Pair(code, answers, fault)
-            for intact, faulty in pair.replies(timed(request), 50):
+            for intact, faulty in pair.replies(timed_reply(request), 50):
                 assert intact[0]
                 assert intact != faulty, (code, request.hex(" "), pair.turn)
                 tried += 1

@@ -84,14 +84,14 @@ class Answering:
         self.waiting = self.reply
 
     def read(self, timeout_s: float) -> bytes:
-        found, self.waiting = self.waiting, b""
-        return found
+        received, self.waiting = self.waiting, b""
+        return received
 
 
-def made(kind: Any, address: int, **others: int) -> Any:
+def frame_with_address(kind: Any, address: int, **fields: int) -> Any:
     """Return a frame with an address."""
     from_address = getattr(kind, "from_address", None)
-    return from_address(address, **others) if from_address else kind(address=address, **others)
+    return from_address(address, **fields) if from_address else kind(address=address, **fields)
 
 
 @pytest.mark.parametrize("name", FIELDS)
@@ -101,22 +101,24 @@ def test_the_link_compares_addresses(name: str, outputs: Path, monkeypatch: pyte
     monkeypatch.syspath_prepend(str(outputs / "python"))
     module: Any = importlib.import_module(f"parts_encoders.{name}")
     (encoder,) = module.VARIANTS.values()
-    link = Link(encoder, Answering(made(module.Answer, 0x105, position=7).encode()), timeout_s=0.01, retries=0)
-    assert link.position(made(module.Ask, 0x105)) == 7
+    link = Link(
+        encoder, Answering(frame_with_address(module.Answer, 0x105, position=7).encode()), timeout_s=0.01, retries=0
+    )
+    assert link.position(frame_with_address(module.Ask, 0x105)) == 7
     for address in (0x106, 0x205):
         with pytest.raises(DisturbedError, match=f"has address 261, but {address} was sent$"):
-            link.position(made(module.Ask, address))
+            link.position(frame_with_address(module.Ask, address))
 
 
 @pytest.mark.parametrize("name", FIELDS)
 def test_a_program_in_c_compares_addresses(name: str, outputs: Path, tmp_path: Path) -> None:
     """The program asks for the address in the frame that it shows, and refuses the reply to another request."""
     program = (outputs / "c" / "examples" / f"{name}_rs485.c").read_text(encoding="ascii")
-    (asked,) = (line for line in program.splitlines() if " asked = { " in line)
-    other = "0x1U, 0x1U, 0x101U" if FIELDS[name][0] is PARTS else "0x101U"
-    changed = program.replace(asked, f"{asked[: asked.index('{')]}{{ {other} }};")
-    given = {PARTS: "low, high", ONE: "address"}[FIELDS[name][0]]
-    assert f"    /* Set {given} yourself, because there is no default. */\n{asked}" in program
+    (address_line,) = (line for line in program.splitlines() if " asked = { " in line)
+    changed_address = "0x1U, 0x1U, 0x101U" if FIELDS[name][0] is PARTS else "0x101U"
+    changed = program.replace(address_line, f"{address_line[: address_line.index('{')]}{{ {changed_address} }};")
+    addresses = {PARTS: "low, high", ONE: "address"}[FIELDS[name][0]]
+    assert f"    /* Set {addresses} yourself, because there is no default. */\n{address_line}" in program
     for text, code in ((program, 0), (changed, 1)):
         (tmp_path / "main.c").write_text(text, encoding="ascii")
         flags = ["-std=c99", "-Wall", "-Wextra", "-Wconversion", "-Werror", f"-I{outputs / 'c' / 'include'}"]

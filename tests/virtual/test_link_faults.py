@@ -33,7 +33,7 @@ ERRORS = {
 }
 
 
-def counted(
+def count_outcomes(
     package: ModuleType, codes: list[str], fault: str, rate: float, total: int, retries: int
 ) -> tuple[Counter[str], Counter[str]]:
     """Return the outcomes and the injected faults of this many requests, spread over all order codes."""
@@ -55,7 +55,7 @@ def test_each_fault_has_errors_here() -> None:
 def test_each_fault_has_its_error(generated_python: Package, library: Library, fault: str) -> None:
     """One reply in five has the fault, and nothing is retried."""
     codes = codes_with(library.devices, "rs485")
-    outcomes, injected = counted(generated_python[1], codes, fault, 0.2, 2500, 0)
+    outcomes, injected = count_outcomes(generated_python[1], codes, fault, 0.2, 2500, 0)
     assert outcomes["wrong"] == 0
     assert set(outcomes) - {"right", "wrong"} <= set(ERRORS[fault])
     assert all(outcomes[name] for name in ERRORS[fault][:1])
@@ -67,7 +67,7 @@ def test_each_fault_has_its_error(generated_python: Package, library: Library, f
 def test_retries_make_up_for_a_fault(generated_python: Package, library: Library, fault: str) -> None:
     """One reply in fifty has the fault. Only an encoder that is busy or without supply makes the link give up."""
     codes = codes_with(library.devices, "rs485")
-    outcomes, injected = counted(generated_python[1], codes, fault, 0.02, 2500, 3)
+    outcomes, injected = count_outcomes(generated_python[1], codes, fault, 0.02, 2500, 3)
     assert outcomes["wrong"] == 0
     lasting = sum(outcomes.values()) - outcomes["right"]
     assert lasting == 0 or fault in ("busy", "restart", "brownout")
@@ -78,24 +78,21 @@ def test_retries_make_up_for_a_fault(generated_python: Package, library: Library
 def test_resets_of_ten_requests(generated_python: Package, library: Library, fault: str) -> None:
     """A reset that succeeds was carried out, however often it had to start again."""
     lika = generated_python[1]
-    done = 0
+    succeeded = 0
     for at, code in enumerate(codes_with(library.devices, "rs485")):
         bench = Bench(lika, code, f"{fault}:0.05", seed=at, retries=20)
         bench.virtual.position = 1234 + at
         module = getattr(lika, bench.session.encoder.family.name)
-        procedure = next(
-            item
-            for item in bench.virtual.device.procedures
-            if "reset" in item.name and item.interface == "rs485" and "errors" not in item.name
-        )
+        procedures = [procedure for procedure in bench.virtual.device.procedures if procedure.interface == "rs485"]
+        procedure = next(reset for reset in procedures if "reset" in reset.name and "errors" not in reset.name)
         try:
             bench.do(bench.session.run(getattr(module, procedure.name)()))
         except lika.StepError:
             continue
-        done += 1
+        succeeded += 1
         bench.now += 1
         assert bench.virtual.position_now() == 0
-    assert done > 5
+    assert succeeded > 5
 
 
 def test_memory_that_is_busy(generated_python: Package) -> None:

@@ -54,7 +54,7 @@ def test_the_first_commands_of_a_user(generated_python: Package) -> None:
 def test_the_live_example_of_the_package(generated_python: Package, capsys: pytest.CaptureFixture[str]) -> None:
     folder, lika = generated_python[0], generated_python[1]
     blocks = re.findall(r"```python\n(.*?)```", (folder / "README.md").read_text(encoding="utf-8"), re.DOTALL)
-    short, block = (item for item in blocks if "open_encoder(" in item)
+    short, block = (block for block in blocks if "open_encoder(" in block)
     assert f'lookup("{CODE}")' in block
     turned = 3 * lika.lookup(CODE).counts_per_turn + 1_000_003
     with simulated(CODE, "--position", str(turned)) as port:
@@ -73,10 +73,10 @@ def test_over_tcp_and_for_asyncio(generated_python: Package) -> None:
         host, number = port.removeprefix("socket://").split(":")
         reader, writer = await asyncio.open_connection(host, int(number))
         async with AsyncLink(lika.lookup(CODE), StreamTransport(reader, writer)) as encoder:
-            found = await asyncio.gather(*(encoder.position() for _ in range(3)))
+            positions = await asyncio.gather(*(encoder.position() for _ in range(3)))
             await encoder.run(lika.amm5.reset_singleturn_and_multiturn())
         async with open_async(port, lika.lookup(CODE)) as encoder:
-            return [*found, await encoder.position(), (await encoder.read()).usable_position]
+            return [*positions, await encoder.position(), (await encoder.read()).usable_position]
 
     with simulated(CODE, "--position", "1000003", "--tcp") as port:
         assert port.startswith("socket://127.0.0.1:")
@@ -193,15 +193,15 @@ def test_200_requests_for_each_order_code(
 
 def _times_of_requests(encoder: Any) -> list[float]:
     """Return a list whose item is the time of the last request for the position."""
-    asked, write = [0.0], encoder.transport.write
+    last_request, write = [0.0], encoder.transport.write
 
     def timed(data: bytes) -> None:
         if data == b"\x1a":
-            asked[0] = time.monotonic()
+            last_request[0] = time.monotonic()
         write(data)
 
     encoder.transport.write = timed
-    return asked
+    return last_request
 
 
 @pytest.mark.parametrize("fault", FAULTS)
@@ -214,15 +214,15 @@ def test_2000_requests_with_each_fault(
     served = virtual_encoder(CODE, lambda now: now * 1e6, faults=[f"{fault}:0.02"], clock=time.monotonic)
     errors = 0
     with lika.open_encoder(served.port, CODE, timeout_s=0.03) as encoder:
-        asked = _times_of_requests(encoder)
+        last_request = _times_of_requests(encoder)
         for _ in range(2000):
             try:
                 value = encoder.position()
             except lika.LinkError:
                 errors += 1
                 continue
-            age = (value - int(asked[0] * 1e6)) % served.encoder.counts
-            assert age <= (time.monotonic() - asked[0]) * 1e6
+            age = (value - int(last_request[0] * 1e6)) % served.encoder.counts
+            assert age <= (time.monotonic() - last_request[0]) * 1e6
     assert served.encoder.faults.injected[fault] > 10
     # On a busy machine a reply can be late without a fault. The link may give up, but return no wrong position.
     assert errors < 20 or fault in ("busy", "restart", "brownout", "late", "low", "high")

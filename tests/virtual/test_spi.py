@@ -108,7 +108,7 @@ def test_the_programs_of_the_pages(package: Any, capsys: pytest.CaptureFixture[s
 
     words = 5
     readme = (ROOT / "runtime" / "python" / "README.md").read_text(encoding="utf-8")
-    (program,) = (item for item in re.findall(r"```text\n(.*?)```", readme, re.DOTALL) if "pipeline" in item)
+    (program,) = (block for block in re.findall(r"```text\n(.*?)```", readme, re.DOTALL) if "pipeline" in block)
     names = {"encoder": package.lookup("AS5047P"), "PositionRequest": module.PositionRequest, "exchange": five_times}
     with pytest.raises(EOFError):
         exec(program, names)
@@ -119,8 +119,8 @@ def test_python_loses_no_position(package: Any) -> None:
     module = importlib.import_module("ams_encoders.as5047p")
     encoder, line = virtual()
     pipeline = package.lookup("AS5047P").pipeline()
-    seen = registers = words = 0
-    while seen < POSITIONS:
+    positions = registers = words = 0
+    while positions < POSITIONS:
         encoder.position = words - words // 101
         reads = words % 101 == 100
         word = pipeline.read(module.Diaagc) if reads else pipeline.ask(module.PositionRequest())
@@ -133,8 +133,8 @@ def test_python_loses_no_position(package: Any) -> None:
             assert (answer.register.agc, answer.register.offset_loop, answer.register.mag_low) == (0x80, True, False)
             registers += 1
         else:
-            assert answer.reply.usable_position == seen % 16384
-            seen += 1
+            assert answer.reply.usable_position == positions % 16384
+            positions += 1
     assert registers >= (POSITIONS - 1) // 100
 
 
@@ -143,13 +143,13 @@ def test_python_writes_a_register(package: Any) -> None:
     _, line = virtual()
     pipeline = package.lookup("AS5047P").pipeline()
     value = module.Settings1.decode(bytes.fromhex("00 01"))._replace(pwm_on=True)
-    sent, answers = [], []
+    sent_words, answers = [], []
     for word in pipeline.write(value):
-        sent.append(word)
+        sent_words.append(word)
         answers.append(pipeline.take(line.exchange(word)))
     answers.append(pipeline.take(line.exchange(pipeline.read(module.Settings1))))
     answers.append(pipeline.take(line.exchange(pipeline.read(module.Settings1))))
-    assert sent == [0x0018, even(0x0081)]
+    assert sent_words == [0x0018, even(0x0081)]
     assert [answer and answer.register.pwm_on for answer in answers] == [None, False, True, True]
 
 
@@ -168,8 +168,8 @@ def test_a_write_may_be_answered_without_its_value(tmp_path: Path, monkeypatch: 
     package: Any = importlib.import_module("zeros_encoders")
     pipeline = package.lookup("AS5047P").pipeline()
     words = [0, even(0x0001), 0]
-    sent = pipeline.write(package.as5047p.Settings1(*(0 for _ in package.as5047p.Settings1._fields)))
-    answers = [pipeline.take(words.pop(0)) for _ in sent]
+    write_words = pipeline.write(package.as5047p.Settings1(*(0 for _ in package.as5047p.Settings1._fields)))
+    answers = [pipeline.take(words.pop(0)) for _ in write_words]
     pipeline.ask(package.as5047p.PositionRequest())
     answers.append(pipeline.take(words.pop(0)))
     assert [answer and answer.register is not None for answer in answers] == [None, True, False]
@@ -248,12 +248,12 @@ def test_c_accepts_exactly_the_valid_words(outputs: Path, tmp_path: Path) -> Non
     """All 65,536 words as each of the frames. For valid words, the member is compared, and requests are encoded."""
     lines = []
     for name, (_, _, member) in FRAMES.items():
-        both = f"(unsigned)frame.{member}" if member else "0x3FFFU"
-        sent = f"ams_as5047p_spi_{name}"
-        encoded = f"if ({sent}_encode(encoder, &frame, &again) != CW_OK || again != word) return 1;"
+        argument = f"(unsigned)frame.{member}" if member else "0x3FFFU"
+        prefix = f"ams_as5047p_spi_{name}"
+        encoded = f"if ({prefix}_encode(encoder, &frame, &again) != CW_OK || again != word) return 1;"
         lines += [
-            f"{{ {sent} frame; if ({sent}_decode(encoder, word, &frame) == CW_OK) {{",
-            f'{encoded} printf("{name} %u %u\\n", (unsigned)word, {both}); }} }}',
+            f"{{ {prefix} frame; if ({prefix}_decode(encoder, word, &frame) == CW_OK) {{",
+            f'{encoded} printf("{name} %u %u\\n", (unsigned)word, {argument}); }} }}',
         ]
     source = tmp_path / "words.c"
     source.write_text(
@@ -267,9 +267,9 @@ def test_c_accepts_exactly_the_valid_words(outputs: Path, tmp_path: Path) -> Non
     include = str(outputs / "c" / "include")
     require(["gcc"])
     subprocess.run(["gcc", "-std=c99", "-O1", "-I", include, str(source), "-o", str(tmp_path / "words")], check=True)
-    found = subprocess.run([tmp_path / "words"], capture_output=True, text=True, check=True).stdout.splitlines()
-    wanted = [f"{name} {word} {word & 0x3FFF}" for name in FRAMES for word in valid(name)]
-    assert sorted(found) == sorted(wanted)
+    printed = subprocess.run([tmp_path / "words"], capture_output=True, text=True, check=True).stdout.splitlines()
+    expected = [f"{name} {word} {word & 0x3FFF}" for name in FRAMES for word in valid(name)]
+    assert sorted(printed) == sorted(expected)
 
 
 def test_python_accepts_exactly_the_valid_words(package: Any) -> None:

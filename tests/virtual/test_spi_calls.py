@@ -54,8 +54,8 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
     text = (SPECS / "mps" / "ma732.yaml").read_text(encoding="utf-8")
     (folder / "ma732.yaml").write_text(text + NEIGHBOURS, encoding="utf-8")
     specs = [str(SPECS / "mps" / "manufacturer.yaml"), str(folder / "ma732.yaml")]
-    for name, given in (("infineon", [str(SPECS / "infineon")]), ("mps", specs)):
-        command = ["generate", *given, "--target", "python", "--target", "c", "-o", str(folder / name)]
+    for name, specs_of_maker in (("infineon", [str(SPECS / "infineon")]), ("mps", specs)):
+        command = ["generate", *specs_of_maker, "--target", "python", "--target", "c", "-o", str(folder / name)]
         assert main(command) == 0
     return folder
 
@@ -74,8 +74,8 @@ def program(outputs: Path) -> Path:
 @pytest.mark.parametrize("runner", [[], ["runner"]], ids=["run", "runner"])
 @pytest.mark.parametrize("name", CALLS)
 def test_each_list_makes_these_calls(name: str, runner: list[str], program: Path) -> None:
-    done = subprocess.run([program, name, *runner], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines() == CALLS[name]
+    completed = subprocess.run([program, name, *runner], capture_output=True, text=True, check=True)
+    assert completed.stdout.splitlines() == CALLS[name]
 
 
 def test_the_steps_of_a_spec_read_neighbours_on_their_own(outputs: Path, tmp_path: Path) -> None:
@@ -94,8 +94,8 @@ def test_the_steps_of_a_spec_read_neighbours_on_their_own(outputs: Path, tmp_pat
     include = str(outputs / "mps" / "c" / "include")
     require(["gcc", *CHECKS])
     subprocess.run(["gcc", *CHECKS, "-I", include, str(source), "-o", str(program)], check=True)
-    done = subprocess.run([program], capture_output=True, text=True, check=True)
-    assert done.stdout == "2 1\n3 1\n"
+    completed = subprocess.run([program], capture_output=True, text=True, check=True)
+    assert completed.stdout == "2 1\n3 1\n"
 
 
 @pytest.fixture(scope="module")

@@ -23,7 +23,7 @@ TABLE = bytes.fromhex("00 97 B9 2E E5 72 5C CB 5D CA E4 73 B8 2F 01 96")
 POSITION = 0x1234
 
 
-def sent(data: bytes) -> bytes:
+def with_crc(data: bytes) -> bytes:
     """The bytes with the CRC that moteus computes."""
     crc = 0
     for byte in data:
@@ -33,7 +33,7 @@ def sent(data: bytes) -> bytes:
 
 
 #: Position in the upper 14 bits, and error and warning inactive, as in the drivers. The counter comes first.
-WORDS = {"Orbis-14": sent(bytes.fromhex("48 D3")), "Orbis-14M": sent(bytes.fromhex("00 00 48 D3"))}
+WORDS = {"Orbis-14": with_crc(bytes.fromhex("48 D3")), "Orbis-14M": with_crc(bytes.fromhex("00 00 48 D3"))}
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +63,7 @@ def test_an_encoder_sends_words_of_its_length(code: str, package: Any) -> None:
 
 
 def test_the_counter_of_a_longer_word_is_decoded(package: Any) -> None:
-    word = int.from_bytes(sent(bytes.fromhex("12 34 48 D3")), "big")
+    word = int.from_bytes(with_crc(bytes.fromhex("12 34 48 D3")), "big")
     frame = package.lookup("Orbis-14M").decode(word)
     assert (frame.multiturn, frame.usable_position) == (0x1234, POSITION)
     with pytest.raises(package.LengthError):
@@ -72,11 +72,13 @@ def test_the_counter_of_a_longer_word_is_decoded(package: Any) -> None:
 
 def test_c_decodes_both_lengths(outputs: Path, tmp_path: Path) -> None:
     source, program = tmp_path / "orbis.c", tmp_path / "orbis"
-    checks = "".join(
-        f"    if ((rls_orbis_spi_decode(&RLS_ORBIS_SPI_{code.removeprefix('Orbis-')}, UINT64_C(0x{word.hex()}),"
-        f" &frame) != CW_OK) || (frame.position != 0x{POSITION:X}U)) return {at};\n"
-        for at, (code, word) in enumerate(WORDS.items(), 1)
-    )
+    checks = ""
+    for at, (code, word) in enumerate(WORDS.items(), 1):
+        table = f"RLS_ORBIS_SPI_{code.removeprefix('Orbis-')}"
+        checks += (
+            f"    if ((rls_orbis_spi_decode(&{table}, UINT64_C(0x{word.hex()}),"
+            f" &frame) != CW_OK) || (frame.position != 0x{POSITION:X}U)) return {at};\n"
+        )
     source.write_text(
         f'#include "rls/orbis_spi.h"\nint main(void)\n{{\n    rls_orbis_spi_frame frame;\n{checks}    return 0;\n}}\n',
         encoding="ascii",

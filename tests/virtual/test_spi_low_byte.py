@@ -43,5 +43,5 @@ def test_a_captured_word_in_c(tmp_path: Path) -> None:
     include = f"-I{tmp_path / 'out' / 'c' / 'include'}"
     command = ["cc", "-std=c99", "-Wall", "-Wextra", "-Werror", include, str(tmp_path / "main.c")]
     subprocess.run([*command, "-o", str(tmp_path / "main")], check=True)
-    done = subprocess.run([str(tmp_path / "main")], check=True, capture_output=True, text=True)
-    assert done.stdout == f"0 {ANGLE}\n"
+    completed = subprocess.run([str(tmp_path / "main")], check=True, capture_output=True, text=True)
+    assert completed.stdout == f"0 {ANGLE}\n"

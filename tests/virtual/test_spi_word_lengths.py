@@ -64,9 +64,9 @@ def test_the_request_says_the_length_of_a_word() -> None:
     line = SpiLine(encoder)
     assert checked(0x21AB) == 0x61AB
     line.receive(bytes.fromhex("0000 00A00000 0000"))
-    sent = line.send()
-    assert (sent[:4], sent[6:]) == (bytes.fromhex("61AB 61AB"), bytes.fromhex("61AB"))
-    assert int.from_bytes(sent[4:6], "big") == checked(int.from_bytes(sent[4:6], "big") & 0x3FFF)
+    replies = line.send()
+    assert (replies[:4], replies[6:]) == (bytes.fromhex("61AB 61AB"), bytes.fromhex("61AB"))
+    assert int.from_bytes(replies[4:6], "big") == checked(int.from_bytes(replies[4:6], "big") & 0x3FFF)
     assert line.exchange(0x00A00000, 32) >> 16 == line.exchange(0, 16) == 0x61AB
     for word, bits in ((0, 24), (0x10000, 16), (0x10000, None)):
         with pytest.raises(ValueError, match="AMT22-14 has 16 or 32 bits"):
@@ -96,17 +96,17 @@ def test_python_pairs_words_of_both_lengths(cui: Any, magntek: Any) -> None:
         assert (answer.request, answer.reply.position) == (request, 0x123)
     mt6835 = importlib.import_module("magntek_encoders.mt6835")
     virtual, line = SpiLine(VirtualEncoder("MT6835", 77, specs=[SPECS])), magntek.lookup("MT6835").pipeline()
-    sent = []
+    exchanged = []
 
     def exchange(word: int) -> int:
-        sent.append((word, line.bits))
+        exchanged.append((word, line.bits))
         return virtual.exchange(word, line.bits)
 
     magntek.run(mt6835.set_zero(0x12, 0x3), line.bus(exchange))
-    assert sent == [(0x600912, 24), (0x300A00, 24), (0x600A30, 24)]
+    assert exchanged == [(0x600912, 24), (0x300A00, 24), (0x600A30, 24)]
     assert line.take(exchange(line.ask(mt6835.AngleRequest()))).reply.position == 77
     assert line.take(exchange(line.read(mt6835.ZeroHigh))).register.zero_high == 0x12
-    assert [bits for _, bits in sent[3:]] == [48, 24]
+    assert [bits for _, bits in exchanged[3:]] == [48, 24]
 
 
 @pytest.mark.parametrize(
@@ -123,11 +123,7 @@ def test_python_refuses_another_length(data: Any, bits: int | None, cui: Any) ->
     assert line.take(bytes.fromhex("61AB")).reply.position == 0x21AB
 
 
-def test_c_refuses_another_length(outputs: Path, tmp_path: Path) -> None:
-    """A word of 32 bits as one of 16, and the other way round. The decoder also refuses bits above the word."""
-    source, program = tmp_path / "words.c", tmp_path / "words"
-    source.write_text(
-        """
+_LENGTHS_C = """
 #include <stdio.h>
 #include "codewheel/spi.h"
 #include "cui/amt22_spi.h"
@@ -155,15 +151,19 @@ int main(void)
     }
     return 0;
 }
-""",
-        encoding="ascii",
-    )
+"""
+
+
+def test_c_refuses_another_length(outputs: Path, tmp_path: Path) -> None:
+    """A word of 32 bits as one of 16, and the other way round. The decoder also refuses bits above the word."""
+    source, program = tmp_path / "words.c", tmp_path / "words"
+    source.write_text(_LENGTHS_C, encoding="ascii")
     strict = "-std=c99 -Wall -Wextra -Wconversion -Werror -fsanitize=undefined,address".split()
     include = str(outputs / "c" / "include")
     require(["gcc", *strict])
     subprocess.run(["gcc", *strict, "-I", include, str(source), "-o", str(program)], check=True)
-    done = subprocess.run([program], capture_output=True, text=True, check=True)
-    assert done.stdout.splitlines() == ["1 1", "1", "21AB 0", "21AB"]
+    completed = subprocess.run([program], capture_output=True, text=True, check=True)
+    assert completed.stdout.splitlines() == ["1 1", "1", "21AB 0", "21AB"]
 
 
 @pytest.mark.parametrize(
@@ -196,7 +196,7 @@ def test_the_page_says_which_word_has_which_length(outputs: Path) -> None:
     page = next((outputs / "docs").rglob("mt6835/spi.md")).read_text(encoding="utf-8")
     assert "48 or 24 bits, SPI mode 3" in page
     rows = [line for line in page.splitlines() if line.startswith("| [`") and "bits |" in line]
-    lengths = [[cell.strip() for cell in row.split("|")][3] for row in rows]
+    lengths = [row.split("|")[3].strip() for row in rows]
     assert lengths == ["48 bits", "24 bits", "24 bits", "24 bits", "24 bits"]
     card = next((outputs / "docs").rglob("amt22/AMT22-14.md")).read_text(encoding="utf-8")
     assert "Requests the position, in words of 32 bits" in card
@@ -238,7 +238,7 @@ evidence: {grade: manual, documents: {manual: all pages}}
 
 def test_bytes_without_a_request_are_words_of_the_shortest_length(tmp_path: Path) -> None:
     """Here, no word has the length of the interface, and none fills its bytes."""
-    odd = re.sub(r"bits: (16|24), constant", lambda found: f"bits: {int(found[1]) + 1}, constant", LATE)
+    odd = re.sub(r"bits: (16|24), constant", lambda match: f"bits: {int(match[1]) + 1}, constant", LATE)
     odd = odd.replace("purpose: position}", "purpose: position, word_bits: 17}").replace(": 24}", ": 25}")
     odd = odd.replace("bits: 16}]", "bits: 16}, {name: rest, bits: 1, unused: 0}]").replace("bits: 8}", "bits: 9}")
     (tmp_path / "late.yaml").write_text(odd, encoding="ascii")
@@ -260,15 +260,15 @@ def test_a_late_reply_needs_a_word_of_its_length(tmp_path: Path, monkeypatch: py
     late = importlib.import_module("late_encoders.late")
     encoder = VirtualEncoder("LATE", 0x1234, specs=[tmp_path])
     virtual, line = SpiLine(encoder), package.lookup("LATE").pipeline()
-    found = []
+    exchanged = []
     for request in (late.Ask(), late.Ask(), late.AskBoth(), late.AskBoth(), late.Ask(), late.Ask()):
         word = line.ask(request)
         received = virtual.exchange(word, line.bits)
         answer = line.take(received, bits=line.bits)
-        found.append((received, None if answer is None else answer.reply.position))
+        exchanged.append((received, None if answer is None else answer.reply.position))
     # The reply to the second request ends with zeros in a longer word, and that to the fourth lacks its end.
-    both = found[3][0]
-    assert both >> 8 == 0x1234
-    assert found == [
-        (0, None), (0x1234, 0x1234), (0x123400, None), (both, 0x1234), (0x1234, None), (0x1234, 0x1234),
+    long_reply = exchanged[3][0]
+    assert long_reply >> 8 == 0x1234
+    assert exchanged == [
+        (0, None), (0x1234, 0x1234), (0x123400, None), (long_reply, 0x1234), (0x1234, None), (0x1234, 0x1234),
     ]  # fmt: skip

@@ -22,8 +22,8 @@ def test_frames_decode_to_their_positions(generated_python: tuple[Path, ModuleTy
 
     @settings(max_examples=50)
     @given(frames(VirtualEncoder(code)))
-    def each(sent: Any) -> None:
-        assert lika.lookup(code).decode(sent[1]).position == sent[0]
+    def each(drawn: Any) -> None:
+        assert lika.lookup(code).decode(drawn[1]).position == drawn[0]
 
     each()
 

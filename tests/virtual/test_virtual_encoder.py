@@ -29,11 +29,11 @@ def clock() -> Clock:
 def test_a_frame_of_the_manual_over_biss() -> None:
     """1,000,003 with 21 bits and 16 of revolutions. CRC by hand: x^6 + x + 1 over position, nE and nW, inverted."""
     bits = f"{1_000_003:037b}11"
-    rest = 0
+    remainder = 0
     for bit in bits:
-        rest = rest << 1 & 0x3F ^ 3 * (rest >> 5 ^ int(bit))
+        remainder = remainder << 1 & 0x3F ^ 3 * (remainder >> 5 ^ int(bit))
     line = BissLine(VirtualEncoder("AMM5A21/65KSC1", 1_000_003))
-    assert line.frame() == int(f"{bits}{rest ^ 0x3F:06b}", 2)
+    assert line.frame() == int(f"{bits}{remainder ^ 0x3F:06b}", 2)
     assert line.bits == 45
 
 
@@ -55,8 +55,8 @@ def test_every_frame_of_a_made_up_encoder_is_valid(order_code: str) -> None:
     encoder = VirtualEncoder(order_code, specs=[WORDS, WORDS.parent / "manufacturer.yaml"])
     for layout in encoder.layouts("encoder"):
         identity = {layout.selector: layout.selects[0]} if layout.selector else {}
-        found = codec.decode(encoder.device, encoder.place(layout), encoder.frame(layout, identity))
-        assert found.problems == ()
+        decoded = codec.decode(encoder.device, encoder.place(layout), encoder.frame(layout, identity))
+        assert decoded.problems == ()
 
 
 def test_words_over_ssi_and_zeros_after_them() -> None:
@@ -69,10 +69,10 @@ def test_words_over_ssi_and_zeros_after_them() -> None:
 def test_the_line_of_biss_clock_by_clock() -> None:
     """Acknowledge from the second rising edge on, start, CDS, data, stop, and high after the time-out."""
     encoder = VirtualEncoder("AMM5A21/65KSC1", 1_000_003)
-    line, other = BissLine(encoder, acknowledge=4), BissLine(encoder)
+    line, plain_line = BissLine(encoder, acknowledge=4), BissLine(encoder)
     levels = [line.clock(level) for _ in range(55) for level in (0, 1)][1::2]
     bits = "".join(map(str, levels))
-    assert bits == "1" + "0000" + "1" + "0" + f"{other.frame():045b}" + "0" * 3
+    assert bits == "1" + "0000" + "1" + "0" + f"{plain_line.frame():045b}" + "0" * 3
     assert line.timeout() == 1
 
 
@@ -88,7 +88,7 @@ def test_the_fields_of_a_frame_belong_to_one_moment() -> None:
         times = iter([0.0] * (look + 3) + [1.0] * 100)
         encoder = VirtualEncoder("AMM5A23/65KJP1", 1234, clock=lambda times=times: next(times))
         encoder.be_busy(0.5)
-        layout = next(item for item in encoder.layouts("encoder") if item.name == "complete_reply")
+        layout = next(layout for layout in encoder.layouts("encoder") if layout.name == "complete_reply")
         number = encoder.frame(layout, {"data_id": 3})
         assert (number >> 16 & 0xFFFFFF == 0) == (number >> 73 & 1 == 1)
 
