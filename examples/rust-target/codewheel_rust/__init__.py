@@ -34,17 +34,17 @@ class Module(TypedDict):
 
 
 def files(library: Library, options: Options) -> dict[str, str]:
-    made = {}
+    crate_files = {}
     for maker, devices in library.by_manufacturer():
         folder = f"rust/{maker.name.replace('_', '-')}-encoders"
         crate: Crate = {"maker": maker, "devices": devices, "edition": options["edition"]}
         for path, template in (("Cargo.toml", "Cargo.toml.jinja"), ("src/lib.rs", "lib.rs.jinja")):
-            made[f"{folder}/{path}"] = TEMPLATES.render(template, crate, library.own_templates)
+            crate_files[f"{folder}/{path}"] = TEMPLATES.render(template, crate, library.own_templates)
         for device in devices:
             module: Module = {"device": device, "family": Family(device), "scope": spelling.Scope(device)}
             text = TEMPLATES.render("family.rs.jinja", module, library.own_templates)
-            made[f"{folder}/src/{names.snake(device.name)}.rs"] = text
-    return made
+            crate_files[f"{folder}/src/{names.snake(device.name)}.rs"] = text
+    return crate_files
 
 
 def problems(library: Library) -> Iterator[TargetProblem]:
@@ -56,8 +56,8 @@ _TEXTS = (about.field_text, about.frame_text, about.register_text, crc, order_co
 TEMPLATES = Templates(
     Path(__file__).parent / "templates",
     values={"Cargo.toml.jinja": Crate, "lib.rs.jinja": Crate, "family.rs.jinja": Module},
-    filters={item.__name__: item for item in (*_WORDS, *spelling.PIECES, *spelling.NUMBERS)},
-    functions={"never": assert_never} | {item.__name__: item for item in (*_TEXTS, describe, refusals)},
+    filters={function.__name__: function for function in (*_WORDS, *spelling.PIECES, *spelling.NUMBERS)},
+    functions={"never": assert_never} | {function.__name__: function for function in (*_TEXTS, describe, refusals)},
     tests=tests_for(Check, Refusal, Fixed, Given, ParityOf, Turned),
 )
 TARGET = Target(
