@@ -25,7 +25,7 @@ def load(folder: Path, *changes: tuple[str, str], more: str = "") -> tuple[Devic
     (folder / "manufacturer.yaml").write_text(MAKER, encoding="utf-8")
     (folder / "minimal.yaml").write_text(text + more, encoding="utf-8")
     devices, report = load_for([folder], targets_named())
-    return (devices[0] if devices else None), [f"{item.rule}: {item.message}" for item in report.problems]
+    return (devices[0] if devices else None), [f"{problem.rule}: {problem.message}" for problem in report.problems]
 
 
 def sound(folder: Path, *changes: tuple[str, str], more: str = "") -> Device:
@@ -101,10 +101,10 @@ def test_a_field_by_its_low_bit_and_its_width(tmp_path: Path, field: str) -> Non
 
 
 def test_a_parameter_held_in_a_whole_register(tmp_path: Path) -> None:
-    held = (HELD[0], HELD[1].replace("setting.zero_bits", "setting.setting"))
+    held_parameter = (HELD[0], HELD[1].replace("setting.zero_bits", "setting.setting"))
     device = sound(
         tmp_path,
-        held,
+        held_parameter,
         ZEROS,
         more=SETTING.replace("DEFAULT", "5").replace(", other_bits: unspecified, fields: [FIELD]", ""),
     )
@@ -114,7 +114,7 @@ def test_a_parameter_held_in_a_whole_register(tmp_path: Path) -> None:
 @pytest.mark.parametrize("other_bits", ["", "        other_bits: zero\n"])
 def test_a_field_that_has_no_bits_by_default(tmp_path: Path, other_bits: str) -> None:
     """At width 0 it has the position of its neighbour, and both keep theirs. The longest frame is one without it."""
-    held = (
+    held_parameter = (
         HELD[0],
         f"{HELD[1]}  more_bits: {{meaning: More of the position, read_from: setting.more_bits, min: 0, max: 7}}\n",
     )
@@ -126,12 +126,15 @@ def test_a_field_that_has_no_bits_by_default(tmp_path: Path, other_bits: str) ->
         ),
     )
     setting = "{name: zero_bits, at: 7:3}, {name: more_bits, at: 2:0}"
-    device = sound(tmp_path, held, fields, more=SETTING.replace("DEFAULT", "0").replace("FIELD", setting))
+    device = sound(tmp_path, held_parameter, fields, more=SETTING.replace("DEFAULT", "0").replace("FIELD", setting))
     layout, variant = device.layout("single_cycle_data"), device.variant("MIN16SC")
     assert [field.name for field in layout.fields] == ["position", "zeros", "error", "warning", "crc"]
     assert layout.place(variant.parameters).bits == 16 + 2 + 6
     later = layout.place(with_registers(device, variant, {0x48: 7 << 3}).parameters)
-    assert [(item.name, item.low, item.width) for item in later.fields][:2] == [("position", 15, 16), ("zeros", 8, 7)]
+    assert [(placed_field.name, placed_field.low, placed_field.width) for placed_field in later.fields][:2] == [
+        ("position", 15, 16),
+        ("zeros", 8, 7),
+    ]
 
 
 # -- ranges of positions
@@ -175,11 +178,11 @@ def test_steps_and_turns_that_fit(tmp_path: Path, changes: tuple[tuple[str, str]
 
 def test_turns_that_a_register_holds(tmp_path: Path) -> None:
     """255 turns, the maximum of a byte, are not a typing mistake if a user may set any number."""
-    held = (HELD[0], f"{HELD[0]}  turns: {{meaning: Turns, read_from: setting.setting, min: 1, max: 255}}\n")
+    held_parameter = (HELD[0], f"{HELD[0]}  turns: {{meaning: Turns, read_from: setting.setting, min: 1, max: 255}}\n")
     more = SETTING.replace("DEFAULT", "255").replace(", other_bits: unspecified, fields: [FIELD]", "")
     sound(
         tmp_path,
-        held,
+        held_parameter,
         (POSITION, "{name: position, bits: position_bits + 8}"),
         more=more + 'measurement: {of: position, counts_per_turn: 2^position_bits, turns: turns, source: "6.1"}\n',
     )
@@ -214,7 +217,7 @@ def test_unused_bits_say_what_they_make_of_the_position(tmp_path: Path) -> None:
     assert layout.field("spare").kind == Unused(2, Verdict.NOT_USABLE)
     assert layout.field("rest").kind == Unused(0, Verdict.USABLE_WITH_WARNING)
     # The last one sent is the lowest in the number of unused bits.
-    assert [(item.name, place) for item, place in layout.unused] == [("rest", 0), ("spare", 3)]
+    assert [(field.name, place) for field, place in layout.unused] == [("rest", 0), ("spare", 3)]
 
 
 def test_an_alternative_moves_fields(tmp_path: Path) -> None:
@@ -228,12 +231,12 @@ def test_an_alternative_moves_fields(tmp_path: Path) -> None:
         "      below: {meaning: In bits 6:0, sets: {address_low: 0, busy_low: 7}}\n"
     )
     device, problems = load(tmp_path, (BITS, BITS + open_), more=more)
-    assert [item.partition(":")[0] for item in problems] == ["c-target"]  # C takes answers for frames only.
+    assert [problem.partition(":")[0] for problem in problems] == ["c-target"]  # C takes answers for frames only.
     assert device is not None
     variant = device.variant("MIN12SC")
     layout = device.register("access").layout
-    assert [item.name for item in device.alternatives_of(layout)] == ["place"]
+    assert [alternative.name for alternative in device.alternatives_of(layout)] == ["place"]
     for answer, number in (("above", 0x0B), ("below", 0x85)):
         placed = layout.place(with_answers(device, variant, {"place": answer}).parameters)
-        values = {item.name: item.value for item in codec.decode(device, placed, number).fields}
+        values = {field.name: field.value for field in codec.decode(device, placed, number).fields}
         assert values == {"address": 5, "busy": True}
