@@ -288,9 +288,11 @@ def test_a_spec_without_evidence_is_compared(git: Git, tmp_path: Path, capsys: p
 
 def test_a_family_that_cannot_be_read_is_left_out(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = (tmp_path / "specs" / "demo.yaml").read_text(encoding="utf-8")
-    other = text.replace("device: demo", "device: other").replace('"DEMO{', '"OTHER{').replace("DEMO17-", "OTHER17-")
-    other = other.replace('"DM{', '"OT{')
-    (tmp_path / "specs" / "other.yaml").write_text(other, encoding="utf-8")
+    other_text = (
+        text.replace("device: demo", "device: other").replace('"DEMO{', '"OTHER{').replace("DEMO17-", "OTHER17-")
+    )
+    other_text = other_text.replace('"DM{', '"OT{')
+    (tmp_path / "specs" / "other.yaml").write_text(other_text, encoding="utf-8")
     edit(tmp_path / "specs" / "demo.yaml", "movement: rotary", "motion: rotary")
     git("add", ".")
     git("commit", "-q", "-m", "two")
@@ -316,18 +318,18 @@ def _rules(old: Device, new: Device) -> set[tuple[str, str]]:
 def test_amm5_needs_a_decision(amm5: Device) -> None:
     """A decision that a frame now needs breaks its callers, and so does its removal."""
     before = replace(amm5, alternatives=())
-    there, back = _rules(before, amm5), _rules(amm5, before)
-    assert {("decision-new", "all 12 RS-485 order codes"), ("frame-decision", "all 12 RS-485 order codes")} <= there
-    assert {("decision-gone", "all 12 RS-485 order codes"), ("frame-decision", "all 12 RS-485 order codes")} <= back
+    forward, backward = _rules(before, amm5), _rules(amm5, before)
+    assert {("decision-new", "all 12 RS-485 order codes"), ("frame-decision", "all 12 RS-485 order codes")} <= forward
+    assert {("decision-gone", "all 12 RS-485 order codes"), ("frame-decision", "all 12 RS-485 order codes")} <= backward
 
 
 def test_what_order_codes_of_amm5_are_called(amm5: Device) -> None:
     """As the manual's edition 1.8 had it, which introduced AMM5B."""
-    before = replace(amm5, variants=tuple(item for item in amm5.variants if item.parts["mount"] == "A"))
+    before = replace(amm5, variants=tuple(variant for variant in amm5.variants if variant.parts["mount"] == "A"))
     texts = [(change.text, change.reach) for change in compare([before], [amm5])]
     assert ("order codes AMM5B…: 18 new", "") in texts
     register = replace(amm5.register("preset"), default=1)
-    registers = tuple(register if item.name == "preset" else item for item in amm5.registers)
+    registers = tuple(register if candidate.name == "preset" else candidate for candidate in amm5.registers)
     changed = compare([amm5], [replace(amm5, registers=registers)])
     assert [(change.text, change.reach) for change in changed] == [
         ("registers 11h to 17h preset: default 00h → 01h", "all 12 BiSS order codes")
@@ -337,12 +339,12 @@ def test_what_order_codes_of_amm5_are_called(amm5: Device) -> None:
 def _reach(device: Device, parts: Sequence[str]) -> str:
     from codewheel.changes.affected_codes import reach
 
-    codes = [item.code for item in device.variants if all(part in item.parts.values() for part in parts)]
+    codes = [variant.code for variant in device.variants if set(parts) <= set(variant.parts.values())]
     return reach(device, codes)
 
 
 @pytest.mark.parametrize(
-    ("parts", "said"),
+    ("parts", "reach_text"),
     [
         ((), "all 36 order codes"),
         (("SC1",), "all 12 BiSS order codes"),
@@ -352,14 +354,14 @@ def _reach(device: Device, parts: Sequence[str]) -> str:
         (("A", "17", "1"), "AMM5A17/1…"),
     ],
 )
-def test_reach(amm5: Device, parts: Sequence[str], said: str) -> None:
-    assert _reach(amm5, parts) == said
+def test_reach(amm5: Device, parts: Sequence[str], reach_text: str) -> None:
+    assert _reach(amm5, parts) == reach_text
 
 
 def test_reach_of_a_few(amm5: Device) -> None:
     from codewheel.changes.affected_codes import reach
 
-    codes = [item.code for item in amm5.variants]
+    codes = [variant.code for variant in amm5.variants]
     assert reach(amm5, [codes[0], codes[4], codes[8], codes[15]]) == (
         "AMM5A17/1BG1, AMM5A17/65KSC1, AMM5A21/1JP1 and 1 more"
     )
