@@ -38,10 +38,10 @@ def test_the_story_of_the_page(folder: Path, capsys: pytest.CaptureFixture[str])
     def check() -> list[str]:
         main(["check"])
         *lines, last = capsys.readouterr().out.splitlines()
-        told.extend(line for line in lines if "readings-disagree" in line)
+        disagreements.extend(line for line in lines if "readings-disagree" in line)
         return [line.removesuffix(MEND) for line in lines if "readings-disagree" in line] or [last]
 
-    told: list[str] = []
+    disagreements: list[str] = []
     silent = ["no problems in 1 family: tv62"]
     spec, second = folder / "tv62.yaml", folder / "tv62.second.yaml"
     assert check() == silent
@@ -58,7 +58,7 @@ def test_the_story_of_the_page(folder: Path, capsys: pytest.CaptureFixture[str])
     assert check() == silent
     assert main(["check", "--coverage"]) == 0
     assert QUOTED
-    assert [text for text in QUOTED if text not in told] == []
+    assert [text for text in QUOTED if text not in disagreements] == []
 
 
 @pytest.mark.slow
