@@ -37,7 +37,7 @@ def encoders() -> Library:
 
 
 def device(encoders: Library, name: str) -> Device:
-    return next(item for item in encoders.devices if item.name == name)
+    return next(device for device in encoders.devices if device.name == name)
 
 
 def test_the_model(encoders: Library) -> None:
@@ -48,8 +48,8 @@ def test_the_model(encoders: Library) -> None:
 
 
 def macros(files: dict[str, str], header: str) -> dict[str, int]:
-    found = re.findall(r"#define \w+_BISS_CLOCK_(\w+)_HZ (\d+)U", files[f"c/include/{header}"])
-    return {name: int(value) for name, value in found}
+    clocks = re.findall(r"#define \w+_BISS_CLOCK_(\w+)_HZ (\d+)U", files[f"c/include/{header}"])
+    return {name: int(value) for name, value in clocks}
 
 
 def test_c(encoders: Library) -> None:
@@ -90,8 +90,8 @@ def settings(capsys: pytest.CaptureFixture[str], master: str, *more: str) -> lis
     assert main(arguments) == 0
     data = json.loads(capsys.readouterr().out)
     assert data["record"]["clock_max_hz"] is None
-    found = data["masters"][0]["settings"]
-    return [(item["value"], item["bound"], item["note"]) for item in found if "MHz are in use" in item["note"]]
+    rows = data["masters"][0]["settings"]
+    return [(row["value"], row["bound"], row["note"]) for row in rows if "MHz are in use" in row["note"]]
 
 
 @pytest.mark.parametrize(
@@ -106,9 +106,9 @@ def settings(capsys: pytest.CaptureFixture[str], master: str, *more: str) -> lis
 def test_masters_start_with_a_clock_in_use(
     capsys: pytest.CaptureFixture[str], master: str, more: tuple[str, ...], values: list[int]
 ) -> None:
-    found = settings(capsys, master, *more)
-    assert [(value, bound) for value, bound, _ in found] == [(value, "start_with") for value in values]
-    assert all(note.startswith("The highest clock of the encoder is not known. ") for _, _, note in found)
+    rows = settings(capsys, master, *more)
+    assert [(value, bound) for value, bound, _ in rows] == [(value, "start_with") for value in values]
+    assert all(note.startswith("The highest clock of the encoder is not known. ") for _, _, note in rows)
 
 
 def test_a_clock_that_is_not_in_use_is_not_proposed(capsys: pytest.CaptureFixture[str]) -> None:

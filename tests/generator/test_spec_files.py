@@ -40,12 +40,12 @@ SPECS = {
 }
 
 
-def read(folder: Path) -> tuple[set[str], set[str]]:
+def read_and_passed_over(folder: Path) -> tuple[set[str], set[str]]:
     report = Report()
     read_specs([folder], report)
-    return {Path(name).relative_to(folder).as_posix() for name in report.files}, {
-        Path(name).relative_to(folder).as_posix() for name in report.passed_over
-    }
+    files = {Path(name).relative_to(folder).as_posix() for name in report.files}
+    passed_over = {Path(name).relative_to(folder).as_posix() for name in report.passed_over}
+    return files, passed_over
 
 
 def test_specs_are_told_from_the_yaml_of_others(tmp_path: Path) -> None:
@@ -54,7 +54,7 @@ def test_specs_are_told_from_the_yaml_of_others(tmp_path: Path) -> None:
         (tmp_path / name).write_bytes(text.encode())
     (tmp_path / "utf16.yaml").write_bytes("device: x\n".encode("utf-16"))
     (tmp_path / "gone.yaml").symlink_to("nowhere")
-    assert read(tmp_path) == ({*SPECS, "utf16.yaml", "gone.yaml"}, set(FOREIGN))
+    assert read_and_passed_over(tmp_path) == ({*SPECS, "utf16.yaml", "gone.yaml"}, set(FOREIGN))
 
 
 def test_a_long_name_is_read_once(tmp_path: Path) -> None:
@@ -86,8 +86,8 @@ def test_a_folder_of_other_yaml_files_holds_no_spec(tmp_path: Path) -> None:
 
 def test_folders_without_specs_of_the_user_are_left_out(tmp_path: Path) -> None:
     hidden = (".git/a.yaml", "venv/lib/b.yaml", "out/c/top.yaml", "out/c/x/c.yaml", "build/lib/specs/d.yaml")
-    others = ("node_modules/x/e.yaml", "x.egg-info/f.yaml", "target/debug/g.yaml", "vendor/specs/h.yaml")
-    for name in (*hidden, *others, "specs/i.yaml"):
+    excluded = ("node_modules/x/e.yaml", "x.egg-info/f.yaml", "target/debug/g.yaml", "vendor/specs/h.yaml")
+    for name in (*hidden, *excluded, "specs/i.yaml"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("device: x\n")
     (tmp_path / "venv/pyvenv.cfg").write_text("")
@@ -95,10 +95,12 @@ def test_folders_without_specs_of_the_user_are_left_out(tmp_path: Path) -> None:
     (tmp_path / "vendor/.git").write_text("gitdir: elsewhere\n")
     (tmp_path / "out/c/.codewheel").write_text("# Written by codewheel generate\ntop.yaml\n")
     (tmp_path / "link").symlink_to("specs")
-    assert read(tmp_path) == ({"specs/i.yaml"}, set())
-    found = below(tmp_path)
-    assert found.not_entered == ((tmp_path / "link", LINK), (tmp_path / "vendor", NESTED))
-    assert read(tmp_path / "vendor") == ({"specs/h.yaml"}, set()), "a folder that is named is always searched"
+    assert read_and_passed_over(tmp_path) == ({"specs/i.yaml"}, set())
+    search = below(tmp_path)
+    assert search.not_entered == ((tmp_path / "link", LINK), (tmp_path / "vendor", NESTED))
+    assert read_and_passed_over(tmp_path / "vendor") == ({"specs/h.yaml"}, set()), (
+        "a folder that is named is always searched"
+    )
 
 
 def test_the_search_can_have_a_limit(tmp_path: Path) -> None:
@@ -106,8 +108,8 @@ def test_the_search_can_have_a_limit(tmp_path: Path) -> None:
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text("device: x\n")
     assert below(tmp_path, most_names=4).is_complete
-    found = below(tmp_path, most_names=3)
-    assert ([path.name for path in found.specs], found.is_complete) == (["a.yaml"], False)
+    search = below(tmp_path, most_names=3)
+    assert ([path.name for path in search.specs], search.is_complete) == (["a.yaml"], False)
 
 
 @pytest.mark.slow

@@ -22,7 +22,7 @@ def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, 
 
 
 @pytest.fixture
-def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The current folder, with the specs that ``new`` writes."""
     monkeypatch.chdir(tmp_path)
     assert main(["new", "my_encoder"]) == 0
@@ -52,14 +52,14 @@ def test_help_fits_a_terminal_and_has_examples(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", [name for name in COMMANDS if name not in ("new", "simulate")])
-def test_the_examples_work(capsys: pytest.CaptureFixture[str], own: Path, command: str) -> None:
+def test_the_examples_work(capsys: pytest.CaptureFixture[str], own_folder: Path, command: str) -> None:
     assert main(["generate"]) == 0
     if command == "diff":
-        (own / "old").mkdir()
+        (own_folder / "old").mkdir()
         for name in ("my_encoder.yaml", "manufacturer.yaml"):
-            shutil.copy(own / name, own / "old")
+            shutil.copy(own_folder / name, own_folder / "old")
     for edition in ("1.0", "1.1"):
-        (own / f"manual-{edition}.txt").write_text("1 - Resolution\n\n13 bits\n", encoding="utf-8")
+        (own_folder / f"manual-{edition}.txt").write_text("1 - Resolution\n\n13 bits\n", encoding="utf-8")
     for line in EXAMPLES[command]:
         code, _, err = run(capsys, *shlex.split(line)[1:])
         assert (code, err) == (0, ""), line
@@ -158,7 +158,7 @@ def test_codes_are_near_only_where_something_is_near(capsys: pytest.CaptureFixtu
     assert "the nearest are AMM5A21/" in run(capsys, "show", "AMM5A21")[2]
 
 
-def test_a_family_is_no_order_code(capsys: pytest.CaptureFixture[str], own: Path) -> None:
+def test_a_family_is_no_order_code(capsys: pytest.CaptureFixture[str], own_folder: Path) -> None:
     for command in (["decode", "--specs", ".", "MY_ENCODER", "0x1"], ["master", "--specs", ".", "MY_ENCODER"]):
         code, _, err = run(capsys, *command)
         assert code == 2
@@ -173,15 +173,15 @@ def test_a_family_is_no_order_code(capsys: pytest.CaptureFixture[str], own: Path
 
 @pytest.mark.slow
 def test_without_arguments_the_specs_of_the_folder_are_read_and_named(
-    capsys: pytest.CaptureFixture[str], own: Path
+    capsys: pytest.CaptureFixture[str], own_folder: Path
 ) -> None:
-    (own / "ci.yml").write_text("jobs: {}\n")
+    (own_folder / "ci.yml").write_text("jobs: {}\n")
     for command in ("check", "generate"):
         code, out, _ = run(capsys, command)
         assert code == 0
         assert "read 2 specs: manufacturer.yaml, my_encoder.yaml\n" in out
-    assert not list(own.rglob("amm5*"))
-    assert (own / "generated/docs/my_encoder.md").is_file()
+    assert not list(own_folder.rglob("amm5*"))
+    assert (own_folder / "generated/docs/my_encoder.md").is_file()
     _, out, _ = run(capsys, "check", "--json")
     data = json.loads(out)
     assert {place["file"] for place in data.pop("placeholders")} == {"manufacturer.yaml", "my_encoder.yaml"}
@@ -203,15 +203,17 @@ def test_without_specs_in_the_folder_those_that_ship_are_read(
     assert (code, err) == (0, "")
 
 
-def test_a_spec_that_is_given_as_an_order_code(capsys: pytest.CaptureFixture[str], own: Path) -> None:
+def test_a_spec_that_is_given_as_an_order_code(capsys: pytest.CaptureFixture[str], own_folder: Path) -> None:
     code, _, err = run(capsys, "show", "my_encoder.yaml")
     assert code == 2
     assert err.endswith("codewheel: 'my_encoder.yaml' is not an order code; give a spec as --specs my_encoder.yaml\n")
 
 
 @pytest.mark.slow
-def test_one_broken_spec_does_not_keep_the_others_from_use(capsys: pytest.CaptureFixture[str], own: Path) -> None:
-    add_broken(own)
+def test_one_broken_spec_does_not_keep_the_others_from_use(
+    capsys: pytest.CaptureFixture[str], own_folder: Path
+) -> None:
+    add_broken(own_folder)
     for command in (
         ["decode", "MY-ENCODER-13-SC", "0b0001111101000_1_1_011010"],
         ["show", "my_encoder"],
@@ -239,13 +241,13 @@ def test_one_broken_spec_does_not_keep_the_others_from_use(capsys: pytest.Captur
 
 @pytest.mark.parametrize("shared", ["device", "maker"])
 def test_a_spec_that_cannot_be_told_from_a_broken_one_is_not_used(
-    capsys: pytest.CaptureFixture[str], own: Path, shared: str
+    capsys: pytest.CaptureFixture[str], own_folder: Path, shared: str
 ) -> None:
-    text = (own / "my_encoder.yaml").read_text()
+    text = (own_folder / "my_encoder.yaml").read_text()
     if shared == "device":
-        (own / "other.yaml").write_text(text.replace("device: my_encoder", "device: other"))
+        (own_folder / "other.yaml").write_text(text.replace("device: my_encoder", "device: other"))
     else:
-        maker = own / "manufacturer.yaml"
+        maker = own_folder / "manufacturer.yaml"
         maker.write_text(maker.read_text().replace("codewheel: 1", "codewheel: 1\nunknown: 1"))
     code, out, err = run(capsys, "show", "MY-ENCODER-13-SC", "--specs", ".")
     assert code == 1
@@ -257,21 +259,21 @@ def test_a_spec_that_cannot_be_told_from_a_broken_one_is_not_used(
 
 
 @pytest.mark.slow
-def test_files_in_the_way_need_force(capsys: pytest.CaptureFixture[str], own: Path) -> None:
-    (own / "docs").mkdir()
-    (own / "docs/README.md").write_text("my own text")
+def test_files_in_the_way_need_force(capsys: pytest.CaptureFixture[str], own_folder: Path) -> None:
+    (own_folder / "docs").mkdir()
+    (own_folder / "docs/README.md").write_text("my own text")
     code, _, err = run(capsys, "generate", "-o", ".")
     assert code == 1
     assert err.startswith("codewheel: in the way and not written by codewheel; nothing has changed; ")
     assert "\n  docs/README.md\n" in err
-    assert (own / "docs/README.md").read_text() == "my own text"
-    assert not (own / "python").exists()
+    assert (own_folder / "docs/README.md").read_text() == "my own text"
+    assert not (own_folder / "python").exists()
     assert run(capsys, "generate", "-o", ".", "--force")[0] == 0
-    assert (own / "docs/README.md").read_text() != "my own text"
+    assert (own_folder / "docs/README.md").read_text() != "my own text"
 
 
 @pytest.mark.slow
-def test_check_says_how_to_bring_the_files_up_to_date(capsys: pytest.CaptureFixture[str], own: Path) -> None:
+def test_check_says_how_to_bring_the_files_up_to_date(capsys: pytest.CaptureFixture[str], own_folder: Path) -> None:
     code, _, err = run(capsys, "generate", "my_encoder.yaml", "-o", "an out", "--check")
     assert code == 1
     assert err.endswith("run: codewheel generate my_encoder.yaml -o 'an out'\n")

@@ -41,7 +41,7 @@ def in_utf_8(*arguments: str) -> str:
 @pytest.mark.parametrize(
     "arguments",
     [DECODE, ["show", "amm5"], ["show", "sma21"], ["master", "SMA21-SC4-0050"]],
-    ids=lambda item: item[0] + item[1],
+    ids=lambda arguments: arguments[0] + arguments[1],
 )
 def test_text_in_any_encoding(encoding: str, arguments: list[str]) -> None:
     done, whole = run(*arguments, PYTHONIOENCODING=encoding), in_utf_8(*arguments)
@@ -56,9 +56,8 @@ def test_text_in_any_encoding(encoding: str, arguments: list[str]) -> None:
 
 def test_every_character_of_our_specs_has_a_stand_in() -> None:
     specs = Path(__file__).parents[2] / "specs"
-    lacking = {
-        character for path in specs.rglob("*.yaml") for character in path.read_text(encoding="utf-8") if character > "~"
-    }
+    text = "".join(path.read_text(encoding="utf-8") for path in specs.rglob("*.yaml"))
+    lacking = {character for character in text if character > "~"}
     assert "µ" in lacking
     assert "−" in lacking
     for character in lacking:
@@ -186,13 +185,13 @@ def test_only_a_terminal_shows_progress(command: str, tmp_path: Path) -> None:
         os.close(theirs)
         assert process.stdout is not None
         out = process.stdout.read()
-        shown = os.read(ours, 100_000)
+        progress = os.read(ours, 100_000)
     os.close(ours)
     assert process.returncode == 0
     begin = {"check": b"\r\x1b[Kcodewheel: checking the specs", "generate": b"\r\x1b[Kcodewheel: reading the specs"}
-    assert shown.startswith(begin[command])
-    assert shown.endswith(b"\r\x1b[K")
-    assert (b"rendering part" in shown) is (command == "generate")
+    assert progress.startswith(begin[command])
+    assert progress.endswith(b"\r\x1b[K")
+    assert (b"rendering part" in progress) is (command == "generate")
     piped = subprocess.run(arguments, capture_output=True, check=True)
     assert piped.stderr == b""
     if command == "check":

@@ -71,9 +71,9 @@ class Unknown:
 
 
 def target_of(output: str) -> Target:
-    found = importlib.import_module(OUTPUTS[output][1]).TARGET
-    assert isinstance(found, Target)
-    return found
+    target = importlib.import_module(OUTPUTS[output][1]).TARGET
+    assert isinstance(target, Target)
+    return target
 
 
 @cache
@@ -86,7 +86,7 @@ def library(spec: str) -> Library:
 
 def rendered(output: str) -> None:
     target = target_of(output)
-    options = {item.name: item.default for item in target.options}
+    options = {option.name: option.default for option in target.options}
     for spec in SPECS:
         # Targets remember their results for a family, so each rendering needs its own families.
         assert target.files(Library(tuple(map(replace, library(spec).devices))), options)
@@ -213,10 +213,11 @@ _MODEL = re.compile(r"(codewheel|\.*)\.?model(\.kinds)?")
 
 def imported(path: Path) -> set[str]:
     """Return the names that a module imports from the model."""
-    found = (node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, ast.ImportFrom))
-    return {
-        item.name for node in found if _MODEL.fullmatch(f"{'.' * node.level}{node.module or ''}") for item in node.names
-    }
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and _MODEL.fullmatch(f"{'.' * node.level}{node.module or ''}"):
+            names |= {alias.name for alias in node.names}
+    return names
 
 
 @pytest.mark.slow
@@ -230,4 +231,5 @@ def test_no_output_looks_at_kinds(output: str) -> None:
     looks = r"\bfield\.kind\b|\.kind\.|\.number\.(signed|zero_means)\b"
     asks = rf"\bis (not )?({'|'.join(tests)})\b|{looks}"
     files = {**dict.fromkeys(source.rglob("*.py"), looks), **dict.fromkeys(templates.glob("*.jinja"), asks)}
-    assert {path.name for path, asked in files.items() if re.search(asked, path.read_text(encoding="utf-8"))} == set()
+    texts = {path: path.read_text(encoding="utf-8") for path in files}
+    assert [path.name for path, pattern in files.items() if re.search(pattern, texts[path])] == []
