@@ -34,7 +34,7 @@ def type_of(field: Field) -> str:
             assert_never(unknown_meaning)
 
 
-def held(raw: str, meaning: values.Raw | values.ZeroMeans) -> str:
+def parameter_number(raw: str, meaning: values.Raw | values.ZeroMeans) -> str:
     """Return the number that the bits of a parameter mean."""
     return raw if isinstance(meaning, values.Raw) else f"match {raw} {{ 0 => {meaning.number}, bits => bits }}"
 
@@ -97,7 +97,7 @@ def put_byte(piece: Piece, raw: str) -> str:
 
 
 PIECES = (byte_of, put_byte, joined_pieces)
-NUMBERS = (fills, held, hexadecimal, narrowed, pattern, quoted, type_of_parameter, unsigned, widened)
+NUMBERS = (fills, parameter_number, hexadecimal, narrowed, pattern, quoted, type_of_parameter, unsigned, widened)
 
 
 class Scope:
@@ -133,7 +133,10 @@ class Scope:
             case values.TwosComplement():
                 return narrowed(f"signed({raw}, {width})", type_), f"field({wide} as u64, 0, {width})"
             case values.ZeroMeans(number) as meaning:
-                return f"({held(raw, meaning)}) as {type_}", f"if {member} == {number} {{ 0 }} else {{ {wide} }}"
+                return (
+                    f"({parameter_number(raw, meaning)}) as {type_}",
+                    f"if {member} == {number} {{ 0 }} else {{ {wide} }}",
+                )
             case values.Active(low):
                 return f"{raw} {'==' if low else '!='} 0", f"u64::from({'!' if low else ''}{member})"
             case values.Named():
