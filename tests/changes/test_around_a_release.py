@@ -17,7 +17,7 @@ SPEC = device_text("my_encoder", "example", "d.json")
 CLOCK, SLOWER = "max_hz: 10000000", "max_hz: 5000000"
 
 
-def written(folder: Path, *edits: tuple[str, str]) -> Path:
+def write_specs(folder: Path, *edits: tuple[str, str]) -> Path:
     text = SPEC
     for old, new in edits:
         assert old in text
@@ -35,7 +35,7 @@ def run(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, st
 
 @pytest.fixture
 def old_and_new(tmp_path: Path) -> tuple[Path, Path]:
-    return written(tmp_path / "old"), written(tmp_path / "new", (CLOCK, SLOWER))
+    return write_specs(tmp_path / "old"), write_specs(tmp_path / "new", (CLOCK, SLOWER))
 
 
 LINE = SPEC[: SPEC.index(CLOCK)].count("\n") + 1
@@ -54,7 +54,7 @@ def test_changes_as_comments_of_a_pull_request(
 
 
 def test_problems_as_comments_of_a_pull_request(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    folder = written(tmp_path / "a,b", ("title: Set and save a preset", "title: “100%”"))
+    folder = write_specs(tmp_path / "a,b", ("title: Set and save a preset", "title: “100%”"))
     code, out, _ = run(capsys, "check", folder, "--format", "github")
     assert code == 1
     # The workflow commands escape a percent sign everywhere, and a comma in properties.
@@ -177,8 +177,8 @@ def test_the_entry_for_an_older_edition_keeps_what_was_taken_away(
         without,
         examples,
     ]
-    old = written(tmp_path / "old", without, examples, ("registers:\n", f"registers:\n{extra}"))
-    new = written(tmp_path / "new", *revision)
+    old = write_specs(tmp_path / "old", without, examples, ("registers:\n", f"registers:\n{extra}"))
+    new = write_specs(tmp_path / "new", *revision)
     out = run(capsys, "diff", old, new, "--editions")[1]
     _, _, edition_entry = out.partition("with their source:\n\n")
     assert "value: {name: spare, interface: biss, address: 0x60" in edition_entry
@@ -228,8 +228,8 @@ def test_the_entry_for_an_option_with_another_label_passes_check(
         first = FIRST.replace("1.0", "0.9")
         before.append((FIRST, f'{first}    - {{revision: "1.0", changes: More}}\n'))
         more = f'{first}    - {{revision: "1.0", changes: More}}\n    - {{revision: "1.1", changes: New labels}}\n'
-    old = written(tmp_path / "old", *before)
-    new = written(tmp_path / "new", before[0], SECOND, (FIRST, "" if around == "no history" else more), *labels)
+    old = write_specs(tmp_path / "old", *before)
+    new = write_specs(tmp_path / "new", before[0], SECOND, (FIRST, "" if around == "no history" else more), *labels)
     spec = new / "my_encoder.yaml"
     if around == "editions":
         spec.write_text(spec.read_text(encoding="utf-8") + EDITIONS, encoding="utf-8")

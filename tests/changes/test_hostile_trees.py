@@ -60,7 +60,7 @@ def commit(git: Git, top: str) -> None:
     git("tag", "evil", git("commit-tree", "-m", "evil", top))
 
 
-def below(folder: Path) -> dict[str, bytes]:
+def files_below(folder: Path) -> dict[str, bytes]:
     files = (path for path in folder.rglob("*") if path.is_file() and ".git" not in path.relative_to(folder).parts)
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
 
@@ -95,16 +95,16 @@ def test_a_name_that_leads_elsewhere_is_refused(
     for part in reversed(parts):
         inside, mode = tree(git, (mode, part.format(tmp=tmp_path), inside)), FOLDER
     commit(git, tree(git, (FOLDER, "specs", inside)))
-    before = below(tmp_path)
+    before = files_below(tmp_path)
     assert main(["diff", "HEAD:specs", argument]) == 2
     name = f"specs/{path_text.format(tmp=tmp_path)}"
     assert capsys.readouterr().err == (
         f"codewheel: evil holds a file '{name}'; '{unsafe_name}' is not a safe name, so the revision is not read\n"
     )
-    assert below(tmp_path) == before
+    assert files_below(tmp_path) == before
 
 
-def laid_out(tmp_path: Path, path: str, revision: str = "evil") -> LaidOut:
+def lay_out_revision(tmp_path: Path, path: str, revision: str = "evil") -> LaidOut:
     (tmp_path / "out").mkdir()
     return lay_out(Named(revision, path), tmp_path / "out")
 
@@ -115,8 +115,8 @@ def test_folders_have_neutral_names_and_messages_the_true_ones(git: Git, tmp_pat
     odd = tree(git, (FILE, "a.yaml", other_blob), (FILE, "A.yaml", spec), (FILE, "con\n.yaml", other_blob))
     hidden = tree(git, (FILE, "x.yaml", other_blob))
     commit(git, tree(git, (FOLDER, "$(id)", deep), (FOLDER, ".hidden", hidden), (FOLDER, "odd", odd)))
-    laid = laid_out(tmp_path, "")
-    assert {path: laid.names[str(tmp_path / "out" / path)] for path in below(tmp_path / "out")} == {
+    laid = lay_out_revision(tmp_path, "")
+    assert {path: laid.names[str(tmp_path / "out" / path)] for path in files_below(tmp_path / "out")} == {
         "0/demo.yaml": "evil:$(id)/demo.yaml",
         "0/manufacturer.yaml": "evil:$(id)/manufacturer.yaml",
         "1/a.yaml": "evil:odd/a.yaml",
@@ -134,7 +134,7 @@ def test_a_giant_is_not_read(git: Git, tmp_path: Path, monkeypatch: pytest.Monke
     with pytest.raises(
         RevisionError, match=r"^evil:big\.yaml is larger than 4 MB and cannot be a spec; name the folder"
     ):
-        laid_out(tmp_path, "")
+        lay_out_revision(tmp_path, "")
     trace = (tmp_path / "trace").read_text()
     assert "--batch-check" in trace
     assert "cat-file --batch\n" not in trace
@@ -144,7 +144,7 @@ def test_many_large_files_are_not_read(git: Git, tmp_path: Path) -> None:
     large = blob(git, b"#" * (4 * 2**20))
     commit(git, tree(git, *((FILE, f"{number:02}.yaml", large) for number in range(17))))
     with pytest.raises(RevisionError, match=r"^the YAML files of evil: exceed 64 MB in total; name the folder"):
-        laid_out(tmp_path, "")
+        lay_out_revision(tmp_path, "")
 
 
 def test_a_tree_that_lists_more_than_any_disk_holds(git: Git, tmp_path: Path) -> None:
@@ -153,11 +153,11 @@ def test_a_tree_that_lists_more_than_any_disk_holds(git: Git, tmp_path: Path) ->
         inside = tree(git, *((FOLDER, str(number), inside) for number in range(10)))
     commit(git, inside)
     with pytest.raises(RevisionError, match=r"^git lists more than 16 MB here; name the folder of the specs"):
-        laid_out(tmp_path, "")
+        lay_out_revision(tmp_path, "")
 
 
 @pytest.fixture
-def partial(git: Git, tmp_path: Path) -> Path:
+def partial_clone(git: Git, tmp_path: Path) -> Path:
     """Make the repository a partial clone that lacks one spec, and whose server is a command. Return its mark."""
     lost = git("rev-parse", "HEAD:specs/demo.yaml")
     mark = tmp_path / "run"
@@ -174,24 +174,24 @@ def partial(git: Git, tmp_path: Path) -> Path:
     return mark
 
 
-def test_nothing_is_fetched(partial: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_fetched(partial_clone: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "trace").touch()
     monkeypatch.setenv("GIT_TRACE", str(tmp_path / "trace"))
     with pytest.raises(RevisionError):
-        laid_out(tmp_path, "specs", "HEAD")
+        lay_out_revision(tmp_path, "specs", "HEAD")
     assert "fetch" not in (tmp_path / "trace").read_text()
-    assert not partial.exists()
+    assert not partial_clone.exists()
 
 
 def test_a_git_that_fetches_all_the_same_finds_no_protocol(
-    partial: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    partial_clone: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delitem(revisions._QUIET, "GIT_NO_LAZY_FETCH")
     with pytest.raises(RevisionError):
-        laid_out(tmp_path, "specs", "HEAD")
-    assert not partial.exists()
+        lay_out_revision(tmp_path, "specs", "HEAD")
+    assert not partial_clone.exists()
 
 
 def test_a_revision_never_becomes_an_option(git: Git, tmp_path: Path) -> None:
     with pytest.raises(RevisionError, match=r"^'--git-dir' is not a revision"):
-        laid_out(tmp_path, "specs", "--git-dir")
+        lay_out_revision(tmp_path, "specs", "--git-dir")

@@ -42,7 +42,7 @@ def environment(folder: Path) -> dict[str, str]:
     return variables | who | {"PATH": f"{tool.parent}:{os.environ['PATH']}", "PYTHONIOENCODING": "utf-8"}
 
 
-def prepared(folder: Path) -> tuple[Path, dict[str, str]]:
+def create_repository(folder: Path) -> tuple[Path, dict[str, str]]:
     """Create the repository with which the page begins."""
     variables, work = environment(folder), folder / "work"
     copytree(ROOT / "docs" / "example" / "tolvarn", work / "specs" / "tolvarn")
@@ -51,7 +51,7 @@ def prepared(folder: Path) -> tuple[Path, dict[str, str]]:
     return work, variables
 
 
-def printed(command: str, work: Path, variables: dict[str, str]) -> str:
+def output_of(command: str, work: Path, variables: dict[str, str]) -> str:
     done = subprocess.run(
         ["bash", "-c", command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=work, env=variables
     )
@@ -60,10 +60,10 @@ def printed(command: str, work: Path, variables: dict[str, str]) -> str:
 
 @pytest.mark.slow
 def test_its_session(tmp_path: Path) -> None:
-    work, variables = prepared(tmp_path)
+    work, variables = create_repository(tmp_path)
     for command, output in steps():
         if command:
-            assert printed(command, work, variables) == output, command
+            assert output_of(command, work, variables) == output, command
         else:
             subprocess.run(["git", "apply", "-"], input=output, text=True, check=True, cwd=work, env=variables)
 

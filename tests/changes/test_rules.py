@@ -135,7 +135,7 @@ def test_every_member_of_a_family_is_compared() -> None:
     )
 
 
-def _generated(devices: Any, target: str) -> dict[str, str]:
+def _files_of(devices: Any, target: str) -> dict[str, str]:
     return dict(files_of(load_target(target), Library(tuple(devices)), {}))
 
 
@@ -160,16 +160,16 @@ def test_its_impact_is_true(case: Case) -> None:
     """Wording changes no statement, compatible changes keep every name, and reported names are those of the code."""
     old, new = sides(case)
     changes = compare(old, new)
-    before, after = ((_generated(families, "c"), _generated(families, "python")) for families in (old, new))
+    before, after = ((_files_of(families, "c"), _files_of(families, "python")) for families in (old, new))
     impacts = {}
     for index, output in enumerate(OUTPUTS):
         impacts[output] = max(change.rule.impacts[index] for change in changes)
-    _c_is_true(impacts["c"], before[0], after[0])
-    modules = [_module(files[1]) for files in (before, after)]
+    _check_impact_on_c(impacts["c"], before[0], after[0])
+    modules = [_family_module(files[1]) for files in (before, after)]
     if not modules[1] or not any(name in after[1] for name in before[1] if name.endswith("/demo.py")):
         assert impacts["python"] is Impact.BREAKING
         return
-    _python_is_true(impacts["python"], *modules)
+    _check_impact_on_python(impacts["python"], *modules)
     for change in changes:
         if change.rule.name.endswith(("-gone", "-renamed")) and change.names:
             headers = "".join(text for name, text in before[0].items() if name.startswith("c/include/maker/demo_"))
@@ -179,12 +179,12 @@ def test_its_impact_is_true(case: Case) -> None:
             assert name == "DataId" or not re.search(rf"(class|def) {name}\b", modules[1])
 
 
-def _module(files: dict[str, str]) -> str:
+def _family_module(files: dict[str, str]) -> str:
     """Return the module of the family together with that of its facts."""
     return "\n".join(text for name, text in sorted(files.items()) if name.endswith("/demo.py"))
 
 
-def _c_is_true(impact: Impact, before: dict[str, str], after: dict[str, str]) -> None:
+def _check_impact_on_c(impact: Impact, before: dict[str, str], after: dict[str, str]) -> None:
     headers = sorted(name for name in before if name.endswith(".h"))
     if not after.keys() >= set(headers):
         assert impact is Impact.BREAKING
@@ -202,14 +202,14 @@ def _names_in(codes: list[list[str]]) -> set[str]:
     return {name for code in codes for word in code for name in _NAME.findall(word)}
 
 
-def _python_is_true(impact: Impact, before: str, after: str) -> None:
+def _check_impact_on_python(impact: Impact, before: str, after: str) -> None:
     if impact <= Impact.DOCUMENTATION:
         assert sorted(_python_code(before).split()) == sorted(_python_code(after).split())
     elif impact is Impact.COMPATIBLE:
-        assert _public(before) <= _public(after)
+        assert _public_names(before) <= _public_names(after)
 
 
-def _public(module: str) -> set[str]:
+def _public_names(module: str) -> set[str]:
     """Return the top-level names of a module and the names of its classes' members."""
     names = set()
     for node in ast.parse(module).body:

@@ -39,7 +39,7 @@ def test_the_version_that_is_due(version: str, impact: Impact, expected: str) ->
     assert due(version, impact) == expected
 
 
-def specs(folder: Path, *edits: tuple[str, str]) -> Path:
+def write_specs(folder: Path, *edits: tuple[str, str]) -> Path:
     copytree(BASE, folder)
     for old, new in edits:
         for place in folder.glob("*.yaml"):
@@ -49,13 +49,13 @@ def specs(folder: Path, *edits: tuple[str, str]) -> Path:
 
 
 def headers(folder: Path, *edits: tuple[str, str]) -> dict[str, str]:
-    devices, report = load_library([specs(folder, *edits)])
+    devices, report = load_library([write_specs(folder, *edits)])
     assert not report.problems
     files = TARGET.files(Library(devices), {})
     return {name.removeprefix("c/include/"): text for name, text in files.items() if name.endswith(".h")}
 
 
-def compiled(folder: Path, texts: dict[str, str], source: str, compiler: str = "gcc") -> tuple[int, str]:
+def compile_source(folder: Path, texts: dict[str, str], source: str, compiler: str = "gcc") -> tuple[int, str]:
     for name, text in texts.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(text, encoding="utf-8")
@@ -100,7 +100,7 @@ def test_headers_and_runtimes_of_two_generations(
         (old, with_runtime(old, 0, 9), "1.0"),
     ):
         texts = {**runtime, "maker/demo_ssi.h": header["maker/demo_ssi.h"]}
-        code, compiler_output = compiled(tmp_path / "c", texts, '#include "maker/demo_ssi.h"\n', compiler)
+        code, compiler_output = compile_source(tmp_path / "c", texts, '#include "maker/demo_ssi.h"\n', compiler)
         assert (code == 0) == (version == ""), compiler_output
         errors = [line for line in compiler_output.splitlines() if "error" in line]
         wanted = (
@@ -117,8 +117,8 @@ def test_a_runtime_of_two_versions(compiler: str, tmp_path: Path) -> None:
     new = with_runtime(old, 1, 1)
     for name in sorted(set(old) - {"codewheel/version.h"}):
         source = f'#include "{name}"\n'
-        assert compiled(tmp_path / "c", old, source, compiler) == (0, "")
-        code, compiler_output = compiled(tmp_path / "c", {**new, name: old[name]}, source, compiler)
+        assert compile_source(tmp_path / "c", old, source, compiler) == (0, "")
+        code, compiler_output = compile_source(tmp_path / "c", {**new, name: old[name]}, source, compiler)
         assert code != 0
         first = next(line for line in compiler_output.splitlines() if "error" in line)
         assert first.endswith(f'#error "{name} 1.0 and version.h differ: take all of codewheel/ from one folder"')
@@ -130,7 +130,7 @@ def test_the_version_of_the_runtime_costs_nothing(tmp_path: Path) -> None:
     old = headers(tmp_path / "old")
     assemblies = []
     for name, texts in (("one", old), ("two", with_runtime(old, 1, 7))):
-        assert compiled(tmp_path / name, texts, '#include "maker/demo_ssi.h"\n') == (0, "")
+        assert compile_source(tmp_path / name, texts, '#include "maker/demo_ssi.h"\n') == (0, "")
         function = "uint32_t f(const maker_demo_ssi *v) { return maker_demo_ssi_bits(v); }"
         source = f'#include "maker/demo_ssi.h"\n{function}\n'
         command = ["gcc", "-std=c99", "-O2", "-S", f"-I{tmp_path / name}", "-xc", "-", "-o", "-"]
@@ -161,8 +161,8 @@ RECORDED = {
 @pytest.mark.slow
 def test_what_is_recorded(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    specs(Path("old"))
-    specs(Path("new"), ("max_hz: 10000000", "max_hz: 5000000"))
+    write_specs(Path("old"))
+    write_specs(Path("new"), ("max_hz: 10000000", "max_hz: 5000000"))
     expected = (
         "recorded in new/manufacturer.yaml\n"
         "recorded in new/demo.changes.json\n"
@@ -181,7 +181,7 @@ def test_what_is_recorded(tmp_path: Path, capsys: pytest.CaptureFixture[str], mo
     # Recording again duplicates nothing, and the next version comes before the last.
     assert main(["diff", "old", "new", "--record"]) == 1
     assert Path("new/demo.changes.json").read_text(encoding="utf-8") == recorded
-    specs(Path("next"), NEXT, ("max_hz: 10000000", "max_hz: 5000000"), ("meaning: Saves", "meaning: Keeps"))
+    write_specs(Path("next"), NEXT, ("max_hz: 10000000", "max_hz: 5000000"), ("meaning: Saves", "meaning: Keeps"))
     Path("next/demo.changes.json").write_text(recorded, encoding="utf-8")
     assert main(["diff", "new", "next", "--record"]) == 1
     releases = json.loads(Path("next/demo.changes.json").read_text(encoding="utf-8"))["releases"]
@@ -190,7 +190,7 @@ def test_what_is_recorded(tmp_path: Path, capsys: pytest.CaptureFixture[str], mo
 
 @pytest.mark.slow
 def test_the_page_of_changes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    old, new = specs(tmp_path / "old"), specs(tmp_path / "new", ("max_hz: 10000000", "max_hz: 5000000"))
+    old, new = write_specs(tmp_path / "old"), write_specs(tmp_path / "new", ("max_hz: 10000000", "max_hz: 5000000"))
     main(["diff", str(old), str(new), "--record"])
     devices, _ = load_library([new])
     page = generate_docs(Library(devices))["docs/demo-changes.md"]
@@ -202,7 +202,7 @@ def test_the_page_of_changes(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 
 @pytest.mark.slow
 def test_the_page_without_a_recorded_release(tmp_path: Path) -> None:
-    devices, _ = load_library([specs(tmp_path / "specs")])
+    devices, _ = load_library([write_specs(tmp_path / "specs")])
     page = generate_docs(Library(devices))["docs/demo-changes.md"]
     ending = "No release is recorded yet. Version 1.4.2 has no known changes to this family.\n"
     assert page.endswith(f"family are not listed.\n\n{ending}")
@@ -212,7 +212,7 @@ def test_the_page_without_a_recorded_release(tmp_path: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("text", ["", "{}", "[]", '{"releases": [{"version": 2}]}', '{"releases": [1]}'])
 def test_a_history_that_was_spoilt(tmp_path: Path, text: str) -> None:
-    folder = specs(tmp_path / "specs")
+    folder = write_specs(tmp_path / "specs")
     (folder / "demo.changes.json").write_text(text, encoding="utf-8")
     _, report = load_library([folder])
     message = "the file was edited; undo the edit, or remove it and write it again: codewheel diff --record"
@@ -231,8 +231,8 @@ def test_a_history_that_was_spoilt(tmp_path: Path, text: str) -> None:
 def test_a_version_that_cannot_be_written(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], edits: tuple[tuple[str, str], ...], message: str
 ) -> None:
-    old = specs(tmp_path / "old")
-    new = specs(tmp_path / "new", ("max_hz: 10000000", "max_hz: 5000000"), *edits)
+    old = write_specs(tmp_path / "old")
+    new = write_specs(tmp_path / "new", ("max_hz: 10000000", "max_hz: 5000000"), *edits)
     code = main(["diff", str(old), str(new), "--record"])
     err = capsys.readouterr().err
     assert code == 1
@@ -244,7 +244,7 @@ def test_a_version_that_cannot_be_written(
 
 
 def test_a_folder_is_needed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    old = specs(tmp_path / "old")
+    old = write_specs(tmp_path / "old")
     assert main(["diff", str(old), str(old / "demo.yaml"), "--record"]) == 2
     assert capsys.readouterr().err == (
         "codewheel: --record needs a folder of specs: all families of a manufacturer share a version\n"

@@ -26,14 +26,14 @@ MINIMAL = Path(__file__).parent / "ok" / "minimal.yaml"
 MAKER = 'codewheel: 1\nmanufacturer: acme\ntitle: Acme\nsource: "1"\n'
 
 
-def written(folder: Path, text: str) -> Path:
+def write_spec(folder: Path, text: str) -> Path:
     (folder / "manufacturer.yaml").write_text(MAKER)
     (folder / "minimal.yaml").write_text(text)
     return folder
 
 
-def loaded(folder: Path, text: str) -> tuple[tuple[Device, ...], Report]:
-    return load_library([written(folder, text)])
+def load_spec(folder: Path, text: str) -> tuple[tuple[Device, ...], Report]:
+    return load_library([write_spec(folder, text)])
 
 
 def with_codes(part: str, more: str = "") -> str:
@@ -110,7 +110,7 @@ def test_every_form_of_the_output_ends(tmp_path: Path) -> None:
 
 
 def test_repeated_keys_are_cut_in_the_reader(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    folder = written(tmp_path, MINIMAL.read_text() + "device: minimal\n" * 500)
+    folder = write_spec(tmp_path, MINIMAL.read_text() + "device: minimal\n" * 500)
     assert main(["check", str(folder), "--no-cache"]) == 1
     out = capsys.readouterr().out
     assert out.count("duplicate-key") == MAX_PROBLEMS
@@ -130,7 +130,7 @@ def test_no_rule_is_checked_after_many_problems(tmp_path: Path, monkeypatch: pyt
     compared: list[str] = []
     monkeypatch.setattr(problems, "is_typo", lambda word, known_word: bool(compared.append(word)))
     errata = "".join(erratum_text(index, f"crcs.other{index}") for index in range(MAX_FOUND + 100))
-    _, report = loaded(tmp_path, MINIMAL.read_text() + "errata:\n" + errata)
+    _, report = load_spec(tmp_path, MINIMAL.read_text() + "errata:\n" + errata)
     assert len(report) == MAX_FOUND + 1
     assert len(report.shown) == MAX_PROBLEMS + 1
     assert report.shown[-1].message.startswith(f"there are at least {MAX_FOUND - MAX_PROBLEMS} more problems")
@@ -141,13 +141,13 @@ def test_hints_for_unknown_keys_end(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     hinted_keys: list[str] = []
     key_hint = messages._key_hint
 
-    def counted(error: Any, path: Any, key: str) -> str:
+    def count_hint(error: Any, path: Any, key: str) -> str:
         hinted_keys.append(key)
         return key_hint(error, path, key)
 
-    monkeypatch.setattr(messages, "_key_hint", counted)
+    monkeypatch.setattr(messages, "_key_hint", count_hint)
     text = MINIMAL.read_text().replace("title:", "titel:") + "".join(f"key_{index}: 1\n" for index in range(3000))
-    _, report = loaded(tmp_path, text)
+    _, report = load_spec(tmp_path, text)
     assert len(report) == MAX_PROBLEMS + 1
     assert len(hinted_keys) <= 2 * MAX_PROBLEMS
 
@@ -157,35 +157,35 @@ def test_values_of_a_part_are_collected_once(tmp_path: Path, monkeypatch: pytest
     fits = order_code._value_test
     monkeypatch.setattr(order_code, "_value_test", lambda part: collected_parts.append(part["name"]) or fits(part))
     values = ", ".join(f"A{index}: {{}}" for index in range(300))
-    _, report = loaded(tmp_path, with_codes(f"{{name: part, meaning: Part, values: {{{values}}}}}"))
+    _, report = load_spec(tmp_path, with_codes(f"{{name: part, meaning: Part, values: {{{values}}}}}"))
     assert not report
     assert sorted(collected_parts) == ["output", "part", "resolution"]
 
 
-class Counted(dict[str, str]):
+class CountedParts(dict[str, str]):
     """The parts of an order code, with a count of the accesses."""
 
     accesses = 0
 
     def __getitem__(self, key: str) -> str:
-        Counted.accesses += 1
+        CountedParts.accesses += 1
         return super().__getitem__(key)
 
 
 def codes_of(folder: Path, part: str, more: str = "") -> Device:
-    devices, report = loaded(folder, with_codes(part, more))
+    devices, report = load_spec(folder, with_codes(part, more))
     assert not report, report.problems[0]
-    parts = (replace(variant, parts=MappingProxyType(Counted(variant.parts))) for variant in devices[0].variants)
+    parts = (replace(variant, parts=MappingProxyType(CountedParts(variant.parts))) for variant in devices[0].variants)
     return replace(devices[0], variants=tuple(parts))
 
 
 def test_each_order_code_is_looked_up_once(tmp_path: Path) -> None:
     values = ", ".join(f"{index:03}: {{}}" for index in range(300))
     device = codes_of(tmp_path, f'{{name: part, meaning: Part, open: "[0-9]{{3}}", values: {{{values}}}}}')
-    Counted.accesses = 0
+    CountedParts.accesses = 0
     rows = open_codes(device)
     assert len(rows) == len(device.variants) // 300
-    assert Counted.accesses < 20 * len(device.variants)
+    assert CountedParts.accesses < 20 * len(device.variants)
 
 
 def test_patterns_of_refused_codes_are_looked_up(tmp_path: Path) -> None:
@@ -216,10 +216,10 @@ def test_times_below_a_place_are_found_once(tmp_path: Path, monkeypatch: pytest.
     times = quantities._times
     monkeypatch.setattr(quantities, "_times", lambda node: nodes.append(id(node)) or times(node))
     before = len(nodes)
-    loaded(tmp_path, MINIMAL.read_text())
+    load_spec(tmp_path, MINIMAL.read_text())
     nodes_without_errata = len(nodes) - before
     errata = "".join(erratum_text(index, "interfaces, crcs") for index in range(200))
-    _, report = loaded(tmp_path, MINIMAL.read_text() + "errata:\n" + errata)
+    _, report = load_spec(tmp_path, MINIMAL.read_text() + "errata:\n" + errata)
     assert not report
     assert len(nodes) - before - nodes_without_errata < nodes_without_errata + 20
 

@@ -39,7 +39,7 @@ def subschemas(schema: Any) -> Iterator[dict[str, Any]]:
                 yield from subschemas(subschema)
 
 
-def document(folder: pathlib.Path, text: str) -> tuple[Document, Report]:
+def read_spec(folder: pathlib.Path, text: str) -> tuple[Document, Report]:
     path = folder / "minimal.yaml"
     path.write_text(text, encoding="utf-8")
     report = Report()
@@ -80,7 +80,7 @@ def test_faults_are_cut_out_and_the_rest_keeps_its_lines(tmp_path: pathlib.Path)
         + broken_register
         + valid_register % ("two", 80)
     )
-    spec, report = document(tmp_path, text)
+    spec, report = read_spec(tmp_path, text)
     checked = check_schema(spec, report)
     assert checked is not None
     assert [register["name"] for register in checked.data["registers"]] == ["bank", "one", "two"]
@@ -90,14 +90,14 @@ def test_faults_are_cut_out_and_the_rest_keeps_its_lines(tmp_path: pathlib.Path)
 
 
 def test_misspelt_key_is_one_problem(tmp_path: pathlib.Path) -> None:
-    spec, report = document(tmp_path, MINIMAL.read_text().replace("alias", "").replace("poly:", "polly:"))
+    spec, report = read_spec(tmp_path, MINIMAL.read_text().replace("alias", "").replace("poly:", "polly:"))
     check_document(spec, report)
     assert [problem.message for problem in report.problems] == ["unknown key 'polly'; did you mean 'poly'?"]
 
 
 @pytest.mark.slow
 def test_endless_problems_end(tmp_path: pathlib.Path) -> None:
-    spec, report = document(tmp_path, MINIMAL.read_text() + "".join(f"key_{index}: 1\n" for index in range(1000)))
+    spec, report = read_spec(tmp_path, MINIMAL.read_text() + "".join(f"key_{index}: 1\n" for index in range(1000)))
     assert check_document(spec, report) is None
     assert len(report) == MAX_PROBLEMS + 1
     last = [problem for problem in report.problems if problem.rule == "too-many-problems"]
@@ -112,12 +112,12 @@ def test_a_spec_full_of_faults_is_read_no_further_than_it_is_told(
 ) -> None:
     explained: list[object] = []
 
-    def counted(error: Any, kind: str) -> Any:
+    def count_explanation(error: Any, kind: str) -> Any:
         explained.append(error)
         return explain(error, kind)
 
-    monkeypatch.setattr("codewheel.language.schema.explain", counted)
-    spec, report = document(
+    monkeypatch.setattr("codewheel.language.schema.explain", count_explanation)
+    spec, report = read_spec(
         tmp_path, MINIMAL.read_text() + "".join(f"  - {{name: r{index}, adress: {index}}}\n" for index in range(5000))
     )
     assert check_document(spec, report) is None
@@ -125,18 +125,18 @@ def test_a_spec_full_of_faults_is_read_no_further_than_it_is_told(
     assert len(explained) < 3 * MAX_PROBLEMS
 
 
-def places(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+def paths_in(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
     if not isinstance(data, dict | list):
         return
     for key, value in data.items() if isinstance(data, dict) else enumerate(data):
         yield (*path, key)
-        yield from places(value, (*path, key))
+        yield from paths_in(value, (*path, key))
 
 
-def damaged(data: Any, seed: str) -> Iterator[Any]:
+def damaged_copies(data: Any, seed: str) -> Iterator[Any]:
     """Yield copies of data in which random places are removed or replaced."""
     choose = random.Random(seed)
-    spots = list(places(data))
+    spots = list(paths_in(data))
     junk: list[Any] = [None, -1, 2**70, 1.5, True, "", "x", "a.b", "é\n", [], ["x"], {}, {"name": "x"}, [{}], [[1]]]
     for _ in range(25):
         damaged_data = copy.deepcopy(data)
@@ -166,12 +166,12 @@ def test_no_damage_makes_it_raise(path: pathlib.Path) -> None:
     """Remove or replace random places of a valid spec. The result is problems or a valid spec, never an exception."""
     sound = read_document(path, Report())
     assert sound is not None
-    for data in damaged(sound.data, path.stem):
+    for data in damaged_copies(sound.data, path.stem):
         # It is checked as data. The marks are those of the valid spec, since they only give places.
-        document, report = Document(path.name, sound.lines, data, sound.marks), Report()
-        accepted = check_document(document, report)
+        damaged_spec, report = Document(path.name, sound.lines, data, sound.marks), Report()
+        accepted = check_document(damaged_spec, report)
         if accepted is not None and "device" in accepted:
-            build_device(accepted, MAKER, report.for_document(document))
+            build_device(accepted, MAKER, report.for_document(damaged_spec))
         for problem in report.problems[:50]:
             assert problem.format()
 
@@ -185,7 +185,7 @@ def test_the_quick_test_agrees_with_jsonschema(path: pathlib.Path, monkeypatch: 
     shape = shape_of(kind.value)
     assert follows(sound.data, shape)
     monkeypatch.setattr("codewheel.language.schema.follows", lambda value, schema: False)
-    for data in (sound.data, *damaged(sound.data, path.stem)):
+    for data in (sound.data, *damaged_copies(sound.data, path.stem)):
         report = Report()
         check_schema(Document(path.name, sound.lines, data, sound.marks), report, kind)
         assert follows(data, shape) == (not report.problems)
@@ -202,7 +202,7 @@ _Hexadecimal.add_representer(
 
 def test_spec_written_by_a_machine(tmp_path: pathlib.Path) -> None:
     """Block style instead of flow style, with numbers as 0x: the same data, and the same check."""
-    spec, _ = document(tmp_path, MINIMAL.read_text())
-    again, report = document(tmp_path, yaml.dump(spec.data, Dumper=_Hexadecimal, sort_keys=False))
+    spec, _ = read_spec(tmp_path, MINIMAL.read_text())
+    again, report = read_spec(tmp_path, yaml.dump(spec.data, Dumper=_Hexadecimal, sort_keys=False))
     check_document(again, report)
     assert report.problems == ()

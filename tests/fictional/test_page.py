@@ -74,7 +74,7 @@ def quotes() -> list[str]:
     return [re.sub("^> ", "", quote, flags=re.MULTILINE).removesuffix("\n") for quote in quotes_with_marks]
 
 
-def flat(text: str) -> str:
+def on_one_line(text: str) -> str:
     return " ".join(text.split())
 
 
@@ -98,7 +98,7 @@ def test_yaml_is_that_of_the_spec(snippet: str) -> None:
 
 @pytest.mark.parametrize("quote", quotes(), ids=lambda text: text[:40])
 def test_quotes_are_from_the_manual(quote: str) -> None:
-    assert flat(quote) in flat(MANUAL)
+    assert on_one_line(quote) in on_one_line(MANUAL)
 
 
 def test_there_is_something_to_compare() -> None:

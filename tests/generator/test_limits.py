@@ -25,7 +25,7 @@ def test_what_zero_stands_for_can_be_written() -> None:
     assert bounds(register, placed, (register.min, register.max), variant.parameters) == (1, 256)
 
 
-def resolution(device: Device, information: int, revolutions: int, position: int) -> dict[int, int]:
+def registers_after_resolution(device: Device, information: int, revolutions: int, position: int) -> dict[int, int]:
     """Return the registers after AM36's set_resolution, by address."""
     values = {
         "information_per_revolution": information,
@@ -39,14 +39,14 @@ def resolution(device: Device, information: int, revolutions: int, position: int
 
 def test_what_a_step_writes_holds_for_the_limits_of_later_steps(devices: Mapping[str, Device]) -> None:
     """AM36 manual, 6.5 p.29: a preset is at most information per revolution times revolutions, less 1."""
-    registers = resolution(devices["am36"], 1024, 16, 16383)
+    registers = registers_after_resolution(devices["am36"], 1024, 16, 16383)
     assert [registers[address] for address in range(0x50, 0x55)] == [0, 0, 0, 0x3F, 0xFF]
     for information, revolutions, position in ((1024, 16, 16384), (1, 1, 1), (2, 1, 2), (1 << 20, 1, 1 << 20)):
         with pytest.raises(EncodeError, match=f"outside 0 to {information * revolutions - 1}$"):
-            resolution(devices["am36"], information, revolutions, position)
-    assert resolution(devices["am36"], 1, 1, 0)[0x54] == 0
+            registers_after_resolution(devices["am36"], information, revolutions, position)
+    assert registers_after_resolution(devices["am36"], 1, 1, 0)[0x54] == 0
     # 16 bits hold 65,536 revolutions as 0, and the limit takes that into account.
-    assert resolution(devices["am36"], 1 << 20, 65536, (1 << 36) - 1)[0x50] == 0x0F
+    assert registers_after_resolution(devices["am36"], 1 << 20, 65536, (1 << 36) - 1)[0x50] == 0x0F
 
 
 def test_a_preset_alone_keeps_to_what_the_registers_hold(devices: Mapping[str, Device]) -> None:

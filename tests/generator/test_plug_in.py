@@ -181,7 +181,7 @@ def test_options_reach_it_and_the_command_that_mends(
     assert capsys.readouterr().err.endswith(again.format(tmp_path))
 
 
-def of_amm5(library: Library) -> Iterable[TargetProblem]:
+def problem_in_amm5(library: Library) -> Iterable[TargetProblem]:
     """Yield a problem of one register, with a second place, or nothing without that family."""
     for device in library.devices:
         if device.name == "amm5":
@@ -191,7 +191,7 @@ def of_amm5(library: Library) -> Iterable[TargetProblem]:
 
 @pytest.mark.slow
 def test_its_problems_have_places(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    register(monkeypatch, rust=EntryPoint(Target("rust", "a crate", lambda *_: {}, of_amm5)))
+    register(monkeypatch, rust=EntryPoint(Target("rust", "a crate", lambda *_: {}, problem_in_amm5)))
     spec = (ROOT / "specs/lika/amm5.yaml").read_text(encoding="utf-8").splitlines()
     preset = next(index for index, line in enumerate(spec) if line.strip() == "- name: preset")
     line, length = next((index, text) for index, text in enumerate(spec) if index > preset and "length:" in text)

@@ -162,7 +162,7 @@ def device_of(path: Path) -> Device:
     return device
 
 
-def reference(device: Device, code: str, layout: str, frames: Sequence[Frame], *_: object) -> list[Result]:
+def decode_by_reference(device: Device, code: str, layout: str, frames: Sequence[Frame], *_: object) -> list[Result]:
     variant = next(variant for variant in device.variants if variant.code == code)
     placed = device.layout(layout).place(variant.parameters)
     results = []
@@ -174,7 +174,7 @@ def reference(device: Device, code: str, layout: str, frames: Sequence[Frame], *
     return results
 
 
-def python(
+def decode_in_python(
     device: Device, code: str, layout: str, frames: Sequence[Frame], import_generated: Import, _: Path
 ) -> list[Result]:
     package = device.manufacturer.python_package
@@ -188,7 +188,7 @@ def python(
     return results
 
 
-def columns(
+def decode_in_columns(
     device: Device, code: str, layout: str, frames: Sequence[Frame], import_generated: Import, _: Path
 ) -> list[Result]:
     np: Any = pytest.importorskip("numpy")
@@ -208,7 +208,9 @@ def columns(
     return results
 
 
-def compiled(device: Device, code: str, layout: str, frames: Sequence[Frame], _: Import, folder: Path) -> list[Result]:
+def decode_in_c(
+    device: Device, code: str, layout: str, frames: Sequence[Frame], _: Import, folder: Path
+) -> list[Result]:
     compile_programs([*GCC, "-Wall", "-Wextra", "-Werror"], device, folder, write(folder, (device,)))
     variant = next(variant for variant in device.variants if variant.code == code)
     view = next(view for view in by_interface(device) if view.interfaces[0].name == variant.interface)
@@ -241,7 +243,9 @@ console.log(JSON.stringify(results));
 """
 
 
-def browser(device: Device, code: str, layout: str, frames: Sequence[Frame], _: Import, folder: Path) -> list[Result]:
+def decode_in_browser(
+    device: Device, code: str, layout: str, frames: Sequence[Frame], _: Import, folder: Path
+) -> list[Result]:
     node = shutil.which("node") or shutil.which("nodejs")
     if node is None:
         pytest.skip("needs node")
@@ -257,7 +261,13 @@ def browser(device: Device, code: str, layout: str, frames: Sequence[Frame], _: 
     return results
 
 
-ENGINES = {"reference": reference, "python": python, "columns": columns, "c": compiled, "browser": browser}
+ENGINES = {
+    "reference": decode_by_reference,
+    "python": decode_in_python,
+    "columns": decode_in_columns,
+    "c": decode_in_c,
+    "browser": decode_in_browser,
+}
 
 
 @pytest.mark.parametrize("engine", ENGINES)

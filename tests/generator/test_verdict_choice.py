@@ -144,19 +144,19 @@ def test_python(generated_python: tuple[Path, ModuleType], code: str, bits: int)
     for answer in package.amm5.WarningCause:
         encoder = first.with_answers(warning_cause=answer)
         decoded = [encoder.decode(number) for number in frames]
-        assert [decoded_frame.verdict.value for decoded_frame in decoded] == wanted_of(bits, answer.name.lower())
         verdicts = [decoded_frame.verdict for decoded_frame in decoded]
+        assert [verdict.value for verdict in verdicts] == expected_verdicts(bits, answer.name.lower())
         assert [order[index] for index in encoder.decode_many(frames).verdict] == verdicts
         for decoded_frame in decoded:
             assert (decoded_frame.usable_position is None) == (decoded_frame.verdict is package.Verdict.NOT_USABLE)
             worst = min((report.makes_position for report in decoded_frame.reports), key=order.index, default=order[-1])
             assert worst is decoded_frame.verdict
-    assert [first.decode(number).verdict.value for number in frames] == wanted_of(bits, EITHER)
+    assert [first.decode(number).verdict.value for number in frames] == expected_verdicts(bits, EITHER)
     with pytest.raises(TypeError, match=r"expected WarningCause\.EITHER_CAUSE or WarningCause\.LOW_BATTERY"):
         first.with_answers(warning_cause="low_battery")
 
 
-def wanted_of(bits: int, answer: str) -> list[str]:
+def expected_verdicts(bits: int, answer: str) -> list[str]:
     return [WANTED[levels][answer] if bits == 37 else WANTED_WITHOUT_BATTERY[levels] for levels in WANTED]
 
 
@@ -197,7 +197,7 @@ def test_c(amm5: Device, tmp_path: Path, code: str, bits: int) -> None:
     build = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", f"-I{tmp_path / 'c' / 'include'}", str(source), "-o"]
     subprocess.run([*build, str(tmp_path / "program")], check=True)
     done = subprocess.run([str(tmp_path / "program")], capture_output=True, text=True, check=True)
-    wanted = [verdict for answer in (EITHER, BATTERY) for verdict in wanted_of(bits, answer)]
+    wanted = [verdict for answer in (EITHER, BATTERY) for verdict in expected_verdicts(bits, answer)]
     lines = [f"{IN_C.index(verdict)} {5 if verdict == 'not_usable' else POSITION}" for verdict in wanted]
     assert done.stdout.splitlines() == lines
 

@@ -387,7 +387,7 @@ def test_a_crc_is_blind_for_what_is_said(devices: Mapping[str, Device], decode: 
     assert any("swapped bytes" in text for text in limits)
 
 
-def outcomes(device: Device, code: str, frames: int) -> Iterator[Why]:
+def explain_noise(device: Device, code: str, frames: int) -> Iterator[Why]:
     source = random.Random(code)
     variant = find(device, code).variant
     placed = device.layout("single_cycle_data").place(variant.parameters)
@@ -403,7 +403,7 @@ def outcomes(device: Device, code: str, frames: int) -> Iterator[Why]:
 @pytest.mark.parametrize("code", ["AMM5A21/65KSC1", "ASC8523/SC1", "SMA21-SC4-0001", "AM3616/4096-I7"])
 def test_the_stated_coincidence_is_what_noise_shows(code: str, devices: Mapping[str, Device]) -> None:
     """The stated number of random frames has an explanation, within the spread of 600 frames and of related tries."""
-    outcomes_of_noise = list(outcomes(family(devices, code), code, 600))
+    outcomes_of_noise = list(explain_noise(family(devices, code), code, 600))
     single = [outcome for outcome in outcomes_of_noise if outcome.explanations and not outcome.explanations[0].twice]
     doubled = [outcome for outcome in outcomes_of_noise if outcome not in single]
     assert single
@@ -422,7 +422,7 @@ def test_the_stated_coincidence_is_what_noise_shows(code: str, devices: Mapping[
 
 @pytest.mark.slow
 def test_likeliest_first_and_every_kind_weighed(devices: Mapping[str, Device]) -> None:
-    for explained in outcomes(devices["amm5"], "AMM5A21/65KSC1", 60):
+    for explained in explain_noise(devices["amm5"], "AMM5A21/65KSC1", 60):
         scores = [explanation.score for explanation in explained.explanations]
         assert scores == sorted(scores, reverse=True)
         assert all(explanation.kind in KINDS and explanation.one_in >= 8 for explanation in explained.explanations)
@@ -452,7 +452,7 @@ def test_frames_far_off_are_no_burden(decode: Run) -> None:
 
 def test_one_frame_takes_far_less_than_a_second(devices: Mapping[str, Device]) -> None:
     before = time.process_time()
-    list(outcomes(devices["am36"], "AM3616/4096-I7", 10))
+    list(explain_noise(devices["am36"], "AM3616/4096-I7", 10))
     assert (time.process_time() - before) / 10 < 0.5
 
 

@@ -87,7 +87,7 @@ registers:
 
 
 @pytest.fixture
-def made_up(tmp_path: pathlib.Path) -> Document:
+def invented_spec(tmp_path: pathlib.Path) -> Document:
     path = tmp_path / "made_up.yaml"
     path.write_text(SPEC, encoding="utf-8")
     document = read_document(path, Report())
@@ -109,8 +109,8 @@ def mistakes_of(document: Document, *path: str | int) -> dict[str, list[object]]
     return values_by_mistake
 
 
-def test_mistakes_of_a_number_follow_how_it_is_written(made_up: Document) -> None:
-    values = mistakes_of(made_up, "crcs", 0, "poly")
+def test_mistakes_of_a_number_follow_how_it_is_written(invented_spec: Document) -> None:
+    values = mistakes_of(invented_spec, "crcs", 0, "poly")
     assert values["digit lost"] == [0x03, 0x13, 0x10]
     assert values["digits swapped"] == [0x013, 0x130]
     assert values["digit misread"] == [0x703, 0x183, 0x163, 0x108]
@@ -118,14 +118,14 @@ def test_mistakes_of_a_number_follow_how_it_is_written(made_up: Document) -> Non
     assert len(values["bit flipped"]) == 9
 
 
-def test_mistakes_of_words_booleans_and_items(made_up: Document) -> None:
-    assert mistakes_of(made_up, "crcs", 0, "refin")["boolean flipped"] == [True]
-    assert mistakes_of(made_up, "registers", 0, "access")["another word"] == ["read_write", "write_only"]
-    exchanged = mutants_at(made_up, "registers", 0, "address")["swapped with the next"]
-    assert [register["address"] for register in mutated(made_up, exchanged)["registers"]] == [0x49, 0x48]
-    lost = mutants_at(made_up, "registers", 0)["item omitted"]
-    assert [register["name"] for register in mutated(made_up, lost)["registers"]] == ["two"]
-    assert [register["name"] for register in made_up.data["registers"]] == ["one", "two"]
+def test_mistakes_of_words_booleans_and_items(invented_spec: Document) -> None:
+    assert mistakes_of(invented_spec, "crcs", 0, "refin")["boolean flipped"] == [True]
+    assert mistakes_of(invented_spec, "registers", 0, "access")["another word"] == ["read_write", "write_only"]
+    exchanged = mutants_at(invented_spec, "registers", 0, "address")["swapped with the next"]
+    assert [register["address"] for register in mutated(invented_spec, exchanged)["registers"]] == [0x49, 0x48]
+    lost = mutants_at(invented_spec, "registers", 0)["item omitted"]
+    assert [register["name"] for register in mutated(invented_spec, lost)["registers"]] == ["two"]
+    assert [register["name"] for register in invented_spec.data["registers"]] == ["one", "two"]
 
 
 def test_every_value_has_a_class(trial: Trial) -> None:
@@ -176,10 +176,10 @@ def test_values_are_code_spans(text: str, span: str) -> None:
     assert code_span(text) == span
 
 
-def test_an_omitted_value_is_not_a_code_span(made_up: Document) -> None:
-    omitted = mutants_at(made_up, "registers", 0)["item omitted"]
+def test_an_omitted_value_is_not_a_code_span(invented_spec: Document) -> None:
+    omitted = mutants_at(invented_spec, "registers", 0)["item omitted"]
     assert omitted.difference == "`{'name': 'one', 'address': 72, 'access': 'read_only'}` -> nothing"
-    assert mutants_at(made_up, "movement")["another word"].difference == "`rotary` -> `linear`"
+    assert mutants_at(invented_spec, "movement")["another word"].difference == "`rotary` -> `linear`"
 
 
 def test_the_worst_effect_is_last() -> None:

@@ -30,7 +30,7 @@ def second(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return second
 
 
-def differences(second: Path, old: str, new: str) -> list[str]:
+def problems_after_change(second: Path, old: str, new: str) -> list[str]:
     """Return the problems of the second reading with a change, each without its place."""
     text = second.read_text(encoding="utf-8")
     assert text.count(old) == 1
@@ -45,7 +45,7 @@ def test_readings_that_agree(second: Path) -> None:
 
 
 def test_the_verdict_of_a_value_is_compared(second: Path) -> None:
-    reported = differences(
+    reported = problems_after_change(
         second, "poor: {value: 2, makes_position: usable_with_warning}", "poor: {value: 2, makes_position: not_usable}"
     )
     value = "verdict on the position of value 2 of bits 9:8 of 'gray_word'"
@@ -68,4 +68,4 @@ def test_the_verdict_of_a_value_is_compared(second: Path) -> None:
     ],
 )
 def test_a_combination_is_compared(second: Path, old: str, new: str, expected: list[str]) -> None:
-    assert differences(second, old, new) == expected
+    assert problems_after_change(second, old, new) == expected

@@ -159,7 +159,7 @@ def test_nothing_else_is_said(device: Device) -> None:
 # ------------------------------------------------------------------------------------------------------------- outputs
 
 
-def flat(text: str) -> str:
+def on_one_line(text: str) -> str:
     return " ".join(text.split())
 
 
@@ -213,10 +213,10 @@ def outputs(device: Device) -> dict[str, tuple[str, Phrase]]:
     files = generate_python(Library((device,)))
     module = files["python/acme_encoders/said.py"] + files["python/acme_encoders/facts/said.py"]
     return {
-        "show": (flat(" ".join(show_texts)), BY_NAME.phrase),
-        "docs": (flat(pages), MARKDOWN.phrase),
-        "c": (flat(header), lambda statement: in_comment(BY_TITLE.phrase(statement))),
-        "python": (flat(module), AS_LITERAL.phrase),
+        "show": (on_one_line(" ".join(show_texts)), BY_NAME.phrase),
+        "docs": (on_one_line(pages), MARKDOWN.phrase),
+        "c": (on_one_line(header), lambda statement: in_comment(BY_TITLE.phrase(statement))),
+        "python": (on_one_line(module), AS_LITERAL.phrase),
     }
 
 
