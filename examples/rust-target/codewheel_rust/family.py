@@ -152,8 +152,5 @@ class Family:
 
 def crc_name(crc_function: CrcFunction) -> str:
     """Return the name of the function for a CRC."""
-    return (
-        f"crc_{crc_function.crc.name}"
-        if crc_function.alone
-        else f"crc_{crc_function.crc.name}_{crc_function.carrier.value}"
-    )
+    name = f"crc_{crc_function.crc.name}"
+    return name if crc_function.alone else f"{name}_{crc_function.carrier.value}"

@@ -84,8 +84,11 @@ def byte_of(piece: Piece) -> str:
 
 def joined_pieces(pieces: Iterable[Piece]) -> str:
     """Return the bits of these pieces of ``bytes`` as one number."""
-    parts = ((f"u64::from({byte_of(piece)})", piece.left) for piece in pieces)
-    return " | ".join(f"({part} << {shift})" if shift else part for part, shift in parts) or "0_u64"
+    parts = []
+    for piece in pieces:
+        part = f"u64::from({byte_of(piece)})"
+        parts.append(f"({part} << {piece.left})" if piece.left else part)
+    return " | ".join(parts) or "0_u64"
 
 
 def put_byte(piece: Piece, raw: str) -> str:
@@ -138,7 +141,8 @@ class Scope:
                     f"if {member} == {number} {{ 0 }} else {{ {wide} }}",
                 )
             case values.Active(low):
-                return f"{raw} {'==' if low else '!='} 0", f"u64::from({'!' if low else ''}{member})"
+                comparison, negation = ("==", "!") if low else ("!=", "")
+                return f"{raw} {comparison} 0", f"u64::from({negation}{member})"
             case values.Named():
                 return f'{type_}::from_bits({raw}).ok_or(Fault::Range("{field.name}"))?', f"{member} as u64"
             case values.Characters():
