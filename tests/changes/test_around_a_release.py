@@ -29,8 +29,8 @@ def write_specs(folder: Path, *edits: tuple[str, str]) -> Path:
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str, str]:
-    code = main([str(argument) for argument in arguments])
-    return (code, *capsys.readouterr())
+    exit_code = main([str(argument) for argument in arguments])
+    return (exit_code, *capsys.readouterr())
 
 
 @pytest.fixture
@@ -46,8 +46,8 @@ COLUMN = SPEC.splitlines()[LINE - 1].index("10000000") + 1
 def test_changes_as_comments_of_a_pull_request(
     old_and_new: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
 ) -> None:
-    code, out, _ = run(capsys, "diff", *old_and_new, "--format", "github")
-    assert code == 1
+    exit_code, out, _ = run(capsys, "diff", *old_and_new, "--format", "github")
+    assert exit_code == 1
     place = f"{old_and_new[1]}/my_encoder.yaml,line={LINE},col={COLUMN}"
     assert out.startswith(f"::warning file={place},title=clock-narrower::BiSS: highest clock")
     assert out.count("\n") == 1
@@ -55,8 +55,8 @@ def test_changes_as_comments_of_a_pull_request(
 
 def test_problems_as_comments_of_a_pull_request(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     folder = write_specs(tmp_path / "a,b", ("title: Set and save a preset", "title: “100%”"))
-    code, out, _ = run(capsys, "check", folder, "--format", "github")
-    assert code == 1
+    exit_code, out, _ = run(capsys, "check", folder, "--format", "github")
+    assert exit_code == 1
     # The workflow commands escape a percent sign everywhere, and a comma in properties.
     assert out.startswith(f"::error file={tmp_path}/a%2Cb/my_encoder.yaml,line=134,col=12,title=typographic-quotes::")
     assert 'write "100%25" with straight quotes' in out
@@ -69,9 +69,11 @@ def test_sarif(old_and_new: tuple[Path, Path], capsys: pytest.CaptureFixture[str
     new = old_and_new[1] / "my_encoder.yaml"
     if command == "check":
         new.write_text(SPEC.replace("address: 0x50", "address: 50"), encoding="utf-8")
-    code, out, _ = run(capsys, command, *(old_and_new if command == "diff" else (old_and_new[1],)), "--format", "sarif")
+    exit_code, out, _ = run(
+        capsys, command, *(old_and_new if command == "diff" else (old_and_new[1],)), "--format", "sarif"
+    )
     sarif = json.loads(out)
-    assert (code, sarif["version"]) == (1, "2.1.0")
+    assert (exit_code, sarif["version"]) == (1, "2.1.0")
     (sarif_run,) = sarif["runs"]
     assert sarif_run["columnKind"] in ("utf16CodeUnits", "unicodeCodePoints")
     assert sarif_run["tool"]["driver"]["name"] == "codewheel"
@@ -89,10 +91,10 @@ def test_without_problems_the_forms_are_empty(
     old_and_new: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert run(capsys, "check", old_and_new[0], "--format", "github")[:2] == (0, "\n")
-    code, out, _ = run(capsys, "check", old_and_new[0], "--format", "sarif")
-    assert (code, json.loads(out)["runs"][0]["results"]) == (0, [])
-    code, out, _ = run(capsys, "check", old_and_new[0], "--format", "json")
-    assert (code, json.loads(out)["problems"]) == (0, [])
+    exit_code, out, _ = run(capsys, "check", old_and_new[0], "--format", "sarif")
+    assert (exit_code, json.loads(out)["runs"][0]["results"]) == (0, [])
+    exit_code, out, _ = run(capsys, "check", old_and_new[0], "--format", "json")
+    assert (exit_code, json.loads(out)["problems"]) == (0, [])
 
 
 ENTRY = "{family: my_encoder, rule: clock-narrower, path: interfaces.biss.clock.max_hz, why: no faster master, until: "
@@ -136,8 +138,8 @@ def test_a_wrong_file_of_accepted_changes(
     old_and_new: tuple[Path, Path], capsys: pytest.CaptureFixture[str], text: str, message: str
 ) -> None:
     (old_and_new[1] / "accepted.yaml").write_text(text, encoding="utf-8")
-    code, _, err = run(capsys, "diff", *old_and_new)
-    assert code == 2
+    exit_code, _, err = run(capsys, "diff", *old_and_new)
+    assert exit_code == 2
     assert message in err
 
 
@@ -245,8 +247,8 @@ def test_the_entry_for_an_option_with_another_label_passes_check(
         history = begin.partition("under 'manual':\n\n")[2].partition("\n\n")[0]
         text = text.replace(SECOND[1], f"{SECOND[1]}\n{history}", 1)
     spec.write_text(text, encoding="utf-8")
-    code, out, _ = run(capsys, "check", new)
-    assert code == 0, out
+    exit_code, out, _ = run(capsys, "check", new)
+    assert exit_code == 0, out
     codes_before = shown_codes(capsys, "--specs", old)
     assert codes_before == shown_codes(capsys, "--edition", "1.0", "--specs", new)
 

@@ -54,9 +54,9 @@ def git(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Git:
 
 
 def diff(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
-    code = main(["diff", *words])
+    exit_code = main(["diff", *words])
     done = capsys.readouterr()
-    return code, done.out, done.err
+    return exit_code, done.out, done.err
 
 
 TOLD = """\
@@ -119,8 +119,8 @@ def test_fail_on_words(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[s
 
 
 def test_an_impact_that_is_none(git: Git, capsys: pytest.CaptureFixture[str]) -> None:
-    code, _, err = diff(capsys, "v1.0:specs", "specs", "--fail-on", "braking")
-    assert (code, "there is no choice 'braking'; did you mean 'breaking'?" in err) == (2, True)
+    exit_code, _, err = diff(capsys, "v1.0:specs", "specs", "--fail-on", "braking")
+    assert (exit_code, "there is no choice 'braking'; did you mean 'breaking'?" in err) == (2, True)
 
 
 def test_as_data(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -128,10 +128,10 @@ def test_as_data(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     validator = Draft202012Validator(SCHEMA)
     validator.validate(json.loads(diff(capsys, "v1.0:specs", "specs", "--json")[1]))
     revise(tmp_path / "specs")
-    code, out, _ = diff(capsys, "v1.0:specs", "specs", "--json")
+    exit_code, out, _ = diff(capsys, "v1.0:specs", "specs", "--json")
     data = json.loads(out)
     validator.validate(data)
-    assert (code, data["impact"], data["generated"]["files"]) == (1, "breaking", 229)
+    assert (exit_code, data["impact"], data["generated"]["files"]) == (1, "breaking", 229)
     assert data["counts"] == {"documentation": 1, "compatible": 1, "behaviour": 1, "breaking": 1}
     assert data["changes"][1] == {
         "family": "demo",
@@ -201,8 +201,8 @@ def test_what_is_not_there(
     git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, message: str | None
 ) -> None:
     git("branch", "-M", "master")
-    code, out, err = diff(capsys, *(("--", old) if old.startswith("-") else (old,)), "specs")
-    assert (code, out) == (2, "")
+    exit_code, out, err = diff(capsys, *(("--", old) if old.startswith("-") else (old,)), "specs")
+    assert (exit_code, out) == (2, "")
     assert "Traceback" not in err
     if message is not None:
         assert err.splitlines()[-1].startswith(f"codewheel: {message.partition('; did')[0]}")
@@ -231,16 +231,16 @@ def test_a_file_with_a_colon_is_a_file(git: Git, tmp_path: Path) -> None:
 @pytest.mark.parametrize("path", ["C:\\old\\demo.yaml", "c:/old"])
 def test_a_path_of_windows_is_a_path(capsys: pytest.CaptureFixture[str], path: str) -> None:
     assert named(path) is None
-    code, _, err = diff(capsys, path, "specs")
-    assert (code, err) == (2, f"codewheel: no such file or folder: {path}\n")
+    exit_code, _, err = diff(capsys, path, "specs")
+    assert (exit_code, err) == (2, f"codewheel: no such file or folder: {path}\n")
 
 
 def test_links_in_history_lead_nowhere(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "link.yaml").symlink_to(tmp_path / "specs" / "demo.yaml")
     git("add", ".")
     git("commit", "-q", "-m", "link")
-    code, _, err = diff(capsys, "HEAD:link.yaml", "specs")
-    assert (code, err) == (2, "codewheel: there is no link.yaml in HEAD\n")
+    exit_code, _, err = diff(capsys, "HEAD:link.yaml", "specs")
+    assert (exit_code, err) == (2, "codewheel: there is no link.yaml in HEAD\n")
 
 
 def test_an_earlier_form_of_the_language(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -248,15 +248,15 @@ def test_an_earlier_form_of_the_language(git: Git, tmp_path: Path, capsys: pytes
     edit(file, "movement: rotary", "motion: rotary")
     git("commit", "-q", "-a", "-m", "old form")
     edit(file, "motion: rotary", "movement: rotary")
-    code, out, err = diff(capsys, "HEAD:specs", "specs")
-    assert (code, out) == (1, "")
+    exit_code, out, err = diff(capsys, "HEAD:specs", "specs")
+    assert (exit_code, out) == (1, "")
     assert err.startswith("HEAD:specs/demo.yaml:2:1: missing-key: ")
     assert err.endswith(
         "codewheel: HEAD:specs is not compared, because the current spec language finds 2 problems in it. It may "
         "use an older form of the language: add --lenient, use a later revision, or run the version of codewheel from "
         "that time\n"
     )
-    code, out, _ = diff(capsys, "--lenient", "HEAD:specs", "specs")
+    exit_code, out, _ = diff(capsys, "--lenient", "HEAD:specs", "specs")
     assert out.splitlines()[0] == (
         "the current spec language finds 2 problems in HEAD:specs. "
         "The faulty parts are omitted and may be listed as new"
@@ -268,8 +268,8 @@ def test_a_spec_without_interfaces_is_compared(git: Git, tmp_path: Path, capsys:
     edit(file, "\ninterfaces:", "\ninterface:")
     git("commit", "-q", "-a", "-m", "old form")
     edit(file, "\ninterface:", "\ninterfaces:")
-    code, out, _ = diff(capsys, "--lenient", "HEAD:specs", "specs")
-    assert code == 1
+    exit_code, out, _ = diff(capsys, "--lenient", "HEAD:specs", "specs")
+    assert exit_code == 1
     assert "order codes DEMO…: 12 new" in out
 
 
@@ -297,8 +297,8 @@ def test_a_family_that_cannot_be_read_is_left_out(git: Git, tmp_path: Path, caps
     git("add", ".")
     git("commit", "-q", "-m", "two")
     edit(tmp_path / "specs" / "demo.yaml", "motion: rotary", "movement: rotary")
-    code, out, _ = diff(capsys, "HEAD:specs", "specs")
-    assert (code, out) == (
+    exit_code, out, _ = diff(capsys, "HEAD:specs", "specs")
+    assert (exit_code, out) == (
         0,
         "not compared because of 2 problems in the current spec language: demo of HEAD:specs\nno differences\n",
     )
@@ -306,8 +306,8 @@ def test_a_family_that_cannot_be_read_is_left_out(git: Git, tmp_path: Path, caps
 
 def test_the_new_specs_have_to_be_sound(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     edit(tmp_path / "specs" / "demo.yaml", "movement: rotary", "movement: round")
-    code, out, err = diff(capsys, "v1.0:specs", "specs")
-    assert (code, out) == (1, "")
+    exit_code, out, err = diff(capsys, "v1.0:specs", "specs")
+    assert (exit_code, out) == (1, "")
     assert err.endswith("codewheel: specs has 1 problem and is not compared\n")
 
 

@@ -100,8 +100,8 @@ def test_headers_and_runtimes_of_two_generations(
         (old, with_runtime(old, 0, 9), "1.0"),
     ):
         texts = {**runtime, "maker/demo_ssi.h": header["maker/demo_ssi.h"]}
-        code, compiler_output = compile_source(tmp_path / "c", texts, '#include "maker/demo_ssi.h"\n', compiler)
-        assert (code == 0) == (version == ""), compiler_output
+        exit_code, compiler_output = compile_source(tmp_path / "c", texts, '#include "maker/demo_ssi.h"\n', compiler)
+        assert (exit_code == 0) == (version == ""), compiler_output
         errors = [line for line in compiler_output.splitlines() if "error" in line]
         wanted = (
             f'#error "maker/demo_ssi.h needs the codewheel runtime {version} or a newer 1.x: see codewheel/version.h"'
@@ -118,8 +118,8 @@ def test_a_runtime_of_two_versions(compiler: str, tmp_path: Path) -> None:
     for name in sorted(set(old) - {"codewheel/version.h"}):
         source = f'#include "{name}"\n'
         assert compile_source(tmp_path / "c", old, source, compiler) == (0, "")
-        code, compiler_output = compile_source(tmp_path / "c", {**new, name: old[name]}, source, compiler)
-        assert code != 0
+        exit_code, compiler_output = compile_source(tmp_path / "c", {**new, name: old[name]}, source, compiler)
+        assert exit_code != 0
         first = next(line for line in compiler_output.splitlines() if "error" in line)
         assert first.endswith(f'#error "{name} 1.0 and version.h differ: take all of codewheel/ from one folder"')
 
@@ -233,9 +233,9 @@ def test_a_version_that_cannot_be_written(
 ) -> None:
     old = write_specs(tmp_path / "old")
     new = write_specs(tmp_path / "new", ("max_hz: 10000000", "max_hz: 5000000"), *edits)
-    code = main(["diff", str(old), str(new), "--record"])
+    exit_code = main(["diff", str(old), str(new), "--record"])
     err = capsys.readouterr().err
-    assert code == 1
+    assert exit_code == 1
     if message:
         assert err == (
             f'codewheel: {new}/manufacturer.yaml has no line like version: "1.4.2"; set it to 2.0.0 by hand\n'

@@ -19,16 +19,16 @@ AS_PRINTED = ("--choose", "eeprom_address=as_printed")
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
     try:
-        code = main(arguments)
+        exit_code = main(arguments)
     except SystemExit as stop:
-        code = int(stop.code or 0)
+        exit_code = int(stop.code or 0)
     captured = capsys.readouterr()
-    return code, captured.out, captured.err
+    return exit_code, captured.out, captured.err
 
 
 def json_of(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict[str, Any]]:
-    code, out, _ = run(capsys, *arguments)
-    return code, json.loads(out)
+    exit_code, out, _ = run(capsys, *arguments)
+    return exit_code, json.loads(out)
 
 
 SHOWN = ["amm5", "AMM5", "AMM5A21/65KSC1", "AMM5B23/1JP1-X", "AMM5A17/1BG1", "sma21", "am36", "asc85"]
@@ -36,8 +36,8 @@ SHOWN += ["SMA21-SC4-0050", "SMA21-JP1-0001", "AMC3616/4096-GG", "AM3619/4096-I7
 
 
 def test_list(capsys: pytest.CaptureFixture[str]) -> None:
-    code, out, _ = run(capsys, "list")
-    assert code == 0
+    exit_code, out, _ = run(capsys, "list")
+    assert exit_code == 0
     assert "amm5" in out
     assert "36, AMM5{mount}{singleturn}/{turns}{interface}" in out
     assert "SSI, BiSS C-mode, RS-485" in out
@@ -48,8 +48,8 @@ def test_list(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("argument", SHOWN)
 def test_show_fits_a_terminal(capsys: pytest.CaptureFixture[str], argument: str) -> None:
-    code, out, err = run(capsys, "show", argument)
-    assert (code, err) == (0, "")
+    exit_code, out, err = run(capsys, "show", argument)
+    assert (exit_code, err) == (0, "")
     assert [line for line in out.splitlines() if len(line) > 80] == []
 
 
@@ -126,8 +126,8 @@ def test_unknown_codes_exit_2(capsys: pytest.CaptureFixture[str]) -> None:
         ("decode", "AMM5A23/1JP1", "02 20C"),
         ("generate", "--target", "cobol"),
     ):
-        code, out, err = run(capsys, *arguments)
-        assert code == 2, arguments
+        exit_code, out, err = run(capsys, *arguments)
+        assert exit_code == 2, arguments
         assert not out, arguments
         assert err.count("\n") == 1, arguments
         assert err.startswith("codewheel: "), arguments
@@ -135,8 +135,8 @@ def test_unknown_codes_exit_2(capsys: pytest.CaptureFixture[str]) -> None:
 
 # Public vector: TexasInstruments/motor-control-sdk, Tamagawa_UART_output.PNG.
 def test_decode_a_reply(capsys: pytest.CaptureFixture[str]) -> None:
-    code, decoded = json_of(capsys, "decode", "AMM5A23/65KJP1", "02 20 C7 D1 6A 5E", "--json")
-    assert code == 3  # valid, but the encoder reports a fault
+    exit_code, decoded = json_of(capsys, "decode", "AMM5A23/65KJP1", "02 20 C7 D1 6A 5E", "--json")
+    assert exit_code == 3  # valid, but the encoder reports a fault
     fields = {field["name"]: field["value"] for field in decoded["fields"]}
     assert (decoded["layout"], decoded["direction"], decoded["problems"]) == ("singleturn_reply", "encoder", [])
     assert fields["singleturn"] == 7000519
@@ -161,19 +161,19 @@ def test_decode_a_reply(capsys: pytest.CaptureFixture[str]) -> None:
     ],
 )
 def test_faults_exit_1(capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...], kind: str) -> None:
-    code, decoded = json_of(capsys, "decode", *arguments, "--json")
-    assert code == 1
+    exit_code, decoded = json_of(capsys, "decode", *arguments, "--json")
+    assert exit_code == 1
     assert kind in [problem["kind"] for problem in decoded["problems"]]
-    code, out, _ = run(capsys, "decode", *arguments)
-    assert code == 1
+    exit_code, out, _ = run(capsys, "decode", *arguments)
+    assert exit_code == 1
     assert f"{kind} error: " in out
 
 
 def test_a_sound_frame_with_an_error_exits_3(capsys: pytest.CaptureFixture[str]) -> None:
     # 17 bits: position 0, nE 0, nW 0: the CRC of zeros is 0, inverted 3Fh.
-    code, decoded = json_of(capsys, "decode", "AMM5A17/1SC1", "0x3F", "--json")
+    exit_code, decoded = json_of(capsys, "decode", "AMM5A17/1SC1", "0x3F", "--json")
     fields = {field["name"]: field["value"] for field in decoded["fields"]}
-    assert code == 3
+    assert exit_code == 3
     assert fields["error"] is True
     assert fields["warning"] is True
 
@@ -196,8 +196,8 @@ def test_a_label_of_another_edition_is_shown_as_such(capsys: pytest.CaptureFixtu
         assert "AM3616/4096-I7" in out, arguments
         assert "the label is written as in edition 1.1 of the manual" in out, arguments
     for command in ("show", "master"):
-        code, output = json_of(capsys, command, label, "--json")
-        assert code == 0, command
+        exit_code, output = json_of(capsys, command, label, "--json")
+        assert exit_code == 0, command
         assert output["label"]["written_as_in"].startswith("edition 1.1"), command
     assert "written as in" not in run(capsys, "show", "AM3616/4096-I7")[1]
     assert "Also written: {model}{singleturn}/{turns}{output}" in run(capsys, "show", "am36")[1]
@@ -209,12 +209,12 @@ def test_a_blank_on_a_label_means_nothing(capsys: pytest.CaptureFixture[str]) ->
 
 def test_decode_a_register(capsys: pytest.CaptureFixture[str]) -> None:
     # AMM5 manual 6.4: 18 30 03630.
-    code, decoded = json_of(capsys, "decode", "AMM5A21/65KSC1", "--as", "serial_number", "0AE869EE", "--json")
+    exit_code, decoded = json_of(capsys, "decode", "AMM5A21/65KSC1", "--as", "serial_number", "0AE869EE", "--json")
     fields = {field["name"]: field["value"] for field in decoded["fields"]}
-    assert code == 0
+    assert exit_code == 0
     assert (fields["year"], fields["week"], fields["number"]) == (18, 30, 3630)
-    code, _, err = run(capsys, "decode", "AMM5A21/65KSC1", "--as", "nothing", "00")
-    assert code == 2
+    exit_code, _, err = run(capsys, "decode", "AMM5A21/65KSC1", "--as", "nothing", "00")
+    assert exit_code == 2
     assert "it has: preset" in err
 
 
@@ -230,24 +230,24 @@ def test_frames_from_standard_input() -> None:
 @pytest.mark.slow
 def test_generate_twice_check_and_targets(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     command = ("generate", str(EXAMPLE), "-o", str(tmp_path))
-    code, out, _ = run(capsys, *command)
-    assert code == 0
-    code, out, _ = run(capsys, *command)
-    assert code == 0
+    exit_code, out, _ = run(capsys, *command)
+    assert exit_code == 0
+    exit_code, out, _ = run(capsys, *command)
+    assert exit_code == 0
     assert [line.split()[0] for line in out.splitlines()] == ["read", "all"]
     assert run(capsys, *command, "--check")[0] == 0
     victim = next(tmp_path.rglob("tv62_biss.h"))
     victim.write_text("changed")
-    code, out, err = run(capsys, *command, "--check")
-    assert code == 1
+    exit_code, out, err = run(capsys, *command, "--check")
+    assert exit_code == 1
     assert out.splitlines()[1:] == [
         f"differs    {victim}",
         "up to date: python, biss, docs, browser, masters; out of date: c",
     ]
     assert f"run: codewheel {shlex.join(command)}" in err
     assert victim.read_text() == "changed"
-    code, out, _ = run(capsys, *command, "--target", "python")
-    assert code == 0
+    exit_code, out, _ = run(capsys, *command, "--target", "python")
+    assert exit_code == 0
     assert victim.read_text() == "changed"
 
 
@@ -279,8 +279,8 @@ def test_only_the_targets_that_run_are_imported(arguments: str, imported: set[st
 def test_problems_go_to_standard_error_and_exit_1(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     (tmp_path / "x.yaml").write_text("device: x\n")
     for arguments in (("generate", "-o", str(tmp_path / "out")), ("list", "--specs")):
-        code, out, err = run(capsys, *arguments[:1], *arguments[1:], str(tmp_path / "x.yaml"))
-        assert code == 1
+        exit_code, out, err = run(capsys, *arguments[:1], *arguments[1:], str(tmp_path / "x.yaml"))
+        assert exit_code == 1
         assert not out
         assert "x.yaml:1:1: missing-key: " in err
         assert "Traceback" not in err

@@ -105,7 +105,7 @@ FIRST = {
 @pytest.mark.parametrize("maker", MISTAKES, ids=lambda maker: maker.__name__)
 def test_what_was_planted_is_listed_and_mostly_first(maker: Maker, devices: Mapping[str, Device]) -> None:
     source = random.Random(maker.__name__)
-    explained = first = 0
+    explained = listed_first = 0
     for _ in range(4):
         for encoder in ENCODERS:
             for plant in maker(encoder, source):
@@ -114,9 +114,9 @@ def test_what_was_planted_is_listed_and_mostly_first(maker: Maker, devices: Mapp
                     continue  # 1 frame in 64 is valid by chance
                 assert any(map(is_planted(plant), lines)), (plant, lines)
                 explained += 1
-                first += is_planted(plant)(lines[0])
+                listed_first += is_planted(plant)(lines[0])
     assert explained >= 40
-    assert first >= FIRST.get(maker.__name__, 0.75) * explained
+    assert listed_first >= FIRST.get(maker.__name__, 0.75) * explained
 
 
 @pytest.mark.slow
@@ -137,15 +137,15 @@ def test_a_number_without_its_leading_zeros_is_no_obstacle(devices: Mapping[str,
 @pytest.mark.parametrize("code", BYTE_CODES)
 def test_mistakes_with_bytes(code: str, devices: Mapping[str, Device]) -> None:
     source = random.Random(4)
-    explained = first = 0
+    explained = listed_first = 0
     for _ in range(20):
         for plant in byte_mistakes(code, source):
             lines = explanation_lines(family(devices, code), plant)
             if lines is not None:
                 assert any(map(is_planted(plant), lines)), (plant, lines)
-                explained, first = explained + 1, first + is_planted(plant)(lines[0])
+                explained, listed_first = explained + 1, listed_first + is_planted(plant)(lines[0])
     assert explained > 150
-    assert first > 0.95 * explained
+    assert listed_first > 0.95 * explained
 
 
 CODES_OF_EACH_FAMILY = ("AMM5A21/65KSC1", "SMA21-SC4-0050", "AM3616/4096-I7", "ASC8525/SC2", "ASC8525/SC1")
@@ -210,9 +210,9 @@ def test_a_frame_worked_out_on_paper(decode: Run) -> None:
     """
     frame = "0" * 16 + "1" + "11"
     assert decode("AMM5A17/1SC1", f"0b{frame}110110")[1]["why"] is None
-    code, data = decode("AMM5A17/1SC1", f"0b{frame}001001")
+    exit_code, data = decode("AMM5A17/1SC1", f"0b{frame}001001")
     best = data["why"]["explanations"][0]
-    assert code == 1
+    assert exit_code == 1
     assert (best["kind"], best["one_in"], best["twice"], best["reads"]) == (
         "crc_not_inverted",
         64,
@@ -249,9 +249,9 @@ def test_the_0_bit_of_asc85_may_be_missing(decode: Run) -> None:
     """33 bits as a public driver reads them, 25 + nE + nW + 6.
     Position 1: remainder of 111b * x^6 is 001001b, as above, sent inverted."""
     as_printed = ("--choose", "zero_bit=as_printed")
-    code, data = decode("ASC8525/SC1", "0b" + "0" * 24 + "1" + "11" + "110110", *as_printed)
+    exit_code, data = decode("ASC8525/SC1", "0b" + "0" * 24 + "1" + "11" + "110110", *as_printed)
     best = data["why"]["explanations"][0]
-    assert code == 1
+    assert exit_code == 1
     assert best["kind"] == "other_answer"
     assert best["reads"] == {"position": 1}
     assert best["text"] == "33 bits, as with --choose zero_bit=left_out"
@@ -276,9 +276,9 @@ def test_the_0_bit_of_asc85_may_be_missing(decode: Run) -> None:
 
 def test_an_echo_of_the_request(decode: Run) -> None:
     # The published reply, TexasInstruments/motor-control-sdk, Tamagawa_UART_output.PNG, after its request.
-    code, data = decode("AMM5A23/65KJP1", "02 02 20 C7 D1 6A 5E")
+    exit_code, data = decode("AMM5A23/65KJP1", "02 02 20 C7 D1 6A 5E")
     (best,) = data["why"]["explanations"]
-    assert code == 1
+    assert exit_code == 1
     assert best["kind"] == "bytes_in_front"
     assert best["reads"] == {"singleturn": 7000519}
 
@@ -298,8 +298,8 @@ def test_a_line_that_does_not_move_comes_first(decode: Run) -> None:
 def test_a_dead_line_without_a_crc_is_named_too(decode: Run, capsys: pytest.CaptureFixture[str]) -> None:
     """Position 0 is valid, but SSI has no CRC to distinguish it from a dead line."""
     for frame, level in (("0x0", 0), ("0b" + "1" * 39, 1)):
-        code, data = decode("AMM5A23/65KBG1", frame)
-        assert code == 0
+        exit_code, data = decode("AMM5A23/65KBG1", frame)
+        assert exit_code == 0
         assert [explanation["kind"] for explanation in data["why"]["explanations"]] == ["line_stuck"]
         assert main(["decode", "AMM5A23/65KBG1", frame]) == 0
         out = " ".join(capsys.readouterr().out.split())
@@ -310,8 +310,8 @@ def test_a_dead_line_without_a_crc_is_named_too(decode: Run, capsys: pytest.Capt
 @pytest.mark.slow
 def test_a_disturbed_bit_comes_first(decode: Run, capsys: pytest.CaptureFixture[str]) -> None:
     """The frame 0xF4243D3 of AMM5's example position 1,000,003 with its last bit inverted, and a reply in bytes."""
-    code, data = decode("AMM5A21/65KSC1", "0xF4243D2")
-    assert (code, data["why"]["disturbed"]) == (1, [0])
+    exit_code, data = decode("AMM5A21/65KSC1", "0xF4243D2")
+    assert (exit_code, data["why"]["disturbed"]) == (1, [0])
     assert main(["decode", "AMM5A21/65KSC1", "0xF4243D2"]) == 1
     out = " ".join(capsys.readouterr().out.split())
     first = "one bit may have been disturbed on the line: the CRC matches with bit 0 inverted"
@@ -430,8 +430,8 @@ def test_likeliest_first_and_every_kind_weighed(devices: Mapping[str, Device]) -
 
 
 def test_no_crc_no_explanation(decode: Run) -> None:
-    code, data = decode("AMM5A17/1BG1", "0b101")
-    assert code == 1
+    exit_code, data = decode("AMM5A17/1BG1", "0b101")
+    assert exit_code == 1
     assert data["why"] is None
     assert decode("AMM5A23/65KJP1", "--from", "master", "1A")[1]["why"] is None
 

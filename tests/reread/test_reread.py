@@ -23,9 +23,9 @@ def passages(
     (tmp_path / "old.txt").write_text(old, encoding="utf-8")
     (tmp_path / "new.txt").write_text(new, encoding="utf-8")
     files = [str(tmp_path / "old.txt"), str(tmp_path / "new.txt")]
-    code = main(["reread", *files, "--specs", str(SPECS), "--json"])
+    exit_code = main(["reread", *files, "--specs", str(SPECS), "--json"])
     listed = json.loads(capsys.readouterr().out)["passages"]
-    assert code == bool(listed)
+    assert exit_code == bool(listed)
     assert isinstance(listed, list)
     return listed
 
