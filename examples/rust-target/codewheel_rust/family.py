@@ -40,7 +40,7 @@ class Struct:
     limits: Limits | None = None
 
     @property
-    def read(self) -> dict[str, Bits]:
+    def bits_to_decode(self) -> dict[str, Bits]:
         """Return the fields whose bits the decoder needs, by name. Constants in bytes are checked byte by byte."""
         bits_by_name = {part.field.name: part.bits for part in self.codec.parts if not characters(part.field)}
         for check in self.codec.checks:
@@ -52,7 +52,7 @@ class Struct:
         return bits_by_name
 
     @property
-    def sent(self) -> list[Term]:
+    def encoded_terms(self) -> list[Term]:
         """Return the fields encoded as numbers, without zeros, the CRC and copied texts. Parity bits are last."""
         terms = [term for term in self.codec.terms if term.value != Fixed(0) and not characters(term.field)]
         return sorted(terms, key=lambda term: isinstance(term.value, ParityOf))
@@ -61,11 +61,11 @@ class Struct:
         """Return the type of a member."""
         return self.enums[field.name].name if field.name in self.enums else type_of(field)
 
-    def allows(self, field: Field, values: Iterable[int]) -> bool:
+    def allows_only(self, field: Field, values: Iterable[int]) -> bool:
         """Return whether the type of a member already excludes every other value."""
         return field.name in self.enums and {value.value for value in field.values} == set(values)
 
-    def too_wide(self) -> Iterator[str]:
+    def width_problems(self) -> Iterator[str]:
         """Yield the layouts that must fit into a word, but do not."""
         if self.codec.by_word and self.layout.widest > WORD:
             yield f"'{self.layout.name}' has {self.layout.widest} bits, and fields that move with the order code"
@@ -143,7 +143,7 @@ class Family:
         for name in [*(join.name for join in layout.joins), *runs]:
             methods.give(snake(name), *place)
         struct = Struct(layout, codec_of(self.device, layout), function_of(self.device, layout), types)
-        for complaint in struct.too_wide():
+        for complaint in struct.width_problems():
             self._wide.append(
                 TargetProblem(self.device, "rust-size", place, f"{complaint}. Rust allows at most {WORD}")
             )

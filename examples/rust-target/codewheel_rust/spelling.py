@@ -44,7 +44,7 @@ def type_of_parameter(parameter: Parameter) -> str:
     return unsigned(parameter.largest.bit_length(), 32)
 
 
-def fills(field: Field, type_: str) -> bool:
+def holds_all_of(field: Field, type_: str) -> bool:
     """Return whether every number of a type fits into a field."""
     return field.width == Expression(int(type_[1:]))
 
@@ -65,12 +65,12 @@ def quoted(text: str) -> str:
     return json.dumps(plain(text), ensure_ascii=False)
 
 
-def widened(value: str, type_: str) -> str:
+def in_64_bits(value: str, type_: str) -> str:
     """Return a number of this type in 64 bits."""
     return value if type_[1:] == "64" else f"{type_[0]}64::from({value})"
 
 
-def narrowed(value: str, type_: str) -> str:
+def from_64_bits(value: str, type_: str) -> str:
     """Return a number of 64 bits in this type, which is large enough."""
     return value if type_[1:] == "64" else f"{value} as {type_}"
 
@@ -100,7 +100,17 @@ def put_byte(piece: Piece, raw: str) -> str:
 
 
 PIECES = (byte_of, put_byte, joined_pieces)
-NUMBERS = (fills, parameter_number, hexadecimal, narrowed, pattern, quoted, type_of_parameter, unsigned, widened)
+NUMBERS = (
+    holds_all_of,
+    parameter_number,
+    hexadecimal,
+    from_64_bits,
+    pattern,
+    quoted,
+    type_of_parameter,
+    unsigned,
+    in_64_bits,
+)
 
 
 class Scope:
@@ -129,12 +139,12 @@ class Scope:
     def converted(self, field: Field, type_: str) -> tuple[str, str]:
         """Return the value of a member from the bits in ``raw_`` and its name, and the bits from the member."""
         raw, member, width = f"raw_{field.name}", f"self.{snake(field.name)}", self.expression(field.width)
-        wide = widened(member, type_)
+        wide = in_64_bits(member, type_)
         match values.meaning_of(field):
             case values.Raw() | values.DigitRuns():
-                return narrowed(raw, type_), wide
+                return from_64_bits(raw, type_), wide
             case values.TwosComplement():
-                return narrowed(f"signed({raw}, {width})", type_), f"field({wide} as u64, 0, {width})"
+                return from_64_bits(f"signed({raw}, {width})", type_), f"field({wide} as u64, 0, {width})"
             case values.ZeroMeans(number) as meaning:
                 return (
                     f"({parameter_number(raw, meaning)}) as {type_}",
