@@ -54,8 +54,8 @@ EXPECTED: dict[str, tuple[tuple[int, str], dict[str, float], tuple[int, str] | N
 def test_each_order_code_has_a_plate(library: Library) -> None:
     files = generate(library)
     # The meaning of the iC-MU's position depends on its configuration, so it has no plate.
-    measured_devices = [device for device in library.devices if device.manufacturer.main]
-    assert len(files) == sum(len(device.variants) for device in measured_devices) + 1 == 130
+    devices_with_plates = [device for device in library.devices if device.manufacturer.main]
+    assert len(files) == sum(len(device.variants) for device in devices_with_plates) + 1 == 130
     assert "opcua/lika-amm5/AMM5A21-65KSC1.xml" in files
     for name, text in files.items():
         if name.endswith(".xml"):
