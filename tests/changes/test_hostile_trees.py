@@ -104,7 +104,7 @@ def test_a_name_that_leads_elsewhere_is_refused(
     assert files_below(tmp_path) == before
 
 
-def lay_out_revision(tmp_path: Path, path: str, revision: str = "evil") -> LaidOut:
+def laid_out(tmp_path: Path, path: str, revision: str = "evil") -> LaidOut:
     (tmp_path / "out").mkdir()
     return lay_out(Named(revision, path), tmp_path / "out")
 
@@ -115,7 +115,7 @@ def test_folders_have_neutral_names_and_messages_the_true_ones(git: Git, tmp_pat
     odd = tree(git, (FILE, "a.yaml", other_blob), (FILE, "A.yaml", spec), (FILE, "con\n.yaml", other_blob))
     hidden = tree(git, (FILE, "x.yaml", other_blob))
     commit(git, tree(git, (FOLDER, "$(id)", deep), (FOLDER, ".hidden", hidden), (FOLDER, "odd", odd)))
-    laid = lay_out_revision(tmp_path, "")
+    laid = laid_out(tmp_path, "")
     assert {path: laid.names[str(tmp_path / "out" / path)] for path in files_below(tmp_path / "out")} == {
         "0/demo.yaml": "evil:$(id)/demo.yaml",
         "0/manufacturer.yaml": "evil:$(id)/manufacturer.yaml",
@@ -134,7 +134,7 @@ def test_a_giant_is_not_read(git: Git, tmp_path: Path, monkeypatch: pytest.Monke
     with pytest.raises(
         RevisionError, match=r"^evil:big\.yaml is larger than 4 MB and cannot be a spec; name the folder"
     ):
-        lay_out_revision(tmp_path, "")
+        laid_out(tmp_path, "")
     trace = (tmp_path / "trace").read_text()
     assert "--batch-check" in trace
     assert "cat-file --batch\n" not in trace
@@ -144,7 +144,7 @@ def test_many_large_files_are_not_read(git: Git, tmp_path: Path) -> None:
     large = blob(git, b"#" * (4 * 2**20))
     commit(git, tree(git, *((FILE, f"{number:02}.yaml", large) for number in range(17))))
     with pytest.raises(RevisionError, match=r"^the YAML files of evil: exceed 64 MB in total; name the folder"):
-        lay_out_revision(tmp_path, "")
+        laid_out(tmp_path, "")
 
 
 def test_a_tree_that_lists_more_than_any_disk_holds(git: Git, tmp_path: Path) -> None:
@@ -153,7 +153,7 @@ def test_a_tree_that_lists_more_than_any_disk_holds(git: Git, tmp_path: Path) ->
         inside = tree(git, *((FOLDER, str(number), inside) for number in range(10)))
     commit(git, inside)
     with pytest.raises(RevisionError, match=r"^git lists more than 16 MB here; name the folder of the specs"):
-        lay_out_revision(tmp_path, "")
+        laid_out(tmp_path, "")
 
 
 @pytest.fixture
@@ -178,7 +178,7 @@ def test_nothing_is_fetched(partial_clone: Path, tmp_path: Path, monkeypatch: py
     (tmp_path / "trace").touch()
     monkeypatch.setenv("GIT_TRACE", str(tmp_path / "trace"))
     with pytest.raises(RevisionError):
-        lay_out_revision(tmp_path, "specs", "HEAD")
+        laid_out(tmp_path, "specs", "HEAD")
     assert "fetch" not in (tmp_path / "trace").read_text()
     assert not partial_clone.exists()
 
@@ -188,10 +188,10 @@ def test_a_git_that_fetches_all_the_same_finds_no_protocol(
 ) -> None:
     monkeypatch.delitem(revisions._QUIET, "GIT_NO_LAZY_FETCH")
     with pytest.raises(RevisionError):
-        lay_out_revision(tmp_path, "specs", "HEAD")
+        laid_out(tmp_path, "specs", "HEAD")
     assert not partial_clone.exists()
 
 
 def test_a_revision_never_becomes_an_option(git: Git, tmp_path: Path) -> None:
     with pytest.raises(RevisionError, match=r"^'--git-dir' is not a revision"):
-        lay_out_revision(tmp_path, "specs", "--git-dir")
+        laid_out(tmp_path, "specs", "--git-dir")

@@ -79,7 +79,7 @@ def problems(tmp_path: Path, text: str) -> list[tuple[str, str, str]]:
     (tmp_path / "my_encoder.yaml").write_text(text, encoding="utf-8")
     (tmp_path / "manufacturer.yaml").write_text(manufacturer_text("m.json"), encoding="utf-8")
     report = run([tmp_path], ()).report
-    return [(str(problem.line), problem.rule, problem.message) for problem in report.problems]
+    return [(str(item.line), item.rule, item.message) for item in report.problems]
 
 
 @pytest.mark.parametrize(("old", "new", "line", "rule", "words"), MISTAKES.values(), ids=MISTAKES)

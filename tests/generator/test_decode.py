@@ -632,8 +632,8 @@ def test_many_frames_lead_to_the_command_of_the_package(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("codewheel.commands.decode_run.MANY", 3)
-    hint = "codewheel: 3 frames; for files, the Python package is faster: lika-encoders decode\n"
-    for count, expected in ((3, ""), (4, hint), (6, hint)):
+    told = "codewheel: 3 frames; for files, the Python package is faster: lika-encoders decode\n"
+    for count, expected in ((3, ""), (4, told), (6, told)):
         monkeypatch.setattr("sys.stdin", io.StringIO("0xF4243D3\n\n" * count))
         assert main(["decode", "AMM5A21/65KSC1", "-", "--json"]) == 0
         out, err = capsys.readouterr()

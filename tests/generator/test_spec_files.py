@@ -96,8 +96,8 @@ def test_folders_without_specs_of_the_user_are_left_out(tmp_path: Path) -> None:
     (tmp_path / "out/c/.codewheel").write_text("# Written by codewheel generate\ntop.yaml\n")
     (tmp_path / "link").symlink_to("specs")
     assert read_and_passed_over(tmp_path) == ({"specs/i.yaml"}, set())
-    search = below(tmp_path)
-    assert search.not_entered == ((tmp_path / "link", LINK), (tmp_path / "vendor", NESTED))
+    found = below(tmp_path)
+    assert found.not_entered == ((tmp_path / "link", LINK), (tmp_path / "vendor", NESTED))
     assert read_and_passed_over(tmp_path / "vendor") == ({"specs/h.yaml"}, set()), (
         "a folder that is named is always searched"
     )
@@ -108,8 +108,8 @@ def test_the_search_can_have_a_limit(tmp_path: Path) -> None:
         (tmp_path / name).parent.mkdir(exist_ok=True)
         (tmp_path / name).write_text("device: x\n")
     assert below(tmp_path, most_names=4).is_complete
-    search = below(tmp_path, most_names=3)
-    assert ([path.name for path in search.specs], search.is_complete) == (["a.yaml"], False)
+    found = below(tmp_path, most_names=3)
+    assert ([path.name for path in found.specs], found.is_complete) == (["a.yaml"], False)
 
 
 @pytest.mark.slow

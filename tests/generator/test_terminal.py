@@ -185,13 +185,13 @@ def test_only_a_terminal_shows_progress(command: str, tmp_path: Path) -> None:
         os.close(theirs)
         assert process.stdout is not None
         out = process.stdout.read()
-        progress = os.read(ours, 100_000)
+        shown = os.read(ours, 100_000)
     os.close(ours)
     assert process.returncode == 0
     begin = {"check": b"\r\x1b[Kcodewheel: checking the specs", "generate": b"\r\x1b[Kcodewheel: reading the specs"}
-    assert progress.startswith(begin[command])
-    assert progress.endswith(b"\r\x1b[K")
-    assert (b"rendering part" in progress) is (command == "generate")
+    assert shown.startswith(begin[command])
+    assert shown.endswith(b"\r\x1b[K")
+    assert (b"rendering part" in shown) is (command == "generate")
     piped = subprocess.run(arguments, capture_output=True, check=True)
     assert piped.stderr == b""
     if command == "check":

@@ -141,7 +141,7 @@ CASES = [
 
 @pytest.mark.parametrize(("statements", "name", "sentence"), CASES)
 def test_the_words(device: Device, statements: Statements, name: str, sentence: str) -> None:
-    assert sentence in [BY_NAME.sentence(statement) for statement in statements(device, name)]
+    assert sentence in [BY_NAME.sentence(fact) for fact in statements(device, name)]
 
 
 def test_nothing_else_is_said(device: Device) -> None:
@@ -151,7 +151,7 @@ def test_nothing_else_is_said(device: Device) -> None:
     for each_register in device.registers:
         field_names = [f"{each_register.name}.{each_field.name}" for each_field in each_register.layout.fields]
         for name, statements in [(each_register.name, of_register), *((name, of_field) for name in field_names)]:
-            sentences = {BY_NAME.sentence(statement) for statement in statements(device, name)}
+            sentences = {BY_NAME.sentence(fact) for fact in statements(device, name)}
             in_table = {sentence for row_name, sentence in table_rows if row_name == name}
             assert {sentence for sentence in sentences if not common.match(sentence)} <= in_table
 
@@ -215,7 +215,7 @@ def outputs(device: Device) -> dict[str, tuple[str, Phrase]]:
     return {
         "show": (on_one_line(" ".join(show_texts)), BY_NAME.phrase),
         "docs": (on_one_line(pages), MARKDOWN.phrase),
-        "c": (on_one_line(header), lambda statement: in_comment(BY_TITLE.phrase(statement))),
+        "c": (on_one_line(header), lambda fact: in_comment(BY_TITLE.phrase(fact))),
         "python": (on_one_line(module), AS_LITERAL.phrase),
     }
 
@@ -232,7 +232,7 @@ def test_every_output_says_it(
     sentence: str,
 ) -> None:
     text, phrase = outputs[output]
-    (stated,) = [statement for statement in statements(device, name) if BY_NAME.sentence(statement) == sentence]
+    (stated,) = [fact for fact in statements(device, name) if BY_NAME.sentence(fact) == sentence]
     assert IN_CODE.get((output, name, sentence), phrase(stated)) in text
 
 

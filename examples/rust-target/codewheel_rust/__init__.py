@@ -56,8 +56,8 @@ _TEXTS = (about.field_text, about.frame_text, about.register_text, crc, order_co
 TEMPLATES = Templates(
     Path(__file__).parent / "templates",
     values={"Cargo.toml.jinja": Crate, "lib.rs.jinja": Crate, "family.rs.jinja": Module},
-    filters={function.__name__: function for function in (*_WORDS, *spelling.PIECES, *spelling.NUMBERS)},
-    functions={"never": assert_never} | {function.__name__: function for function in (*_TEXTS, describe, refusals)},
+    filters={item.__name__: item for item in (*_WORDS, *spelling.PIECES, *spelling.NUMBERS)},
+    functions={"never": assert_never} | {item.__name__: item for item in (*_TEXTS, describe, refusals)},
     tests=tests_for(Check, Refusal, Fixed, Given, ParityOf, Turned),
 )
 TARGET = Target(

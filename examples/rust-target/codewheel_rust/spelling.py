@@ -65,12 +65,12 @@ def quoted(text: str) -> str:
     return json.dumps(plain(text), ensure_ascii=False)
 
 
-def in_64_bits(value: str, type_: str) -> str:
+def widened(value: str, type_: str) -> str:
     """Return a number of this type in 64 bits."""
     return value if type_[1:] == "64" else f"{type_[0]}64::from({value})"
 
 
-def from_64_bits(value: str, type_: str) -> str:
+def narrowed(value: str, type_: str) -> str:
     """Return a number of 64 bits in this type, which is large enough."""
     return value if type_[1:] == "64" else f"{value} as {type_}"
 
@@ -104,12 +104,12 @@ NUMBERS = (
     holds_all_of,
     parameter_number,
     hexadecimal,
-    from_64_bits,
+    narrowed,
     pattern,
     quoted,
     type_of_parameter,
     unsigned,
-    in_64_bits,
+    widened,
 )
 
 
@@ -139,12 +139,12 @@ class Scope:
     def converted(self, field: Field, type_: str) -> tuple[str, str]:
         """Return the value of a member from the bits in ``raw_`` and its name, and the bits from the member."""
         raw, member, width = f"raw_{field.name}", f"self.{snake(field.name)}", self.expression(field.width)
-        wide = in_64_bits(member, type_)
+        wide = widened(member, type_)
         match values.meaning_of(field):
             case values.Raw() | values.DigitRuns():
-                return from_64_bits(raw, type_), wide
+                return narrowed(raw, type_), wide
             case values.TwosComplement():
-                return from_64_bits(f"signed({raw}, {width})", type_), f"field({wide} as u64, 0, {width})"
+                return narrowed(f"signed({raw}, {width})", type_), f"field({wide} as u64, 0, {width})"
             case values.ZeroMeans(number) as meaning:
                 return (
                     f"({parameter_number(raw, meaning)}) as {type_}",
