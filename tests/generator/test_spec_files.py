@@ -40,7 +40,7 @@ SPECS = {
 }
 
 
-def read_and_passed_over(folder: Path) -> tuple[set[str], set[str]]:
+def read(folder: Path) -> tuple[set[str], set[str]]:
     report = Report()
     read_specs([folder], report)
     files = {Path(name).relative_to(folder).as_posix() for name in report.files}
@@ -54,7 +54,7 @@ def test_specs_are_told_from_the_yaml_of_others(tmp_path: Path) -> None:
         (tmp_path / name).write_bytes(text.encode())
     (tmp_path / "utf16.yaml").write_bytes("device: x\n".encode("utf-16"))
     (tmp_path / "gone.yaml").symlink_to("nowhere")
-    assert read_and_passed_over(tmp_path) == ({*SPECS, "utf16.yaml", "gone.yaml"}, set(FOREIGN))
+    assert read(tmp_path) == ({*SPECS, "utf16.yaml", "gone.yaml"}, set(FOREIGN))
 
 
 def test_a_long_name_is_read_once(tmp_path: Path) -> None:
@@ -95,12 +95,10 @@ def test_folders_without_specs_of_the_user_are_left_out(tmp_path: Path) -> None:
     (tmp_path / "vendor/.git").write_text("gitdir: elsewhere\n")
     (tmp_path / "out/c/.codewheel").write_text("# Written by codewheel generate\ntop.yaml\n")
     (tmp_path / "link").symlink_to("specs")
-    assert read_and_passed_over(tmp_path) == ({"specs/i.yaml"}, set())
+    assert read(tmp_path) == ({"specs/i.yaml"}, set())
     found = below(tmp_path)
     assert found.not_entered == ((tmp_path / "link", LINK), (tmp_path / "vendor", NESTED))
-    assert read_and_passed_over(tmp_path / "vendor") == ({"specs/h.yaml"}, set()), (
-        "a folder that is named is always searched"
-    )
+    assert read(tmp_path / "vendor") == ({"specs/h.yaml"}, set()), "a folder that is named is always searched"
 
 
 def test_the_search_can_have_a_limit(tmp_path: Path) -> None:

@@ -144,9 +144,8 @@ class Family:
             methods.give(snake(name), *place)
         struct = Struct(layout, codec_of(self.device, layout), function_of(self.device, layout), types)
         for complaint in struct.width_problems():
-            self._wide.append(
-                TargetProblem(self.device, "rust-size", place, f"{complaint}. Rust allows at most {WORD}")
-            )
+            message = f"{complaint}. Rust allows at most {WORD}"
+            self._wide.append(TargetProblem(self.device, "rust-size", place, message))
         return struct
 
 
