@@ -145,7 +145,7 @@ def test_a_wrong_file_of_accepted_changes(
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("valid_text", "wrong", "suggested"),
+    ("valid_text", "misspelt", "suggested"),
     [
         ("clock.max_hz", "clock", "did you mean 'interfaces.biss.clock.max_hz'?"),
         ("my_encoder", "my_encodr", "did you mean 'my_encoder'?"),
