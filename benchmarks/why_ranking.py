@@ -101,7 +101,7 @@ def _plants(rounds: int) -> Iterator[tuple[str, planted.Plant]]:
                     if maker in AS_HEX:
                         yield f"{maker.__name__}, hex", planted.as_hex(plant)
             for _ in range(5):
-                yield NOISE[0], planted.Plant(encoder.code, "0b" + planted.noise(source, encoder.bits), "")
+                yield NOISE[0], planted.Plant(encoder.code, "0b" + planted.random_bits(source, encoder.bits), "")
         for code in planted.BYTE_CODES:
             for plant in planted.byte_mistakes(code, source):
                 yield f"{plant.kind}, bytes", plant

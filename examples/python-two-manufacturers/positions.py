@@ -5,7 +5,7 @@ import tolvarn_encoders
 from codewheel_runtime import Encoder, FrameError, PositionFrame, Verdict
 
 
-def described(encoder: Encoder, word: int) -> str:
+def describe_frame(encoder: Encoder, word: int) -> str:
     """Return the position in a frame as text, or the reason why there is none."""
     try:
         frame = encoder.decode(word)
@@ -27,4 +27,4 @@ received = [
 
 if __name__ == "__main__":
     for encoder, word in received:
-        print(f"{encoder.family.manufacturer}, {encoder.code}: {described(encoder, word)}")
+        print(f"{encoder.family.manufacturer}, {encoder.code}: {describe_frame(encoder, word)}")

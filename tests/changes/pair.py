@@ -37,17 +37,17 @@ def devices(edits: Edits) -> tuple[Device, ...]:
 def _devices(edits: tuple[tuple[str, str], ...]) -> tuple[Device, ...]:
     texts = {path.name: path.read_text(encoding="utf-8") for path in BASE.glob("*.yaml")}
     for old, new in edits:
-        found = [name for name, text in texts.items() if text.count(old) == 1]
-        assert len(found) == 1, (old, [text.count(old) for text in texts.values()])
-        texts[found[0]] = texts[found[0]].replace(old, new)
+        names_with_text = [name for name, text in texts.items() if text.count(old) == 1]
+        assert len(names_with_text) == 1, (old, [text.count(old) for text in texts.values()])
+        texts[names_with_text[0]] = texts[names_with_text[0]].replace(old, new)
     device = next(line for line in texts["demo.yaml"].splitlines() if line.startswith("device: "))
     texts[f"{device.removeprefix('device: ')}.yaml"] = texts.pop("demo.yaml")
     with TemporaryDirectory() as folder:
         for name, text in texts.items():
             (Path(folder) / name).write_text(text, encoding="utf-8")
-        made, report = load_library([Path(folder)])
+        loaded, report = load_library([Path(folder)])
     assert not report.problems, "\n".join(problem.format() for problem in report.problems)
-    return made
+    return loaded
 
 
 def sides(case: Case) -> tuple[tuple[Device, ...], tuple[Device, ...]]:
@@ -57,10 +57,10 @@ def sides(case: Case) -> tuple[tuple[Device, ...], tuple[Device, ...]]:
     return (edited, plain) if case["backwards"] else (plain, edited)
 
 
-def found(old: Sequence[Device], new: Sequence[Device]) -> DiffResult:
+def comparison(old: Sequence[Device], new: Sequence[Device]) -> DiffResult:
     return DiffResult(compare(old, new), ())
 
 
-def shown(old: Sequence[Device], new: Sequence[Device]) -> str:
+def diff_text(old: Sequence[Device], new: Sequence[Device]) -> str:
     """Return the output of diff for the two, without the line about generated files."""
-    return as_text(found(old, new))
+    return as_text(comparison(old, new))

@@ -17,7 +17,7 @@ SPEC = device_text("my_encoder", "example", "d.json")
 CLOCK, SLOWER = "max_hz: 10000000", "max_hz: 5000000"
 
 
-def written(folder: Path, *edits: tuple[str, str]) -> Path:
+def write_specs(folder: Path, *edits: tuple[str, str]) -> Path:
     text = SPEC
     for old, new in edits:
         assert old in text
@@ -29,13 +29,13 @@ def written(folder: Path, *edits: tuple[str, str]) -> Path:
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: object) -> tuple[int, str, str]:
-    code = main([str(item) for item in arguments])
-    return (code, *capsys.readouterr())
+    exit_code = main([str(argument) for argument in arguments])
+    return (exit_code, *capsys.readouterr())
 
 
 @pytest.fixture
-def both(tmp_path: Path) -> tuple[Path, Path]:
-    return written(tmp_path / "old"), written(tmp_path / "new", (CLOCK, SLOWER))
+def old_and_new(tmp_path: Path) -> tuple[Path, Path]:
+    return write_specs(tmp_path / "old"), write_specs(tmp_path / "new", (CLOCK, SLOWER))
 
 
 LINE = SPEC[: SPEC.index(CLOCK)].count("\n") + 1
@@ -43,19 +43,20 @@ COLUMN = SPEC.splitlines()[LINE - 1].index("10000000") + 1
 
 
 @pytest.mark.slow
-def test_changes_as_comments_of_a_pull_request(both: tuple[Path, Path], capsys: pytest.CaptureFixture[str]) -> None:
-    code, out, _ = run(capsys, "diff", *both, "--format", "github")
-    assert code == 1
-    assert out.startswith(
-        f"::warning file={both[1]}/my_encoder.yaml,line={LINE},col={COLUMN},title=clock-narrower::BiSS: highest clock"
-    )
+def test_changes_as_comments_of_a_pull_request(
+    old_and_new: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    exit_code, out, _ = run(capsys, "diff", *old_and_new, "--format", "github")
+    assert exit_code == 1
+    place = f"{old_and_new[1]}/my_encoder.yaml,line={LINE},col={COLUMN}"
+    assert out.startswith(f"::warning file={place},title=clock-narrower::BiSS: highest clock")
     assert out.count("\n") == 1
 
 
 def test_problems_as_comments_of_a_pull_request(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    folder = written(tmp_path / "a,b", ("title: Set and save a preset", "title: “100%”"))
-    code, out, _ = run(capsys, "check", folder, "--format", "github")
-    assert code == 1
+    folder = write_specs(tmp_path / "a,b", ("title: Set and save a preset", "title: “100%”"))
+    exit_code, out, _ = run(capsys, "check", folder, "--format", "github")
+    assert exit_code == 1
     # The workflow commands escape a percent sign everywhere, and a comma in properties.
     assert out.startswith(f"::error file={tmp_path}/a%2Cb/my_encoder.yaml,line=134,col=12,title=typographic-quotes::")
     assert 'write "100%25" with straight quotes' in out
@@ -63,33 +64,37 @@ def test_problems_as_comments_of_a_pull_request(tmp_path: Path, capsys: pytest.C
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", ["check", "diff"])
-def test_sarif(both: tuple[Path, Path], capsys: pytest.CaptureFixture[str], command: str) -> None:
+def test_sarif(old_and_new: tuple[Path, Path], capsys: pytest.CaptureFixture[str], command: str) -> None:
     """The members that the schema of SARIF 2.1.0 requires, with its types and enumerations."""
-    new = both[1] / "my_encoder.yaml"
+    new = old_and_new[1] / "my_encoder.yaml"
     if command == "check":
         new.write_text(SPEC.replace("address: 0x50", "address: 50"), encoding="utf-8")
-    code, out, _ = run(capsys, command, *(both if command == "diff" else (both[1],)), "--format", "sarif")
-    found = json.loads(out)
-    assert (code, found["version"]) == (1, "2.1.0")
-    (made,) = found["runs"]
-    assert made["columnKind"] in ("utf16CodeUnits", "unicodeCodePoints")
-    assert made["tool"]["driver"]["name"] == "codewheel"
-    (result,) = made["results"]
-    assert [{"id": result["ruleId"]}] == made["tool"]["driver"]["rules"]
+    exit_code, out, _ = run(
+        capsys, command, *(old_and_new if command == "diff" else (old_and_new[1],)), "--format", "sarif"
+    )
+    sarif = json.loads(out)
+    assert (exit_code, sarif["version"]) == (1, "2.1.0")
+    (sarif_run,) = sarif["runs"]
+    assert sarif_run["columnKind"] in ("utf16CodeUnits", "unicodeCodePoints")
+    assert sarif_run["tool"]["driver"]["name"] == "codewheel"
+    (result,) = sarif_run["results"]
+    assert [{"id": result["ruleId"]}] == sarif_run["tool"]["driver"]["rules"]
     assert result["level"] in ("none", "note", "warning", "error")
     assert isinstance(result["message"]["text"], str)
-    (place,) = (item["physicalLocation"] for item in result["locations"])
+    (place,) = (location["physicalLocation"] for location in result["locations"])
     assert place["artifactLocation"]["uri"] == new.as_uri()
     line, column = (LINE, COLUMN) if command == "diff" else (123, 14)
     assert place["region"] == {"startLine": line, "startColumn": column}
 
 
-def test_without_problems_the_forms_are_empty(both: tuple[Path, Path], capsys: pytest.CaptureFixture[str]) -> None:
-    assert run(capsys, "check", both[0], "--format", "github")[:2] == (0, "\n")
-    code, out, _ = run(capsys, "check", both[0], "--format", "sarif")
-    assert (code, json.loads(out)["runs"][0]["results"]) == (0, [])
-    code, out, _ = run(capsys, "check", both[0], "--format", "json")
-    assert (code, json.loads(out)["problems"]) == (0, [])
+def test_without_problems_the_forms_are_empty(
+    old_and_new: tuple[Path, Path], capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert run(capsys, "check", old_and_new[0], "--format", "github")[:2] == (0, "\n")
+    exit_code, out, _ = run(capsys, "check", old_and_new[0], "--format", "sarif")
+    assert (exit_code, json.loads(out)["runs"][0]["results"]) == (0, [])
+    exit_code, out, _ = run(capsys, "check", old_and_new[0], "--format", "json")
+    assert (exit_code, json.loads(out)["problems"]) == (0, [])
 
 
 ENTRY = "{family: my_encoder, rule: clock-narrower, path: interfaces.biss.clock.max_hz, why: no faster master, until: "
@@ -108,14 +113,14 @@ ENTRY = "{family: my_encoder, rule: clock-narrower, path: interfaces.biss.clock.
     ],
 )
 def test_a_change_is_accepted_until_a_date(
-    both: tuple[Path, Path], capsys: pytest.CaptureFixture[str], until: str, code: int, notice: str
+    old_and_new: tuple[Path, Path], capsys: pytest.CaptureFixture[str], until: str, code: int, notice: str
 ) -> None:
-    (both[1] / "accepted.yaml").write_text(f"accepted:\n  - {ENTRY}{until}}}\n", encoding="utf-8")
-    found, out, _ = run(capsys, "diff", *both)
-    assert found == code
+    (old_and_new[1] / "accepted.yaml").write_text(f"accepted:\n  - {ENTRY}{until}}}\n", encoding="utf-8")
+    exit_code, out, _ = run(capsys, "diff", *old_and_new)
+    assert exit_code == code
     assert notice in " ".join(out.split())
     assert "1 change: 1 behaviour" in out
-    assert (run(capsys, "diff", *both, "--format", "github")[1].strip() == "") == (code == 0)
+    assert (run(capsys, "diff", *old_and_new, "--format", "github")[1].strip() == "") == (code == 0)
 
 
 @pytest.mark.slow
@@ -130,30 +135,30 @@ def test_a_change_is_accepted_until_a_date(
     ],
 )
 def test_a_wrong_file_of_accepted_changes(
-    both: tuple[Path, Path], capsys: pytest.CaptureFixture[str], text: str, message: str
+    old_and_new: tuple[Path, Path], capsys: pytest.CaptureFixture[str], text: str, message: str
 ) -> None:
-    (both[1] / "accepted.yaml").write_text(text, encoding="utf-8")
-    code, _, err = run(capsys, "diff", *both)
-    assert code == 2
+    (old_and_new[1] / "accepted.yaml").write_text(text, encoding="utf-8")
+    exit_code, _, err = run(capsys, "diff", *old_and_new)
+    assert exit_code == 2
     assert message in err
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("right", "wrong", "suggested"),
+    ("valid_text", "misspelt", "suggested"),
     [
         ("clock.max_hz", "clock", "did you mean 'interfaces.biss.clock.max_hz'?"),
         ("my_encoder", "my_encodr", "did you mean 'my_encoder'?"),
     ],
 )
 def test_an_entry_that_accepts_nothing_is_reported(
-    both: tuple[Path, Path], capsys: pytest.CaptureFixture[str], right: str, wrong: str, suggested: str
+    old_and_new: tuple[Path, Path], capsys: pytest.CaptureFixture[str], valid_text: str, misspelt: str, suggested: str
 ) -> None:
-    entry = f"{ENTRY}2999-12-31}}".replace(right, wrong)
-    (both[1] / "accepted.yaml").write_text(f"accepted:\n  - {entry}\n", encoding="utf-8")
-    told = " ".join(run(capsys, "diff", *both)[1].split())
-    assert "accepted, but not found: " in told
-    assert suggested in told
+    accepted_entry = f"{ENTRY}2999-12-31}}".replace(valid_text, misspelt)
+    (old_and_new[1] / "accepted.yaml").write_text(f"accepted:\n  - {accepted_entry}\n", encoding="utf-8")
+    printed = " ".join(run(capsys, "diff", *old_and_new)[1].split())
+    assert "accepted, but not found: " in printed
+    assert suggested in printed
 
 
 @pytest.mark.slow
@@ -174,18 +179,18 @@ def test_the_entry_for_an_older_edition_keeps_what_was_taken_away(
         without,
         examples,
     ]
-    old = written(tmp_path / "old", without, examples, ("registers:\n", f"registers:\n{extra}"))
-    new = written(tmp_path / "new", *revision)
+    old = write_specs(tmp_path / "old", without, examples, ("registers:\n", f"registers:\n{extra}"))
+    new = write_specs(tmp_path / "new", *revision)
     out = run(capsys, "diff", old, new, "--editions")[1]
-    _, _, entry = out.partition("with their source:\n\n")
-    assert "value: {name: spare, interface: biss, address: 0x60" in entry
+    _, _, edition_entry = out.partition("with their source:\n\n")
+    assert "value: {name: spare, interface: biss, address: 0x60" in edition_entry
     spec = new / "my_encoder.yaml"
-    spec.write_text(spec.read_text(encoding="utf-8") + entry, encoding="utf-8")
+    spec.write_text(spec.read_text(encoding="utf-8") + edition_entry, encoding="utf-8")
     assert run(capsys, "check", new)[:1] == (0,)
-    for edition, kept in (("1.0", True), ("1.1", False)):
-        shown = json.loads(run(capsys, "show", "my_encoder", "--edition", edition, "--specs", new, "--json")[1])
-        assert ("spare" in [item["name"] for item in shown["registers"]]) == kept
-        assert ("MY-ENCODER-17-SC" in json.dumps(shown["order_codes"])) == kept
+    for edition, is_kept in (("1.0", True), ("1.1", False)):
+        data = json.loads(run(capsys, "show", "my_encoder", "--edition", edition, "--specs", new, "--json")[1])
+        assert ("spare" in [register["name"] for register in data["registers"]]) == is_kept
+        assert ("MY-ENCODER-17-SC" in json.dumps(data["order_codes"])) == is_kept
     assert "removed these items" not in run(capsys, "diff", old, old, "--editions")[1]
 
 
@@ -208,6 +213,11 @@ LABELS = {
 }
 
 
+def shown_codes(capsys: pytest.CaptureFixture[str], *options: object) -> set[str]:
+    shown_family = json.loads(run(capsys, "show", "my_encoder", *options, "--json")[1])
+    return {order_code["code"] for order_code in shown_family["order_codes"]}
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("labels", LABELS.values(), ids=LABELS)
 @pytest.mark.parametrize("around", ["history", "no history", "editions"])
@@ -220,41 +230,38 @@ def test_the_entry_for_an_option_with_another_label_passes_check(
         first = FIRST.replace("1.0", "0.9")
         before.append((FIRST, f'{first}    - {{revision: "1.0", changes: More}}\n'))
         more = f'{first}    - {{revision: "1.0", changes: More}}\n    - {{revision: "1.1", changes: New labels}}\n'
-    old = written(tmp_path / "old", *before)
-    new = written(tmp_path / "new", before[0], SECOND, (FIRST, "" if around == "no history" else more), *labels)
+    old = write_specs(tmp_path / "old", *before)
+    new = write_specs(tmp_path / "new", before[0], SECOND, (FIRST, "" if around == "no history" else more), *labels)
     spec = new / "my_encoder.yaml"
     if around == "editions":
         spec.write_text(spec.read_text(encoding="utf-8") + EDITIONS, encoding="utf-8")
     assert run(capsys, "check", old)[0] == run(capsys, "check", new)[0] == 0
-    begin, _, entry = run(capsys, "diff", old, new, "--editions")[1].partition("with their source:\n\n")
+    begin, _, edition_entry = run(capsys, "diff", old, new, "--editions")[1].partition("with their source:\n\n")
     text = spec.read_text(encoding="utf-8")
     if around == "editions":
         assert begin.endswith("under its editions, ")
-        text = text.replace("editions:\n  - revision", f"editions:\n{entry.rstrip()}\n  - revision")
+        text = text.replace("editions:\n  - revision", f"editions:\n{edition_entry.rstrip()}\n  - revision")
     else:
-        text += entry
+        text += edition_entry
     if around == "no history":
         history = begin.partition("under 'manual':\n\n")[2].partition("\n\n")[0]
         text = text.replace(SECOND[1], f"{SECOND[1]}\n{history}", 1)
     spec.write_text(text, encoding="utf-8")
-    code, out, _ = run(capsys, "check", new)
-    assert code == 0, out
-    codes = [
-        {item["code"] for item in json.loads(run(capsys, "show", "my_encoder", *of, "--json")[1])["order_codes"]}
-        for of in (["--specs", old], ["--edition", "1.0", "--specs", new])
-    ]
-    assert codes[0] == codes[1]
+    exit_code, out, _ = run(capsys, "check", new)
+    assert exit_code == 0, out
+    codes_before = shown_codes(capsys, "--specs", old)
+    assert codes_before == shown_codes(capsys, "--edition", "1.0", "--specs", new)
 
 
 def test_the_commands_of_the_page_are_right(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     page = (Path(__file__).parents[2] / "docs/check-in-ci.md").read_text(encoding="utf-8")
-    hook, workflow, entry = map(yaml.safe_load, re.findall(r"```yaml\n(.*?)```", page, re.DOTALL))
-    steps = [item["run"] for item in workflow["jobs"]["specs"]["steps"] if "run" in item]
+    hook, workflow, accepted_block = map(yaml.safe_load, re.findall(r"```yaml\n(.*?)```", page, re.DOTALL))
+    steps = [step["run"] for step in workflow["jobs"]["specs"]["steps"] if "run" in step]
     lines = [hook["repos"][0]["hooks"][0]["entry"], *(line for line in steps if line.startswith("codewheel"))]
     assert len(lines) == 4
     for line in lines:
         words = line.partition(" >")[0].split()[1:]
         assert parser_for(words).parse_args(words).command == words[0]
-    (item,) = entry["accepted"]
-    (tmp_path / "accepted.yaml").write_text(f"accepted:\n  - {json.dumps(item, default=str)}\n", encoding="utf-8")
+    (accepted,) = accepted_block["accepted"]
+    (tmp_path / "accepted.yaml").write_text(f"accepted:\n  - {json.dumps(accepted, default=str)}\n", encoding="utf-8")
     assert read_accepted(tmp_path / "accepted.yaml")[0].rule == "clock-narrower"

@@ -54,9 +54,9 @@ def git(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Git:
 
 
 def diff(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
-    code = main(["diff", *words])
+    exit_code = main(["diff", *words])
     done = capsys.readouterr()
-    return code, done.out, done.err
+    return exit_code, done.out, done.err
 
 
 TOLD = """\
@@ -119,8 +119,8 @@ def test_fail_on_words(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[s
 
 
 def test_an_impact_that_is_none(git: Git, capsys: pytest.CaptureFixture[str]) -> None:
-    code, _, err = diff(capsys, "v1.0:specs", "specs", "--fail-on", "braking")
-    assert (code, "there is no choice 'braking'; did you mean 'breaking'?" in err) == (2, True)
+    exit_code, _, err = diff(capsys, "v1.0:specs", "specs", "--fail-on", "braking")
+    assert (exit_code, "there is no choice 'braking'; did you mean 'breaking'?" in err) == (2, True)
 
 
 def test_as_data(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -128,10 +128,10 @@ def test_as_data(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -
     validator = Draft202012Validator(SCHEMA)
     validator.validate(json.loads(diff(capsys, "v1.0:specs", "specs", "--json")[1]))
     revise(tmp_path / "specs")
-    code, out, _ = diff(capsys, "v1.0:specs", "specs", "--json")
+    exit_code, out, _ = diff(capsys, "v1.0:specs", "specs", "--json")
     data = json.loads(out)
     validator.validate(data)
-    assert (code, data["impact"], data["generated"]["files"]) == (1, "breaking", 229)
+    assert (exit_code, data["impact"], data["generated"]["files"]) == (1, "breaking", 229)
     assert data["counts"] == {"documentation": 1, "compatible": 1, "behaviour": 1, "breaking": 1}
     assert data["changes"][1] == {
         "family": "demo",
@@ -201,8 +201,8 @@ def test_what_is_not_there(
     git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, message: str | None
 ) -> None:
     git("branch", "-M", "master")
-    code, out, err = diff(capsys, *(("--", old) if old.startswith("-") else (old,)), "specs")
-    assert (code, out) == (2, "")
+    exit_code, out, err = diff(capsys, *(("--", old) if old.startswith("-") else (old,)), "specs")
+    assert (exit_code, out) == (2, "")
     assert "Traceback" not in err
     if message is not None:
         assert err.splitlines()[-1].startswith(f"codewheel: {message.partition('; did')[0]}")
@@ -231,16 +231,16 @@ def test_a_file_with_a_colon_is_a_file(git: Git, tmp_path: Path) -> None:
 @pytest.mark.parametrize("path", ["C:\\old\\demo.yaml", "c:/old"])
 def test_a_path_of_windows_is_a_path(capsys: pytest.CaptureFixture[str], path: str) -> None:
     assert revision_in(path) is None
-    code, _, err = diff(capsys, path, "specs")
-    assert (code, err) == (2, f"codewheel: no such file or folder: {path}\n")
+    exit_code, _, err = diff(capsys, path, "specs")
+    assert (exit_code, err) == (2, f"codewheel: no such file or folder: {path}\n")
 
 
 def test_links_in_history_lead_nowhere(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (tmp_path / "link.yaml").symlink_to(tmp_path / "specs" / "demo.yaml")
     git("add", ".")
     git("commit", "-q", "-m", "link")
-    code, _, err = diff(capsys, "HEAD:link.yaml", "specs")
-    assert (code, err) == (2, "codewheel: there is no link.yaml in HEAD\n")
+    exit_code, _, err = diff(capsys, "HEAD:link.yaml", "specs")
+    assert (exit_code, err) == (2, "codewheel: there is no link.yaml in HEAD\n")
 
 
 def test_an_earlier_form_of_the_language(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -248,15 +248,15 @@ def test_an_earlier_form_of_the_language(git: Git, tmp_path: Path, capsys: pytes
     edit(file, "movement: rotary", "motion: rotary")
     git("commit", "-q", "-a", "-m", "old form")
     edit(file, "motion: rotary", "movement: rotary")
-    code, out, err = diff(capsys, "HEAD:specs", "specs")
-    assert (code, out) == (1, "")
+    exit_code, out, err = diff(capsys, "HEAD:specs", "specs")
+    assert (exit_code, out) == (1, "")
     assert err.startswith("HEAD:specs/demo.yaml:2:1: missing-key: ")
     assert err.endswith(
         "codewheel: HEAD:specs is not compared, because the current spec language finds 2 problems in it. It may "
         "use an older form of the language: add --lenient, use a later revision, or run the version of codewheel from "
         "that time\n"
     )
-    code, out, _ = diff(capsys, "--lenient", "HEAD:specs", "specs")
+    exit_code, out, _ = diff(capsys, "--lenient", "HEAD:specs", "specs")
     assert out.splitlines()[0] == (
         "the current spec language finds 2 problems in HEAD:specs. "
         "The faulty parts are omitted and may be listed as new"
@@ -268,8 +268,8 @@ def test_a_spec_without_interfaces_is_compared(git: Git, tmp_path: Path, capsys:
     edit(file, "\ninterfaces:", "\ninterface:")
     git("commit", "-q", "-a", "-m", "old form")
     edit(file, "\ninterface:", "\ninterfaces:")
-    code, out, _ = diff(capsys, "--lenient", "HEAD:specs", "specs")
-    assert code == 1
+    exit_code, out, _ = diff(capsys, "--lenient", "HEAD:specs", "specs")
+    assert exit_code == 1
     assert "order codes DEMO…: 12 new" in out
 
 
@@ -288,15 +288,17 @@ def test_a_spec_without_evidence_is_compared(git: Git, tmp_path: Path, capsys: p
 
 def test_a_family_that_cannot_be_read_is_left_out(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = (tmp_path / "specs" / "demo.yaml").read_text(encoding="utf-8")
-    other = text.replace("device: demo", "device: other").replace('"DEMO{', '"OTHER{').replace("DEMO17-", "OTHER17-")
-    other = other.replace('"DM{', '"OT{')
-    (tmp_path / "specs" / "other.yaml").write_text(other, encoding="utf-8")
+    other_text = (
+        text.replace("device: demo", "device: other").replace('"DEMO{', '"OTHER{').replace("DEMO17-", "OTHER17-")
+    )
+    other_text = other_text.replace('"DM{', '"OT{')
+    (tmp_path / "specs" / "other.yaml").write_text(other_text, encoding="utf-8")
     edit(tmp_path / "specs" / "demo.yaml", "movement: rotary", "motion: rotary")
     git("add", ".")
     git("commit", "-q", "-m", "two")
     edit(tmp_path / "specs" / "demo.yaml", "motion: rotary", "movement: rotary")
-    code, out, _ = diff(capsys, "HEAD:specs", "specs")
-    assert (code, out) == (
+    exit_code, out, _ = diff(capsys, "HEAD:specs", "specs")
+    assert (exit_code, out) == (
         0,
         "not compared because of 2 problems in the current spec language: demo of HEAD:specs\nno differences\n",
     )
@@ -304,8 +306,8 @@ def test_a_family_that_cannot_be_read_is_left_out(git: Git, tmp_path: Path, caps
 
 def test_the_new_specs_have_to_be_sound(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     edit(tmp_path / "specs" / "demo.yaml", "movement: rotary", "movement: round")
-    code, out, err = diff(capsys, "v1.0:specs", "specs")
-    assert (code, out) == (1, "")
+    exit_code, out, err = diff(capsys, "v1.0:specs", "specs")
+    assert (exit_code, out) == (1, "")
     assert err.endswith("codewheel: specs has 1 problem and is not compared\n")
 
 
@@ -316,18 +318,18 @@ def _rules(old: Device, new: Device) -> set[tuple[str, str]]:
 def test_amm5_needs_a_decision(amm5: Device) -> None:
     """A decision that a frame now needs breaks its callers, and so does its removal."""
     before = replace(amm5, alternatives=())
-    there, back = _rules(before, amm5), _rules(amm5, before)
-    assert {("decision-new", "all 12 RS-485 order codes"), ("frame-decision", "all 12 RS-485 order codes")} <= there
-    assert {("decision-gone", "all 12 RS-485 order codes"), ("frame-decision", "all 12 RS-485 order codes")} <= back
+    forward, backward = _rules(before, amm5), _rules(amm5, before)
+    assert {("decision-new", "all 12 RS-485 order codes"), ("frame-decision", "all 12 RS-485 order codes")} <= forward
+    assert {("decision-gone", "all 12 RS-485 order codes"), ("frame-decision", "all 12 RS-485 order codes")} <= backward
 
 
 def test_what_order_codes_of_amm5_are_called(amm5: Device) -> None:
     """As the manual's edition 1.8 had it, which introduced AMM5B."""
-    before = replace(amm5, variants=tuple(item for item in amm5.variants if item.parts["mount"] == "A"))
+    before = replace(amm5, variants=tuple(variant for variant in amm5.variants if variant.parts["mount"] == "A"))
     texts = [(change.text, change.reach) for change in compare([before], [amm5])]
     assert ("order codes AMM5B…: 18 new", "") in texts
     register = replace(amm5.register("preset"), default=1)
-    registers = tuple(register if item.name == "preset" else item for item in amm5.registers)
+    registers = tuple(register if candidate.name == "preset" else candidate for candidate in amm5.registers)
     changed = compare([amm5], [replace(amm5, registers=registers)])
     assert [(change.text, change.reach) for change in changed] == [
         ("registers 11h to 17h preset: default 00h → 01h", "all 12 BiSS order codes")
@@ -337,12 +339,12 @@ def test_what_order_codes_of_amm5_are_called(amm5: Device) -> None:
 def _reach(device: Device, parts: Sequence[str]) -> str:
     from codewheel.changes.affected_codes import describe_codes
 
-    codes = [item.code for item in device.variants if all(part in item.parts.values() for part in parts)]
+    codes = [variant.code for variant in device.variants if set(parts) <= set(variant.parts.values())]
     return describe_codes(device, codes)
 
 
 @pytest.mark.parametrize(
-    ("parts", "said"),
+    ("parts", "reach_text"),
     [
         ((), "all 36 order codes"),
         (("SC1",), "all 12 BiSS order codes"),
@@ -352,14 +354,14 @@ def _reach(device: Device, parts: Sequence[str]) -> str:
         (("A", "17", "1"), "AMM5A17/1…"),
     ],
 )
-def test_reach(amm5: Device, parts: Sequence[str], said: str) -> None:
-    assert _reach(amm5, parts) == said
+def test_reach(amm5: Device, parts: Sequence[str], reach_text: str) -> None:
+    assert _reach(amm5, parts) == reach_text
 
 
 def test_reach_of_a_few(amm5: Device) -> None:
     from codewheel.changes.affected_codes import describe_codes
 
-    codes = [item.code for item in amm5.variants]
+    codes = [variant.code for variant in amm5.variants]
     assert describe_codes(amm5, [codes[0], codes[4], codes[8], codes[15]]) == (
         "AMM5A17/1BG1, AMM5A17/65KSC1, AMM5A21/1JP1 and 1 more"
     )

@@ -33,9 +33,9 @@ def git(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Git:
     (tmp_path / "deep/down/tmp").mkdir(parents=True)
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "deep/down/tmp"))
 
-    def run(*words: str, given: bytes = b"") -> str:
+    def run(*words: str, stdin: bytes = b"") -> str:
         settings = ("-c", "user.name=a", "-c", "user.email=a@example.org", "-c", "commit.gpgsign=false")
-        done = subprocess.run(["git", *settings, *words], check=True, capture_output=True, input=given)
+        done = subprocess.run(["git", *settings, *words], check=True, capture_output=True, input=stdin)
         return done.stdout.decode().strip()
 
     run("init", "-q")
@@ -45,29 +45,31 @@ def git(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Git:
 
 
 def blob(git: Git, content: bytes) -> str:
-    return git("hash-object", "-w", "--stdin", given=content)
+    return git("hash-object", "-w", "--stdin", stdin=content)
 
 
 def tree(git: Git, *entries: Entry) -> str:
     """Return the tree of these entries with any names, which git itself would refuse to create."""
-    raw = b"".join(f"{mode} ".encode() + os.fsencode(name) + b"\0" + bytes.fromhex(of) for mode, name, of in entries)
-    return git("hash-object", "-t", "tree", "--literally", "-w", "--stdin", given=raw)
+    raw = b""
+    for mode, name, object_id in entries:
+        raw += f"{mode} ".encode() + os.fsencode(name) + b"\0" + bytes.fromhex(object_id)
+    return git("hash-object", "-t", "tree", "--literally", "-w", "--stdin", stdin=raw)
 
 
 def commit(git: Git, top: str) -> None:
     git("tag", "evil", git("commit-tree", "-m", "evil", top))
 
 
-def below(folder: Path) -> dict[str, bytes]:
-    found = (path for path in folder.rglob("*") if path.is_file() and ".git" not in path.relative_to(folder).parts)
-    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in found}
+def files_below(folder: Path) -> dict[str, bytes]:
+    files = (path for path in folder.rglob("*") if path.is_file() and ".git" not in path.relative_to(folder).parts)
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in files}
 
 
 SPEC = (BASE / "demo.yaml").read_bytes()
 
 
 @pytest.mark.parametrize(
-    ("parts", "shown", "bad"),
+    ("parts", "path_text", "bad"),
     [
         (["..", "..", "..", "victim.yaml"], "../../../victim.yaml", ".."),
         (["../../../victim.yaml"], "../../../victim.yaml", ".."),
@@ -78,22 +80,28 @@ SPEC = (BASE / "demo.yaml").read_bytes()
         (["C:victim.yaml"], "C:victim.yaml", "C:victim.yaml"),
     ],
 )
-@pytest.mark.parametrize("asked", ["evil:specs", "evil:"])
+@pytest.mark.parametrize("argument", ["evil:specs", "evil:"])
 def test_a_name_that_leads_elsewhere_is_refused(
-    git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str], asked: str, parts: list[str], shown: str, bad: str
+    git: Git,
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    argument: str,
+    parts: list[str],
+    path_text: str,
+    unsafe_name: str,
 ) -> None:
     (tmp_path / "victim.yaml").write_text("precious")
     inside, mode = blob(git, SPEC), FILE
     for part in reversed(parts):
         inside, mode = tree(git, (mode, part.format(tmp=tmp_path), inside)), FOLDER
     commit(git, tree(git, (FOLDER, "specs", inside)))
-    before = below(tmp_path)
-    assert main(["diff", "HEAD:specs", asked]) == 2
-    name = f"specs/{shown.format(tmp=tmp_path)}"
+    before = files_below(tmp_path)
+    assert main(["diff", "HEAD:specs", argument]) == 2
+    name = f"specs/{path_text.format(tmp=tmp_path)}"
     assert capsys.readouterr().err == (
-        f"codewheel: evil holds a file '{name}'; '{bad}' is not a safe name, so the revision is not read\n"
+        f"codewheel: evil holds a file '{name}'; '{unsafe_name}' is not a safe name, so the revision is not read\n"
     )
-    assert below(tmp_path) == before
+    assert files_below(tmp_path) == before
 
 
 def laid_out(tmp_path: Path, path: str, revision: str = "evil") -> RevisionFiles:
@@ -102,13 +110,13 @@ def laid_out(tmp_path: Path, path: str, revision: str = "evil") -> RevisionFiles
 
 
 def test_folders_have_neutral_names_and_messages_the_true_ones(git: Git, tmp_path: Path) -> None:
-    spec, other = blob(git, SPEC), blob(git, b"a: 1\n")
-    deep = tree(git, (FILE, "demo.yaml", spec), (FILE, "manufacturer.yaml", other))
-    odd = tree(git, (FILE, "a.yaml", other), (FILE, "A.yaml", spec), (FILE, "con\n.yaml", other))
-    hidden = tree(git, (FILE, "x.yaml", other))
+    spec, other_blob = blob(git, SPEC), blob(git, b"a: 1\n")
+    deep = tree(git, (FILE, "demo.yaml", spec), (FILE, "manufacturer.yaml", other_blob))
+    odd = tree(git, (FILE, "a.yaml", other_blob), (FILE, "A.yaml", spec), (FILE, "con\n.yaml", other_blob))
+    hidden = tree(git, (FILE, "x.yaml", other_blob))
     commit(git, tree(git, (FOLDER, "$(id)", deep), (FOLDER, ".hidden", hidden), (FOLDER, "odd", odd)))
-    made = laid_out(tmp_path, "")
-    assert {path: made.names[str(tmp_path / "out" / path)] for path in below(tmp_path / "out")} == {
+    laid = laid_out(tmp_path, "")
+    assert {path: laid.names[str(tmp_path / "out" / path)] for path in files_below(tmp_path / "out")} == {
         "0/demo.yaml": "evil:$(id)/demo.yaml",
         "0/manufacturer.yaml": "evil:$(id)/manufacturer.yaml",
         "1/a.yaml": "evil:odd/a.yaml",
@@ -116,7 +124,7 @@ def test_folders_have_neutral_names_and_messages_the_true_ones(git: Git, tmp_pat
         "1/4.yaml": "evil:odd/con\n.yaml",
     }
     assert (tmp_path / "out/1/3.yaml").read_bytes() == SPEC
-    assert (made.place, made.names[str(made.place)]) == (tmp_path / "out", "evil:")
+    assert (laid.place, laid.names[str(laid.place)]) == (tmp_path / "out", "evil:")
 
 
 def test_a_giant_is_not_read(git: Git, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -149,7 +157,7 @@ def test_a_tree_that_lists_more_than_any_disk_holds(git: Git, tmp_path: Path) ->
 
 
 @pytest.fixture
-def partial(git: Git, tmp_path: Path) -> Path:
+def partial_clone(git: Git, tmp_path: Path) -> Path:
     """Make the repository a partial clone that lacks one spec, and whose server is a command. Return its mark."""
     lost = git("rev-parse", "HEAD:specs/demo.yaml")
     mark = tmp_path / "run"
@@ -166,22 +174,22 @@ def partial(git: Git, tmp_path: Path) -> Path:
     return mark
 
 
-def test_nothing_is_fetched(partial: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_nothing_is_fetched(partial_clone: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     (tmp_path / "trace").touch()
     monkeypatch.setenv("GIT_TRACE", str(tmp_path / "trace"))
     with pytest.raises(RevisionError):
         laid_out(tmp_path, "specs", "HEAD")
     assert "fetch" not in (tmp_path / "trace").read_text()
-    assert not partial.exists()
+    assert not partial_clone.exists()
 
 
 def test_a_git_that_fetches_all_the_same_finds_no_protocol(
-    partial: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    partial_clone: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.delitem(revisions._QUIET, "GIT_NO_LAZY_FETCH")
     with pytest.raises(RevisionError):
         laid_out(tmp_path, "specs", "HEAD")
-    assert not partial.exists()
+    assert not partial_clone.exists()
 
 
 def test_a_revision_never_becomes_an_option(git: Git, tmp_path: Path) -> None:

@@ -18,15 +18,15 @@ BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
 
 def steps() -> list[tuple[str, str]]:
     """Yield each command with its output. For the change of the spec, yield its name and text."""
-    found: list[tuple[str, str]] = []
+    commands: list[tuple[str, str]] = []
     for language, block in BLOCKS:
         if language == "diff":
-            found.append(("", block))
+            commands.append(("", block))
         else:
             for part in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
-                command, _, shown = part.partition("\n")
-                found.append((command, shown))
-    return found
+                command, _, output = part.partition("\n")
+                commands.append((command, output))
+    return commands
 
 
 def environment(folder: Path) -> dict[str, str]:
@@ -35,14 +35,14 @@ def environment(folder: Path) -> dict[str, str]:
     tool.parent.mkdir()
     tool.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m codewheel "$@"\n', encoding="utf-8")
     tool.chmod(0o755)
-    kept = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
+    variables = {name: value for name, value in os.environ.items() if not name.startswith("GIT_")}
     who = {"GIT_AUTHOR_NAME": "a", "GIT_AUTHOR_EMAIL": "a@example.org", "GIT_CONFIG_NOSYSTEM": "1"}
     who |= {"GIT_COMMITTER_NAME": "a", "GIT_COMMITTER_EMAIL": "a@example.org"}
     who |= {"GIT_CONFIG_GLOBAL": str(folder / "no.gitconfig")}
-    return kept | who | {"PATH": f"{tool.parent}:{os.environ['PATH']}", "PYTHONIOENCODING": "utf-8"}
+    return variables | who | {"PATH": f"{tool.parent}:{os.environ['PATH']}", "PYTHONIOENCODING": "utf-8"}
 
 
-def prepared(folder: Path) -> tuple[Path, dict[str, str]]:
+def create_repository(folder: Path) -> tuple[Path, dict[str, str]]:
     """Create the repository with which the page begins."""
     variables, work = environment(folder), folder / "work"
     copytree(ROOT / "docs" / "example" / "tolvarn", work / "specs" / "tolvarn")
@@ -51,7 +51,7 @@ def prepared(folder: Path) -> tuple[Path, dict[str, str]]:
     return work, variables
 
 
-def printed(command: str, work: Path, variables: dict[str, str]) -> str:
+def output_of(command: str, work: Path, variables: dict[str, str]) -> str:
     done = subprocess.run(
         ["bash", "-c", command], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, cwd=work, env=variables
     )
@@ -60,12 +60,12 @@ def printed(command: str, work: Path, variables: dict[str, str]) -> str:
 
 @pytest.mark.slow
 def test_its_session(tmp_path: Path) -> None:
-    work, variables = prepared(tmp_path)
-    for command, shown in steps():
+    work, variables = create_repository(tmp_path)
+    for command, output in steps():
         if command:
-            assert printed(command, work, variables) == shown, command
+            assert output_of(command, work, variables) == output, command
         else:
-            subprocess.run(["git", "apply", "-"], input=shown, text=True, check=True, cwd=work, env=variables)
+            subprocess.run(["git", "apply", "-"], input=output, text=True, check=True, cwd=work, env=variables)
 
 
 def test_it_has_commands() -> None:

@@ -19,13 +19,11 @@ from codewheel.model import Device
 from codewheel.model.members import PARTS_BY_CLASS, Part
 from codewheel.targets import Library
 from codewheel.targets.registry import files_of, load_target
-from pair import Case, devices, shown, sides
+from pair import Case, devices, diff_text, sides
 
 _WITHOUT = {"before": [], "edits": [], "backwards": False}
-CASES: list[Case] = [
-    {**_WITHOUT, **case}  # type: ignore[typeddict-item]
-    for case in yaml.safe_load((Path(__file__).parent / "cases.yaml").read_text(encoding="utf-8"))
-]
+_LISTED = yaml.safe_load((Path(__file__).parent / "cases.yaml").read_text(encoding="utf-8"))
+CASES: list[Case] = [{**_WITHOUT, **case} for case in _LISTED]  # type: ignore[typeddict-item]
 #: Rules with tests of their own, since they need two families or a member of the model that no rule covers.
 _ELSEWHERE = {"family-gone", "family-new", "unforeseen"}
 _COMMENT = re.compile(r"/\*.*?\*/|//[^\n]*", re.DOTALL)
@@ -42,7 +40,7 @@ def test_every_rule_has_its_pair() -> None:
 
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case["rule"])
 def test_what_is_printed(case: Case) -> None:
-    text = shown(*sides(case))
+    text = diff_text(*sides(case))
     assert text == case["shown"].rstrip("\n")
     assert f"[{case['rule']}]" in text
     assert max(map(len, text.splitlines())) <= 80
@@ -53,24 +51,27 @@ def test_what_is_printed(case: Case) -> None:
 def test_the_way_back(case: Case) -> None:
     """A new thing is gone in the opposite direction, and every change is noticed."""
     old, new = sides(case)
-    there, back = ({change.rule.name for change in compare(*pair)} for pair in ((old, new), (new, old)))
-    assert back
-    assert {name.replace("-gone", "-new") for name in there if name.endswith(("-gone", "-new"))} == {
-        name.replace("-gone", "-new") for name in back if name.endswith(("-gone", "-new"))
-    }
+    forward = {change.rule.name for change in compare(old, new)}
+    backward = {change.rule.name for change in compare(new, old)}
+    assert backward
+    kinds_forward = {name.rpartition("-")[0] for name in forward if name.endswith(("-gone", "-new"))}
+    kinds_backward = {name.rpartition("-")[0] for name in backward if name.endswith(("-gone", "-new"))}
+    assert kinds_forward == kinds_backward
     assert compare(old, old) == compare(new, new) == []
 
 
 def test_families_that_come_and_go() -> None:
-    one = devices([])
-    other = devices([("device: demo", "device: other"), ('"DEMO{size}', '"OTHER{size}'), ("DEMO17-", "OTHER17-")])
-    assert shown(one, (*one, *other)) == (
+    original = devices([])
+    other_family = devices(
+        [("device: demo", "device: other"), ('"DEMO{size}', '"OTHER{size}'), ("DEMO17-", "OTHER17-")]
+    )
+    assert diff_text(original, (*original, *other_family)) == (
         "other\n"
         "  compatible     family other is new\n"
         "                 all 12 order codes; C, Python, XML [family-new]\n"
         "1 change: 1 compatible"
     )
-    assert shown((*one, *other), one) == (
+    assert diff_text((*original, *other_family), original) == (
         "other\n"
         "  breaking       family other is gone\n"
         "                 all 12 order codes; C, Python, XML [family-gone]\n"
@@ -83,7 +84,7 @@ def test_a_limit_is_held_against_the_old_one_at_the_new_numbers() -> None:
     more = [(f"sets: {{singleturn_bits: {bits}}}", f"sets: {{singleturn_bits: {bits + 1}}}") for bits in (13, 17)]
     less = ("max: 2^position_bits - 1", "max: 2^position_bits - 2")
     words = [(f"meaning: {bits} bits", f"meaning: Size {bits}") for bits in (13, 17)]
-    assert shown(devices(words), devices([*words, *more, less])) == (
+    assert diff_text(devices(words), devices([*words, *more, less])) == (
         "demo\n"
         "  behaviour      singleturn_bits 13 → 14\n"
         "                 DEMO13…; C, Python, XML [parameter-of-code]\n"
@@ -103,7 +104,7 @@ def test_a_type_in_c_changes_with_the_widest_order_code() -> None:
         ("sets: {singleturn_bits: 17}", "sets: {singleturn_bits: 12}"),
         ("{multiturn_bits: 12}", "{multiturn_bits: 3}"),
     ]
-    text = shown(devices(words), devices([*words, *fewer]))
+    text = diff_text(devices(words), devices([*words, *fewer]))
     assert "  breaking       preset: number position: uint32_t → uint16_t\n" in text
     assert "  breaking       preset: field singleturn: uint32_t → uint16_t\n" in text
     assert "  breaking       preset: field multiturn: uint16_t → uint8_t\n" in text
@@ -112,9 +113,11 @@ def test_a_type_in_c_changes_with_the_widest_order_code() -> None:
 def test_what_no_rule_knows(monkeypatch: pytest.MonkeyPatch) -> None:
     old, new = sides(case_of("register-moved"))
     part = PARTS_BY_CLASS["Register"]
-    others = Part(part.name, part.about, *(item for item in part.members if item.name != "address"))
-    monkeypatch.setattr("codewheel.changes.compare.PARTS_BY_CLASS", {**PARTS_BY_CLASS, "Register": others})
-    assert shown(old, new) == (
+    part_without_address = Part(part.name, part.about, *(member for member in part.members if member.name != "address"))
+    monkeypatch.setattr(
+        "codewheel.changes.compare.PARTS_BY_CLASS", {**PARTS_BY_CLASS, "Register": part_without_address}
+    )
+    assert diff_text(old, new) == (
         "demo\n"
         "  behaviour      registers 50h to 53h preset: address 80 → 84\n"
         "                 all 4 BiSS order codes; C, Python, XML [unforeseen]\n"
@@ -125,14 +128,14 @@ def test_what_no_rule_knows(monkeypatch: pytest.MonkeyPatch) -> None:
 def test_every_member_of_a_family_is_compared() -> None:
     """A new section of a family must be compared in ``walk``. Overlays and editions show in the facts that they
     change, samples follow from the others."""
-    assert {item.name for item in fields(Device)} == set(
+    assert {member.name for member in fields(Device)} == set(
         """name title movement manufacturer manual documents lost_figures parameters order_code variants crcs interfaces
         registers alarms procedures timings connectors leds characteristics examples errata measurement inputs tables
         field_groups supply evidence alternatives times_read releases overlays base editions edition samples""".split()
     )
 
 
-def _generated(devices: Any, target: str) -> dict[str, str]:
+def _files_of(devices: Any, target: str) -> dict[str, str]:
     return dict(files_of(load_target(target), Library(tuple(devices)), {}))
 
 
@@ -157,14 +160,16 @@ def test_its_impact_is_true(case: Case) -> None:
     """Wording changes no statement, compatible changes keep every name, and reported names are those of the code."""
     old, new = sides(case)
     changes = compare(old, new)
-    before, after = ((_generated(each, "c"), _generated(each, "python")) for each in (old, new))
-    impacts = {name: max(change.rule.impacts[index] for change in changes) for index, name in enumerate(OUTPUTS)}
-    _c_is_true(impacts["c"], before[0], after[0])
-    modules = [_module(each[1]) for each in (before, after)]
+    before, after = ((_files_of(families, "c"), _files_of(families, "python")) for families in (old, new))
+    impacts = {}
+    for index, output in enumerate(OUTPUTS):
+        impacts[output] = max(change.rule.impacts[index] for change in changes)
+    _check_impact_on_c(impacts["c"], before[0], after[0])
+    modules = [_family_module(files[1]) for files in (before, after)]
     if not modules[1] or not any(name in after[1] for name in before[1] if name.endswith("/demo.py")):
         assert impacts["python"] is Impact.BREAKING
         return
-    _python_is_true(impacts["python"], *modules)
+    _check_impact_on_python(impacts["python"], *modules)
     for change in changes:
         if change.rule.name.endswith(("-gone", "-renamed")) and change.names:
             headers = "".join(text for name, text in before[0].items() if name.startswith("c/include/maker/demo_"))
@@ -174,43 +179,48 @@ def test_its_impact_is_true(case: Case) -> None:
             assert name == "DataId" or not re.search(rf"(class|def) {name}\b", modules[1])
 
 
-def _module(files: dict[str, str]) -> str:
+def _family_module(files: dict[str, str]) -> str:
     """Return the module of the family together with that of its facts."""
     return "\n".join(text for name, text in sorted(files.items()) if name.endswith("/demo.py"))
 
 
-def _c_is_true(impact: Impact, before: dict[str, str], after: dict[str, str]) -> None:
+def _check_impact_on_c(impact: Impact, before: dict[str, str], after: dict[str, str]) -> None:
     headers = sorted(name for name in before if name.endswith(".h"))
     if not after.keys() >= set(headers):
         assert impact is Impact.BREAKING
         return
-    codes = [[_c_code(files[name]) for name in headers] for files in (before, after)]
-    names = [{name for code in each for text in code for name in _NAME.findall(text)} for each in codes]
+    codes_before = [_c_code(before[name]) for name in headers]
+    codes_after = [_c_code(after[name]) for name in headers]
     if impact <= Impact.DOCUMENTATION:
-        assert [sorted(code) for code in codes[0]] == [sorted(code) for code in codes[1]]
+        assert list(map(sorted, codes_before)) == list(map(sorted, codes_after))
     elif impact is Impact.COMPATIBLE:
-        assert names[0] <= names[1]
+        assert _names_in(codes_before) <= _names_in(codes_after)
 
 
-def _python_is_true(impact: Impact, before: str, after: str) -> None:
+def _names_in(codes: list[list[str]]) -> set[str]:
+    """Return the names in the words of headers."""
+    return {name for code in codes for word in code for name in _NAME.findall(word)}
+
+
+def _check_impact_on_python(impact: Impact, before: str, after: str) -> None:
     if impact <= Impact.DOCUMENTATION:
         assert sorted(_python_code(before).split()) == sorted(_python_code(after).split())
     elif impact is Impact.COMPATIBLE:
-        assert _public(before) <= _public(after)
+        assert _public_names(before) <= _public_names(after)
 
 
-def _public(module: str) -> set[str]:
+def _public_names(module: str) -> set[str]:
     """Return the top-level names of a module and the names of its classes' members."""
-    found = set()
+    names = set()
     for node in ast.parse(module).body:
         if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
-            found.add(node.name)
+            names.add(node.name)
         elif isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
-            found.add(node.target.id)
+            names.add(node.target.id)
         if isinstance(node, ast.ClassDef):
-            members = (item.target for item in node.body if isinstance(item, ast.AnnAssign))
-            found |= {f"{node.name}.{item.id}" for item in members if isinstance(item, ast.Name)}
-    return {name for name in found if not name.startswith("_")}
+            members = (statement.target for statement in node.body if isinstance(statement, ast.AnnAssign))
+            names |= {f"{node.name}.{target.id}" for target in members if isinstance(target, ast.Name)}
+    return {name for name in names if not name.startswith("_")}
 
 
 @pytest.mark.slow

@@ -39,7 +39,7 @@ def test_the_version_that_is_due(version: str, impact: Impact, expected: str) ->
     assert due_version(version, impact) == expected
 
 
-def specs(folder: Path, *edits: tuple[str, str]) -> Path:
+def write_specs(folder: Path, *edits: tuple[str, str]) -> Path:
     copytree(BASE, folder)
     for old, new in edits:
         for place in folder.glob("*.yaml"):
@@ -49,13 +49,13 @@ def specs(folder: Path, *edits: tuple[str, str]) -> Path:
 
 
 def headers(folder: Path, *edits: tuple[str, str]) -> dict[str, str]:
-    devices, report = load_library([specs(folder, *edits)])
+    devices, report = load_library([write_specs(folder, *edits)])
     assert not report.problems
     files = TARGET.files(Library(devices), {})
     return {name.removeprefix("c/include/"): text for name, text in files.items() if name.endswith(".h")}
 
 
-def compiled(folder: Path, texts: dict[str, str], source: str, compiler: str = "gcc") -> tuple[int, str]:
+def compile_source(folder: Path, texts: dict[str, str], source: str, compiler: str = "gcc") -> tuple[int, str]:
     for name, text in texts.items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(text, encoding="utf-8")
@@ -70,15 +70,15 @@ NEXT = ('version: "1.4.2"', 'version: "2.0.0"')
 
 def with_runtime(texts: dict[str, str], major: int, minor: int) -> dict[str, str]:
     """The same headers with a runtime of another version."""
-    made = dict(texts)
+    updated = dict(texts)
     for name in texts:
         if name.startswith("codewheel/"):
             text = texts[name].replace("RUNTIME_MAJOR 1", f"RUNTIME_MAJOR {major}")
             text = text.replace("RUNTIME_MINOR 0", f"RUNTIME_MINOR {minor}")
-            made[name] = text.replace("_MAJOR != 1)", f"_MAJOR != {major})").replace(
+            updated[name] = text.replace("_MAJOR != 1)", f"_MAJOR != {major})").replace(
                 "_MINOR != 0)", f"_MINOR != {minor})"
             )
-    return made
+    return updated
 
 
 @pytest.mark.slow
@@ -100,9 +100,9 @@ def test_headers_and_runtimes_of_two_generations(
         (old, with_runtime(old, 0, 9), "1.0"),
     ):
         texts = {**runtime, "maker/demo_ssi.h": header["maker/demo_ssi.h"]}
-        code, said = compiled(tmp_path / "c", texts, '#include "maker/demo_ssi.h"\n', compiler)
-        assert (code == 0) == (version == ""), said
-        errors = [line for line in said.splitlines() if "error" in line]
+        exit_code, compiler_output = compile_source(tmp_path / "c", texts, '#include "maker/demo_ssi.h"\n', compiler)
+        assert (exit_code == 0) == (version == ""), compiler_output
+        errors = [line for line in compiler_output.splitlines() if "error" in line]
         wanted = (
             f'#error "maker/demo_ssi.h needs the codewheel runtime {version} or a newer 1.x: see codewheel/version.h"'
         )
@@ -117,10 +117,10 @@ def test_a_runtime_of_two_versions(compiler: str, tmp_path: Path) -> None:
     new = with_runtime(old, 1, 1)
     for name in sorted(set(old) - {"codewheel/version.h"}):
         source = f'#include "{name}"\n'
-        assert compiled(tmp_path / "c", old, source, compiler) == (0, "")
-        code, said = compiled(tmp_path / "c", {**new, name: old[name]}, source, compiler)
-        assert code != 0
-        first = next(line for line in said.splitlines() if "error" in line)
+        assert compile_source(tmp_path / "c", old, source, compiler) == (0, "")
+        exit_code, compiler_output = compile_source(tmp_path / "c", {**new, name: old[name]}, source, compiler)
+        assert exit_code != 0
+        first = next(line for line in compiler_output.splitlines() if "error" in line)
         assert first.endswith(f'#error "{name} 1.0 and version.h differ: take all of codewheel/ from one folder"')
 
 
@@ -128,21 +128,41 @@ def test_a_runtime_of_two_versions(compiler: str, tmp_path: Path) -> None:
 def test_the_version_of_the_runtime_costs_nothing(tmp_path: Path) -> None:
     """No object file contains it."""
     old = headers(tmp_path / "old")
-    made = []
+    assemblies = []
     for name, texts in (("one", old), ("two", with_runtime(old, 1, 7))):
-        assert compiled(tmp_path / name, texts, '#include "maker/demo_ssi.h"\n') == (0, "")
+        assert compile_source(tmp_path / name, texts, '#include "maker/demo_ssi.h"\n') == (0, "")
         function = "uint32_t f(const maker_demo_ssi *v) { return maker_demo_ssi_bits(v); }"
         source = f'#include "maker/demo_ssi.h"\n{function}\n'
         command = ["gcc", "-std=c99", "-O2", "-S", f"-I{tmp_path / name}", "-xc", "-", "-o", "-"]
-        made.append(subprocess.run(command, input=source, capture_output=True, text=True, check=True).stdout)
-    assert made[0] == made[1]
+        assemblies.append(subprocess.run(command, input=source, capture_output=True, text=True, check=True).stdout)
+    assert assemblies[0] == assemblies[1]
+
+
+RECORDED = {
+    "releases": [
+        {
+            "version": "2.0.0",
+            "since": "1.4.2",
+            "manual": "1.0",
+            "changes": [
+                {
+                    "rule": "clock-narrower",
+                    "impact": "behaviour",
+                    "text": "BiSS: highest clock 10 MHz → 5 MHz",
+                    "reach": "all 4 BiSS order codes",
+                    "outputs": "C, Python, XML",
+                }
+            ],
+        }
+    ]
+}
 
 
 @pytest.mark.slow
 def test_what_is_recorded(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
-    specs(Path("old"))
-    specs(Path("new"), ("max_hz: 10000000", "max_hz: 5000000"))
+    write_specs(Path("old"))
+    write_specs(Path("new"), ("max_hz: 10000000", "max_hz: 5000000"))
     expected = (
         "recorded in new/manufacturer.yaml\n"
         "recorded in new/demo.changes.json\n"
@@ -152,42 +172,25 @@ def test_what_is_recorded(tmp_path: Path, capsys: pytest.CaptureFixture[str], mo
         "1 change: 1 behaviour\n"
     )
     assert main(["diff", "old", "new", "--record"]) == 1
-    said = capsys.readouterr().out
-    assert said.startswith(expected)
-    assert said.endswith("maker_encoders 1.4.2 → 2.0.0\n")
+    printed = capsys.readouterr().out
+    assert printed.startswith(expected)
+    assert printed.endswith("maker_encoders 1.4.2 → 2.0.0\n")
     assert 'version: "2.0.0"' in Path("new/manufacturer.yaml").read_text(encoding="utf-8")
-    kept = Path("new/demo.changes.json").read_text(encoding="utf-8")
-    assert json.loads(kept) == {
-        "releases": [
-            {
-                "version": "2.0.0",
-                "since": "1.4.2",
-                "manual": "1.0",
-                "changes": [
-                    {
-                        "rule": "clock-narrower",
-                        "impact": "behaviour",
-                        "text": "BiSS: highest clock 10 MHz → 5 MHz",
-                        "reach": "all 4 BiSS order codes",
-                        "outputs": "C, Python, XML",
-                    }
-                ],
-            }
-        ]
-    }
+    recorded = Path("new/demo.changes.json").read_text(encoding="utf-8")
+    assert json.loads(recorded) == RECORDED
     # Recording again duplicates nothing, and the next version comes before the last.
     assert main(["diff", "old", "new", "--record"]) == 1
-    assert Path("new/demo.changes.json").read_text(encoding="utf-8") == kept
-    specs(Path("next"), NEXT, ("max_hz: 10000000", "max_hz: 5000000"), ("meaning: Saves", "meaning: Keeps"))
-    Path("next/demo.changes.json").write_text(kept, encoding="utf-8")
+    assert Path("new/demo.changes.json").read_text(encoding="utf-8") == recorded
+    write_specs(Path("next"), NEXT, ("max_hz: 10000000", "max_hz: 5000000"), ("meaning: Saves", "meaning: Keeps"))
+    Path("next/demo.changes.json").write_text(recorded, encoding="utf-8")
     assert main(["diff", "new", "next", "--record"]) == 1
     releases = json.loads(Path("next/demo.changes.json").read_text(encoding="utf-8"))["releases"]
-    assert [(item["version"], item["since"]) for item in releases] == [("2.0.1", "2.0.0"), ("2.0.0", "1.4.2")]
+    assert [(release["version"], release["since"]) for release in releases] == [("2.0.1", "2.0.0"), ("2.0.0", "1.4.2")]
 
 
 @pytest.mark.slow
 def test_the_page_of_changes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    old, new = specs(tmp_path / "old"), specs(tmp_path / "new", ("max_hz: 10000000", "max_hz: 5000000"))
+    old, new = write_specs(tmp_path / "old"), write_specs(tmp_path / "new", ("max_hz: 10000000", "max_hz: 5000000"))
     main(["diff", str(old), str(new), "--record"])
     devices, _ = load_library([new])
     page = generate_docs(Library(devices))["docs/demo-changes.md"]
@@ -199,22 +202,22 @@ def test_the_page_of_changes(tmp_path: Path, capsys: pytest.CaptureFixture[str])
 
 @pytest.mark.slow
 def test_the_page_without_a_recorded_release(tmp_path: Path) -> None:
-    devices, _ = load_library([specs(tmp_path / "specs")])
+    devices, _ = load_library([write_specs(tmp_path / "specs")])
     page = generate_docs(Library(devices))["docs/demo-changes.md"]
-    told = "No release is recorded yet. Version 1.4.2 has no known changes to this family.\n"
-    assert page.endswith(f"family are not listed.\n\n{told}")
+    ending = "No release is recorded yet. Version 1.4.2 has no known changes to this family.\n"
+    assert page.endswith(f"family are not listed.\n\n{ending}")
     assert "\n## " not in page
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("text", ["", "{}", "[]", '{"releases": [{"version": 2}]}', '{"releases": [1]}'])
 def test_a_history_that_was_spoilt(tmp_path: Path, text: str) -> None:
-    folder = specs(tmp_path / "specs")
+    folder = write_specs(tmp_path / "specs")
     (folder / "demo.changes.json").write_text(text, encoding="utf-8")
     _, report = load_library([folder])
-    wrong = "the file was edited; undo the edit, or remove it and write it again: codewheel diff --record"
+    message = "the file was edited; undo the edit, or remove it and write it again: codewheel diff --record"
     place = f"{folder}/demo.changes.json:1:1: changes-file"
-    assert [problem.format() for problem in report.problems] == [f"{place}: {wrong}"]
+    assert [problem.format() for problem in report.problems] == [f"{place}: {message}"]
 
 
 @pytest.mark.slow
@@ -228,11 +231,11 @@ def test_a_history_that_was_spoilt(tmp_path: Path, text: str) -> None:
 def test_a_version_that_cannot_be_written(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], edits: tuple[tuple[str, str], ...], message: str
 ) -> None:
-    old = specs(tmp_path / "old")
-    new = specs(tmp_path / "new", ("max_hz: 10000000", "max_hz: 5000000"), *edits)
-    code = main(["diff", str(old), str(new), "--record"])
+    old = write_specs(tmp_path / "old")
+    new = write_specs(tmp_path / "new", ("max_hz: 10000000", "max_hz: 5000000"), *edits)
+    exit_code = main(["diff", str(old), str(new), "--record"])
     err = capsys.readouterr().err
-    assert code == 1
+    assert exit_code == 1
     if message:
         assert err == (
             f'codewheel: {new}/manufacturer.yaml has no line like version: "1.4.2"; set it to 2.0.0 by hand\n'
@@ -241,7 +244,7 @@ def test_a_version_that_cannot_be_written(
 
 
 def test_a_folder_is_needed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    old = specs(tmp_path / "old")
+    old = write_specs(tmp_path / "old")
     assert main(["diff", str(old), str(old / "demo.yaml"), "--record"]) == 2
     assert capsys.readouterr().err == (
         "codewheel: --record needs a folder of specs: all families of a manufacturer share a version\n"

@@ -42,17 +42,16 @@ def problems_of(path: pathlib.Path) -> tuple[list[str], Report]:
 
 
 def expected_of(path: pathlib.Path) -> list[str]:
-    return [
-        line.removeprefix(EXPECT) for line in path.read_text(encoding="utf-8").splitlines() if line.startswith(EXPECT)
-    ]
+    lines = path.read_text(encoding="utf-8").splitlines()
+    return [line.removeprefix(EXPECT) for line in lines if line.startswith(EXPECT)]
 
 
 @pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)
 def test_broken_spec_is_refused_in_the_words_expected(path: pathlib.Path) -> None:
     expected = expected_of(path)
-    found, report = problems_of(path)
+    problem_lines, report = problems_of(path)
     assert expected, "say in the first lines what is expected: # expect: line:column: rule: message"
-    assert found == expected
+    assert problem_lines == expected
     for problem in report.problems:
         for line in problem.format().splitlines()[1:]:
             assert len(line) <= 80
@@ -61,11 +60,11 @@ def test_broken_spec_is_refused_in_the_words_expected(path: pathlib.Path) -> Non
 @pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)
 def test_caret_stands_under_the_fault(path: pathlib.Path) -> None:
     for problem in problems_of(path)[1].problems:
-        *_, shown, caret = problem.format().splitlines()
+        *_, source_line, caret = problem.format().splitlines()
         assert caret.strip() == "^"
         fault = problem.text[problem.column - 1 : problem.column]
         if fault.isprintable() and fault:
-            assert shown[caret.index("^")] == fault
+            assert source_line[caret.index("^")] == fault
 
 
 def test_every_rule_has_a_broken_spec() -> None:

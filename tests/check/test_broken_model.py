@@ -18,16 +18,16 @@ FOLDER = Path(__file__).parent / "broken_model"
 )
 def test_broken(name: str) -> None:
     path = FOLDER / name
-    expected = [
-        line.removeprefix("# expect: ") for line in path.read_text().splitlines() if line.startswith("# expect: ")
-    ]
+    lines = path.read_text().splitlines()
+    expected = [line.removeprefix("# expect: ") for line in lines if line.startswith("# expect: ")]
     _, report = load_for([path], targets_named())
-    assert [f"{item.line}:{item.column}: {item.rule}: {item.message}" for item in report.problems] == expected
+    reported = [f"{problem.line}:{problem.column}: {problem.rule}: {problem.message}" for problem in report.problems]
+    assert reported == expected
     assert expected
-    assert all(
-        "Traceback" not in item.format() and max(map(len, item.format().splitlines()[1:])) <= 80
-        for item in report.problems
-    )
+    for problem in report.problems:
+        text = problem.format()
+        assert "Traceback" not in text
+        assert max(map(len, text.splitlines()[1:])) <= 80
 
 
 @pytest.mark.slow
@@ -39,9 +39,10 @@ def test_a_wrong_start_value_is_named_if_every_example_fits_another(tmp_path: Pa
     (tmp_path / "amm5.yaml").write_text(text.replace(crc, crc.replace("init: 0", "init: 0x15", 1)), encoding="utf-8")
     (tmp_path / "manufacturer.yaml").write_bytes(spec.with_name("manufacturer.yaml").read_bytes())
     _, report = load_for([tmp_path], targets_named())
-    told = [item.message for item in report.problems if item.rule == "example-contradicts"]
-    assert len(told) > 5
-    assert all(item.endswith("; with 'init: 0x0' in the CRC 'rs485_8', every example matches") for item in told)
+    messages = [problem.message for problem in report.problems if problem.rule == "example-contradicts"]
+    assert len(messages) > 5
+    hint = "; with 'init: 0x0' in the CRC 'rs485_8', every example matches"
+    assert all(message.endswith(hint) for message in messages)
 
 
 SOUND = Path(__file__).parent / "ok_model"
@@ -67,14 +68,14 @@ def test_sound_specs_have_no_problem_and_yield_every_output() -> None:
 )
 def test_a_value_of_an_order_code_may_have_a_slash(label: str, code: str, bits: int) -> None:
     devices, _ = load_for([SOUND / "slashed.yaml"], targets_named())
-    found = find(devices[0], label)
-    assert (found.variant.code, found.variant.parameters["position_bits"]) == (code, bits)
+    match = find(devices[0], label)
+    assert (match.variant.code, match.variant.parameters["position_bits"]) == (code, bits)
 
 
 def test_a_limit_that_is_a_product_at_run_time_has_a_type_that_holds_it() -> None:
     """By default, it is 256 * 16 - 1. With both registers at their maximum, the product takes 33 bits."""
     devices, _ = load_for([SOUND], targets_named())
-    (device,) = (item for item in devices if item.name == "product_limit")
-    (c,) = (item for item in targets_named() if item.name == "c")
-    text = c.files(Library((device,)), {})["c/include/acme/product_limit_biss_registers.h"]
+    (device,) = (device for device in devices if device.name == "product_limit")
+    (c_target,) = (target for target in targets_named() if target.name == "c")
+    text = c_target.files(Library((device,)), {})["c/include/acme/product_limit_biss_registers.h"]
     assert "static inline uint64_t acme_product_limit_biss_reg_preset_max(" in text

@@ -24,7 +24,7 @@ def _write(folder: Path, *changes: tuple[str, str]) -> Path:
 
 def _rules(folder: Path) -> list[str]:
     _, report = load_library([folder])
-    return [item.rule for item in report.problems]
+    return [problem.rule for problem in report.problems]
 
 
 def test_the_way_out_exists(tmp_path: Path) -> None:
@@ -45,8 +45,8 @@ def test_counts_that_are_no_power_of_two_are_refused(tmp_path: Path, counts: int
     assert (2**bits - counts) // 2 > 0
     changes = ('"360": {sets: {counts: 360}}', f'"360": {{sets: {{counts: {counts}}}}}')
     # The other code must use the bits, too.
-    other = ('"512": {sets: {counts: 512}}', f'"512": {{sets: {{counts: {2**bits}}}}}')
-    assert _rules(_write(tmp_path, changes, other, ("bits: 9", f"bits: {bits}"))) == ["gray-excess"]
+    other_code = ('"512": {sets: {counts: 512}}', f'"512": {{sets: {{counts: {2**bits}}}}}')
+    assert _rules(_write(tmp_path, changes, other_code, ("bits: 9", f"bits: {bits}"))) == ["gray-excess"]
 
 
 def test_binary_code_may_have_any_counts(tmp_path: Path) -> None:
@@ -65,9 +65,9 @@ def test_no_master_gets_settings_for_it(tmp_path: Path, capsys: pytest.CaptureFi
     """Omron's manual W524, page 7-46, has a remainder for it, which a spec cannot give."""
     specs = str(_write(tmp_path))
     assert main(["master", "EXC360G", "--specs", specs, "--master", "omron_nx"]) != 0
-    shown = capsys.readouterr()
-    assert "Encoder Resolution" not in shown.out
-    assert "gray-excess" in shown.out + shown.err
+    captured = capsys.readouterr()
+    assert "Encoder Resolution" not in captured.out
+    assert "gray-excess" in captured.out + captured.err
 
 
 def test_no_master_gets_settings_for_the_way_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

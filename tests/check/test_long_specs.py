@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -25,14 +26,14 @@ MINIMAL = Path(__file__).parent / "ok" / "minimal.yaml"
 MAKER = 'codewheel: 1\nmanufacturer: acme\ntitle: Acme\nsource: "1"\n'
 
 
-def written(folder: Path, text: str) -> Path:
+def write_spec(folder: Path, text: str) -> Path:
     (folder / "manufacturer.yaml").write_text(MAKER)
     (folder / "minimal.yaml").write_text(text)
     return folder
 
 
-def loaded(folder: Path, text: str) -> tuple[tuple[Device, ...], Report]:
-    return load_library([written(folder, text)])
+def load_spec(folder: Path, text: str) -> tuple[tuple[Device, ...], Report]:
+    return load_library([write_spec(folder, text)])
 
 
 def with_codes(part: str, more: str = "") -> str:
@@ -50,14 +51,14 @@ def lists_of(schema: Any) -> Iterator[dict[str, Any]]:
     if isinstance(schema, dict):
         if "items" in schema or isinstance(schema.get("additionalProperties"), dict):
             yield schema
-        for item in schema.values():
-            yield from lists_of(item)
+        for subschema in schema.values():
+            yield from lists_of(subschema)
 
 
 @pytest.mark.parametrize("kind", ["device", "manufacturer", "master", "overlay"])
 def test_every_list_has_a_limit(kind: str) -> None:
-    for item in lists_of(load_schema(kind)):
-        assert item.get("maxItems" if "items" in item else "maxProperties", 2001) <= 2000, item
+    for list_schema in lists_of(load_schema(kind)):
+        assert list_schema.get("maxItems" if "items" in list_schema else "maxProperties", 2001) <= 2000, list_schema
 
 
 def report_of(*counts: int, rule: str = "rule") -> Report:
@@ -79,10 +80,11 @@ def report_of(*counts: int, rule: str = "rule") -> Report:
 def test_a_long_list_of_problems_ends_with_their_number(count: int, message: str) -> None:
     report = report_of(count, 3)
     assert len(report) == count + 3
-    here, other = ([item for item in report.shown if item.file == name] for name in ("0.yaml", "1.yaml"))
-    assert len(other) == 3
-    assert [item.line for item in here[:MAX_PROBLEMS]] == list(range(1, MAX_PROBLEMS + 1))
-    last = [(item.rule, item.line, item.message) for item in here[MAX_PROBLEMS:]]
+    of_first_file = [problem for problem in report.shown if problem.file == "0.yaml"]
+    of_second_file = [problem for problem in report.shown if problem.file == "1.yaml"]
+    assert len(of_second_file) == 3
+    assert [problem.line for problem in of_first_file[:MAX_PROBLEMS]] == list(range(1, MAX_PROBLEMS + 1))
+    last = [(problem.rule, problem.line, problem.message) for problem in of_first_file[MAX_PROBLEMS:]]
     assert last == ([(TOO_MANY, MAX_PROBLEMS + 1, message)] if message else [])
 
 
@@ -108,7 +110,7 @@ def test_every_form_of_the_output_ends(tmp_path: Path) -> None:
 
 
 def test_repeated_keys_are_cut_in_the_reader(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    folder = written(tmp_path, MINIMAL.read_text() + "device: minimal\n" * 500)
+    folder = write_spec(tmp_path, MINIMAL.read_text() + "device: minimal\n" * 500)
     assert main(["check", str(folder), "--no-cache"]) == 1
     out = capsys.readouterr().out
     assert out.count("duplicate-key") == MAX_PROBLEMS
@@ -117,15 +119,18 @@ def test_repeated_keys_are_cut_in_the_reader(tmp_path: Path, capsys: pytest.Capt
     assert capsys.readouterr().err.count("duplicate-key") <= MAX_PROBLEMS
 
 
+def erratum_text(index: int, affected: str) -> str:
+    return (
+        f"  - {{name: e{index}, source: '1', printed: a, used: b, why: c, status: open, severity: wording,"
+        f" affects: [{affected}]}}\n"
+    )
+
+
 def test_no_rule_is_checked_after_many_problems(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     compared: list[str] = []
-    monkeypatch.setattr(problems, "is_typo", lambda word, known: bool(compared.append(word)))
-    errata = (
-        f"  - {{name: e{index}, source: '1', printed: a, used: b, why: c, status: open, severity: wording,"
-        f" affects: [crcs.other{index}]}}\n"
-        for index in range(MAX_FOUND + 100)
-    )
-    _, report = loaded(tmp_path, MINIMAL.read_text() + "errata:\n" + "".join(errata))
+    monkeypatch.setattr(problems, "is_typo", lambda word, known_word: bool(compared.append(word)))
+    errata = "".join(erratum_text(index, f"crcs.other{index}") for index in range(MAX_FOUND + 100))
+    _, report = load_spec(tmp_path, MINIMAL.read_text() + "errata:\n" + errata)
     assert len(report) == MAX_FOUND + 1
     assert len(report.shown) == MAX_PROBLEMS + 1
     assert report.shown[-1].message.startswith(f"there are at least {MAX_FOUND - MAX_PROBLEMS} more problems")
@@ -133,54 +138,54 @@ def test_no_rule_is_checked_after_many_problems(tmp_path: Path, monkeypatch: pyt
 
 
 def test_hints_for_unknown_keys_end(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[str] = []
+    hinted_keys: list[str] = []
     key_hint = messages._key_hint
 
-    def counted(error: Any, path: Any, key: str) -> str:
-        asked.append(key)
+    def count_hint(error: Any, path: Any, key: str) -> str:
+        hinted_keys.append(key)
         return key_hint(error, path, key)
 
-    monkeypatch.setattr(messages, "_key_hint", counted)
+    monkeypatch.setattr(messages, "_key_hint", count_hint)
     text = MINIMAL.read_text().replace("title:", "titel:") + "".join(f"key_{index}: 1\n" for index in range(3000))
-    _, report = loaded(tmp_path, text)
+    _, report = load_spec(tmp_path, text)
     assert len(report) == MAX_PROBLEMS + 1
-    assert len(asked) <= 2 * MAX_PROBLEMS
+    assert len(hinted_keys) <= 2 * MAX_PROBLEMS
 
 
 def test_values_of_a_part_are_collected_once(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    asked: list[str] = []
+    collected_parts: list[str] = []
     fits = order_code._value_test
-    monkeypatch.setattr(order_code, "_value_test", lambda part: asked.append(part["name"]) or fits(part))
+    monkeypatch.setattr(order_code, "_value_test", lambda part: collected_parts.append(part["name"]) or fits(part))
     values = ", ".join(f"A{index}: {{}}" for index in range(300))
-    _, report = loaded(tmp_path, with_codes(f"{{name: part, meaning: Part, values: {{{values}}}}}"))
+    _, report = load_spec(tmp_path, with_codes(f"{{name: part, meaning: Part, values: {{{values}}}}}"))
     assert not report
-    assert sorted(asked) == ["output", "part", "resolution"]
+    assert sorted(collected_parts) == ["output", "part", "resolution"]
 
 
-class Counted(dict[str, str]):
+class CountedParts(dict[str, str]):
     """The parts of an order code, with a count of the accesses."""
 
     accesses = 0
 
     def __getitem__(self, key: str) -> str:
-        Counted.accesses += 1
+        CountedParts.accesses += 1
         return super().__getitem__(key)
 
 
 def codes_of(folder: Path, part: str, more: str = "") -> Device:
-    devices, report = loaded(folder, with_codes(part, more))
+    devices, report = load_spec(folder, with_codes(part, more))
     assert not report, report.problems[0]
-    parts = (replace(item, parts=MappingProxyType(Counted(item.parts))) for item in devices[0].variants)
+    parts = (replace(variant, parts=MappingProxyType(CountedParts(variant.parts))) for variant in devices[0].variants)
     return replace(devices[0], variants=tuple(parts))
 
 
 def test_each_order_code_is_looked_up_once(tmp_path: Path) -> None:
     values = ", ".join(f"{index:03}: {{}}" for index in range(300))
     device = codes_of(tmp_path, f'{{name: part, meaning: Part, open: "[0-9]{{3}}", values: {{{values}}}}}')
-    Counted.accesses = 0
+    CountedParts.accesses = 0
     rows = open_codes(device)
     assert len(rows) == len(device.variants) // 300
-    assert Counted.accesses < 20 * len(device.variants)
+    assert CountedParts.accesses < 20 * len(device.variants)
 
 
 def test_patterns_of_refused_codes_are_looked_up(tmp_path: Path) -> None:
@@ -197,11 +202,10 @@ def test_patterns_of_refused_codes_are_looked_up(tmp_path: Path) -> None:
 
 def test_too_many_patterns_of_labels_are_refused(tmp_path: Path) -> None:
     values = ", ".join(f"{index:03}: {{}}" for index in range(500))
-    spellings = "".join(
-        f'    - {{pattern: "{letter}{other}{{resolution}}{{part}}{{output}}", where: label, source: "1"}}\n'
-        for letter in "CDEFGHIJKL"
-        for other in "ABCDEFGHIJK"
-    )
+    spellings = ""
+    for letter, second_letter in product("CDEFGHIJKL", "ABCDEFGHIJK"):
+        pattern = f"{letter}{second_letter}{{resolution}}{{part}}{{output}}"
+        spellings += f'    - {{pattern: "{pattern}", where: label, source: "1"}}\n'
     device = codes_of(tmp_path, f"{{name: part, meaning: Part, values: {{{values}}}}}", f"  also_written:\n{spellings}")
     with pytest.raises(TargetError, match="combine to more than 100000 patterns of labels"):
         open_codes(device)
@@ -212,16 +216,12 @@ def test_times_below_a_place_are_found_once(tmp_path: Path, monkeypatch: pytest.
     times = quantities._times
     monkeypatch.setattr(quantities, "_times", lambda node: nodes.append(id(node)) or times(node))
     before = len(nodes)
-    loaded(tmp_path, MINIMAL.read_text())
-    few = len(nodes) - before
-    errata = (
-        f"  - {{name: e{index}, source: '1', printed: a, used: b, why: c, status: open, severity: wording,"
-        " affects: [interfaces, crcs]}\n"
-        for index in range(200)
-    )
-    _, report = loaded(tmp_path, MINIMAL.read_text() + "errata:\n" + "".join(errata))
+    load_spec(tmp_path, MINIMAL.read_text())
+    nodes_without_errata = len(nodes) - before
+    errata = "".join(erratum_text(index, "interfaces, crcs") for index in range(200))
+    _, report = load_spec(tmp_path, MINIMAL.read_text() + "errata:\n" + errata)
     assert not report
-    assert len(nodes) - before - few < few + 20
+    assert len(nodes) - before - nodes_without_errata < nodes_without_errata + 20
 
 
 def test_a_path_is_looked_up_without_reading_its_list_again() -> None:
@@ -232,6 +232,7 @@ def test_a_path_is_looked_up_without_reading_its_list_again() -> None:
             Items.reads += 1
             return super().__iter__()
 
-    found = places.Affected({"registers": Items([{"name": f"r{index}"} for index in range(50)])})
-    assert [found.at(f"registers.r{index}") for index in range(50)] == [[{"name": f"r{index}"}] for index in range(50)]
+    affected = places.Affected({"registers": Items([{"name": f"r{index}"} for index in range(50)])})
+    for index in range(50):
+        assert affected.at(f"registers.r{index}") == [{"name": f"r{index}"}]
     assert Items.reads == 1

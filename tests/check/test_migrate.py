@@ -16,7 +16,7 @@ RENAMED = {
 }
 
 
-def written(folder: Path, text: str, end: str = "\n", mark: bytes = b"") -> Path:
+def write_specs(folder: Path, text: str, end: str = "\n", mark: bytes = b"") -> Path:
     folder.mkdir()
     (folder / "manufacturer.yaml").write_text(manufacturer_text("m.json"), encoding="utf-8")
     (folder / "my_encoder.yaml").write_bytes(mark + text.replace("\n", end).encode())
@@ -31,8 +31,8 @@ def test_keys_get_their_new_names_and_the_rest_stays(
 ) -> None:
     current = device_text("my_encoder", "example", "d.json", like)
     assert current.count(new) == 1
-    before = written(tmp_path / "before", current.replace(new, old), end, mark)
-    folder = written(tmp_path / "specs", current.replace(new, old), end, mark)
+    before = write_specs(tmp_path / "before", current.replace(new, old), end, mark)
+    folder = write_specs(tmp_path / "specs", current.replace(new, old), end, mark)
     spec = folder / "my_encoder.yaml"
     assert main(["migrate", "--check", str(folder)]) == 1
     assert capsys.readouterr().out.endswith("1 change to apply\n")
@@ -54,7 +54,7 @@ def test_a_decision_is_listed_with_its_place(tmp_path: Path, capsys: pytest.Capt
     flag = "at: 4, active: high, makes_position: not_usable,"
     assert flag in text
     text = text.replace(flag, "at: 4, active: high,").replace("counts_per_turn", "steps_per_turn")
-    folder = written(tmp_path / "specs", text)
+    folder = write_specs(tmp_path / "specs", text)
     assert main(["migrate", str(folder)]) == 1
     out = capsys.readouterr().out.splitlines()
     line = text[: text.index("at: 4, active: high,")].count("\n") + 1
@@ -66,7 +66,7 @@ def test_a_key_that_is_there_under_both_names_is_left_to_a_person(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     text = device_text("my_encoder", "example", "d.json").replace("turns: 1,", "turns: 1, steps_per_turn: 4096,")
-    folder = written(tmp_path / "specs", text)
+    folder = write_specs(tmp_path / "specs", text)
     assert main(["migrate", str(folder)]) == 1
     assert (folder / "my_encoder.yaml").read_text(encoding="utf-8") == text
     assert "unknown-key: unknown key 'steps_per_turn'" in capsys.readouterr().out
@@ -85,5 +85,5 @@ def test_without_specs_there_is_nothing_to_migrate(
 
 def test_a_later_language_needs_a_later_version(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     text = device_text("my_encoder", "example", "d.json").replace("codewheel: 1\n", "codewheel: 2\n")
-    assert main(["check", str(written(tmp_path / "specs", text))]) == 1
+    assert main(["check", str(write_specs(tmp_path / "specs", text))]) == 1
     assert "'codewheel' must be 1, not 2; a later version of codewheel can read this file" in capsys.readouterr().out

@@ -86,8 +86,8 @@ def problems(tmp_path: Path, text: str) -> list[tuple[str, str, str]]:
 def test_a_mistake_is_one_problem(tmp_path: Path, old: str, new: str, line: str, rule: str, words: str) -> None:
     text = device_text("my_encoder", "example", "d.json")
     assert old in text
-    ((where, what, message),) = problems(tmp_path, text.replace(old, new, 1))
-    assert (where, what) == (line, rule)
+    ((actual_line, actual_rule, message),) = problems(tmp_path, text.replace(old, new, 1))
+    assert (actual_line, actual_rule) == (line, rule)
     assert words in message
 
 
@@ -96,17 +96,17 @@ def test_a_frame_without_its_crc_is_reported(tmp_path: Path, crc: str) -> None:
     text = device_text("my_encoder", "example", "d.json")
     old = "          - {name: crc, crc: biss_6}\n"
     assert old in text
-    found = problems(tmp_path, text.replace(old, crc))
-    assert [item[:2] for item in found] == [("62", "unused-crc"), ("87", "biss-protocol")]
+    reported = problems(tmp_path, text.replace(old, crc))
+    assert [problem[:2] for problem in reported] == [("62", "unused-crc"), ("87", "biss-protocol")]
 
 
 def test_an_unknown_interface_used_everywhere_is_one_problem(tmp_path: Path) -> None:
     text = device_text("my_encoder", "example", "d.json").replace("biss:\n", "endat:\n")
     text = text.replace("interface: biss", "interface: endat")
-    assert [item[:2] for item in problems(tmp_path, text)] == [("83", "unknown-key")]
+    assert [problem[:2] for problem in problems(tmp_path, text)] == [("83", "unknown-key")]
 
 
 def test_a_name_with_another_mistake_hides_no_wrong_reference(tmp_path: Path) -> None:
     text = device_text("my_encoder", "example", "d.json").replace("name: preset\n", "name: Preset\n")
-    found = problems(tmp_path, text.replace("register: command", "register: comand"))
-    assert [item[:2] for item in found] == [("119", "bad-pattern"), ("139", "undefined-reference")]
+    reported = problems(tmp_path, text.replace("register: command", "register: comand"))
+    assert [problem[:2] for problem in reported] == [("119", "bad-pattern"), ("139", "undefined-reference")]

@@ -84,16 +84,16 @@ def test_a_mistake_is_reported_with_a_way_out(
 ) -> None:
     text = device_text("my_encoder", "example", "d.json", like)
     assert old in text
-    found = problems(tmp_path, text.replace(old, new, 1))
-    ((name, message),) = [problem for problem in found if problem[0] == rule]
+    reported = problems(tmp_path, text.replace(old, new, 1))
+    ((name, message),) = [problem for problem in reported if problem[0] == rule]
     assert name == rule
     assert words in message
 
 
 def without_examples(text: str) -> str:
     """Return the spec without its examples, which would show a wrong width."""
-    start, _, rest = text.partition("examples:\n")
-    return start + rest[rest.index("# Errors and contradictions") :]
+    start, _, after_examples = text.partition("examples:\n")
+    return start + after_examples[after_examples.index("# Errors and contradictions") :]
 
 
 @pytest.mark.parametrize(
@@ -117,9 +117,9 @@ def test_a_position_that_is_wider_than_its_counts_is_reported(
 def test_a_position_after_a_flag_is_reported(tmp_path: Path, bits: str) -> None:
     text = without_examples(device_text("my_encoder", "example", "d.json"))
     position = POSITION.replace("singleturn_bits", bits).replace("revolution}", "revolution, note: always 17 bits}")
-    found = problems(tmp_path, text.replace(POSITION + ERROR, ERROR + position, 1))
-    assert [rule for rule, _ in found] == ["biss-protocol"]
-    assert "'position' is after 'error'" in found[0][1]
+    reported = problems(tmp_path, text.replace(POSITION + ERROR, ERROR + position, 1))
+    assert [rule for rule, _ in reported] == ["biss-protocol"]
+    assert "'position' is after 'error'" in reported[0][1]
 
 
 @pytest.mark.parametrize(

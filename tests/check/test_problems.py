@@ -27,11 +27,11 @@ def test_without_a_line_to_show() -> None:
 
 def test_long_lines_are_scrolled_to_the_caret() -> None:
     text = "start " + "x" * 200 + "HERE" + "y" * 200
-    _, shown, caret = problem(text, 207).format(60).splitlines()
-    assert len(shown) <= 60
-    assert shown.strip().startswith("...")
-    assert shown.endswith("...")
-    assert shown[caret.index("^") :].startswith("HERE")
+    _, source_line, caret = problem(text, 207).format(60).splitlines()
+    assert len(source_line) <= 60
+    assert source_line.strip().startswith("...")
+    assert source_line.endswith("...")
+    assert source_line[caret.index("^") :].startswith("HERE")
 
 
 def test_column_beyond_the_line() -> None:
@@ -39,8 +39,8 @@ def test_column_beyond_the_line() -> None:
 
 
 def test_control_characters_are_visible() -> None:
-    found = problem("a\x1b[2Jb\tc", 8, file="x\ny.yaml", message="no \x07 bell").format()
-    assert found.split("\n") == ["x\\x0ay.yaml:3:8: rule: no \\x07 bell", "    a\\x1b[2Jb\\tc", "               ^"]
+    formatted = problem("a\x1b[2Jb\tc", 8, file="x\ny.yaml", message="no \x07 bell").format()
+    assert formatted.split("\n") == ["x\\x0ay.yaml:3:8: rule: no \\x07 bell", "    a\\x1b[2Jb\\tc", "               ^"]
 
 
 def test_wide_characters_take_two_columns() -> None:
@@ -52,7 +52,7 @@ def test_report_sorts_and_drops_repetitions() -> None:
     assert not report
     for line in (2, 1, 2):
         report.add_at("a.yaml", line, 1, "rule", "wrong")
-    assert [item.line for item in report.problems] == [1, 2]
+    assert [problem.line for problem in report.problems] == [1, 2]
     assert len(report) == 2
 
 
@@ -80,7 +80,7 @@ def test_words() -> None:
 
 
 @pytest.mark.parametrize(
-    ("word", "known"),
+    ("word", "known_word"),
     [
         ("titel", "title"),
         ("positon_bits", "position_bits"),
@@ -92,12 +92,12 @@ def test_words() -> None:
         ("numbers_of_turns", "number_of_turns"),
     ],
 )
-def test_slip_gets_a_hint(word: str, known: str) -> None:
-    assert suggestion(word, [known, "something_else"]) == f"; did you mean '{known}'?"
+def test_slip_gets_a_hint(word: str, known_word: str) -> None:
+    assert suggestion(word, [known_word, "something_else"]) == f"; did you mean '{known_word}'?"
 
 
 @pytest.mark.parametrize(
-    ("word", "known"),
+    ("word", "known_word"),
     [
         ("spi", "ssi"),
         ("rs422", "rs485"),
@@ -110,8 +110,8 @@ def test_slip_gets_a_hint(word: str, known: str) -> None:
         ("step_nm", "step_um"),
     ],
 )
-def test_another_word_of_the_trade_is_no_slip(word: str, known: str) -> None:
-    assert suggestion(word, [known, "something_else"]) == f"; known: {known}, something_else"
+def test_another_word_of_the_trade_is_no_slip(word: str, known_word: str) -> None:
+    assert suggestion(word, [known_word, "something_else"]) == f"; known: {known_word}, something_else"
 
 
 def test_of_two_words_that_are_as_near_none_is_guessed() -> None:

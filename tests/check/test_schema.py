@@ -35,17 +35,17 @@ def subschemas(schema: Any) -> Iterator[dict[str, Any]]:
     if isinstance(schema, dict):
         yield schema
         for key, value in schema.items():
-            for item in value.values() if key in ("properties", "$defs") else (value,):
-                yield from subschemas(item)
+            for subschema in value.values() if key in ("properties", "$defs") else (value,):
+                yield from subschemas(subschema)
 
 
-def document(folder: pathlib.Path, text: str) -> tuple[Document, Report]:
+def read_spec(folder: pathlib.Path, text: str) -> tuple[Document, Report]:
     path = folder / "minimal.yaml"
     path.write_text(text, encoding="utf-8")
     report = Report()
-    found = read_document(path, report, path.name)
-    assert found is not None
-    return found, report
+    spec = read_document(path, report, path.name)
+    assert spec is not None
+    return spec, report
 
 
 @pytest.mark.slow
@@ -53,9 +53,9 @@ def document(folder: pathlib.Path, text: str) -> tuple[Document, Report]:
 def test_schema_is_one_and_each_keyword_has_words(kind: str) -> None:
     schema = load_schema(kind)
     Draft202012Validator.check_schema(schema)
-    for item in subschemas(schema):
-        assert set(item) <= KEYWORDS | SILENT
-        pattern = item.get("pattern", "^$")
+    for subschema in subschemas(schema):
+        assert set(subschema) <= KEYWORDS | SILENT
+        pattern = subschema.get("pattern", "^$")
         # Patterns must match the whole text, as their anchors say.
         assert pattern.startswith("^")
         assert pattern.endswith("$")
@@ -64,35 +64,41 @@ def test_schema_is_one_and_each_keyword_has_words(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_property_has_a_description(kind: str) -> None:
-    for item in subschemas(load_schema(kind)):
-        for name, content in item.get("properties", {}).items():
+    for subschema in subschemas(load_schema(kind)):
+        for name, content in subschema.get("properties", {}).items():
             target = load_schema(kind)["$defs"][content["$ref"].split("/")[-1]] if "$ref" in content else {}
             assert "description" in content or "description" in target, name
 
 
 def test_faults_are_cut_out_and_the_rest_keeps_its_lines(tmp_path: pathlib.Path) -> None:
-    good = '  - {name: %s, address: %d, length: 1, access: read_write, source: "6.3"}\n'
-    bad = "  - {name: bad, address: 65, length: 1}\n"
-    text = MINIMAL.read_text() + bad + good % ("one", 80) + bad + good % ("two", 80)
-    found, report = document(tmp_path, text)
-    checked = check_schema(found, report)
+    valid_register = '  - {name: %s, address: %d, length: 1, access: read_write, source: "6.3"}\n'
+    broken_register = "  - {name: bad, address: 65, length: 1}\n"
+    text = (
+        MINIMAL.read_text()
+        + broken_register
+        + valid_register % ("one", 80)
+        + broken_register
+        + valid_register % ("two", 80)
+    )
+    spec, report = read_spec(tmp_path, text)
+    checked = check_schema(spec, report)
     assert checked is not None
-    assert [item["name"] for item in checked.data["registers"]] == ["bank", "one", "two"]
-    last = text.splitlines().index((good % ("two", 80)).rstrip()) + 1
-    assert found.position(("registers", 2, "name"))[0] == last
-    assert check_document(found, Report()) is not None
+    assert [register["name"] for register in checked.data["registers"]] == ["bank", "one", "two"]
+    last = text.splitlines().index((valid_register % ("two", 80)).rstrip()) + 1
+    assert spec.position(("registers", 2, "name"))[0] == last
+    assert check_document(spec, Report()) is not None
 
 
 def test_misspelt_key_is_one_problem(tmp_path: pathlib.Path) -> None:
-    found, report = document(tmp_path, MINIMAL.read_text().replace("alias", "").replace("poly:", "polly:"))
-    check_document(found, report)
+    spec, report = read_spec(tmp_path, MINIMAL.read_text().replace("alias", "").replace("poly:", "polly:"))
+    check_document(spec, report)
     assert [problem.message for problem in report.problems] == ["unknown key 'polly'; did you mean 'poly'?"]
 
 
 @pytest.mark.slow
 def test_endless_problems_end(tmp_path: pathlib.Path) -> None:
-    found, report = document(tmp_path, MINIMAL.read_text() + "".join(f"key_{index}: 1\n" for index in range(1000)))
-    assert check_document(found, report) is None
+    spec, report = read_spec(tmp_path, MINIMAL.read_text() + "".join(f"key_{index}: 1\n" for index in range(1000)))
+    assert check_document(spec, report) is None
     assert len(report) == MAX_PROBLEMS + 1
     last = [problem for problem in report.problems if problem.rule == "too-many-problems"]
     assert [problem.message for problem in last] == [
@@ -106,34 +112,36 @@ def test_a_spec_full_of_faults_is_read_no_further_than_it_is_told(
 ) -> None:
     explained: list[object] = []
 
-    def counted(error: Any, kind: str) -> Any:
+    def count_explanation(error: Any, kind: str) -> Any:
         explained.append(error)
         return explain(error, kind)
 
-    monkeypatch.setattr("codewheel.language.schema.explain", counted)
-    found, report = document(
+    monkeypatch.setattr("codewheel.language.schema.explain", count_explanation)
+    spec, report = read_spec(
         tmp_path, MINIMAL.read_text() + "".join(f"  - {{name: r{index}, adress: {index}}}\n" for index in range(5000))
     )
-    assert check_document(found, report) is None
+    assert check_document(spec, report) is None
     assert len(report) == MAX_PROBLEMS + 1
     assert len(explained) < 3 * MAX_PROBLEMS
 
 
-def places(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
-    for key, value in data.items() if isinstance(data, dict) else enumerate(data) if isinstance(data, list) else ():
+def paths_in(data: Any, path: tuple[Any, ...] = ()) -> Iterator[tuple[Any, ...]]:
+    if not isinstance(data, dict | list):
+        return
+    for key, value in data.items() if isinstance(data, dict) else enumerate(data):
         yield (*path, key)
-        yield from places(value, (*path, key))
+        yield from paths_in(value, (*path, key))
 
 
-def damaged(data: Any, seed: str) -> Iterator[Any]:
+def damaged_copies(data: Any, seed: str) -> Iterator[Any]:
     """Yield copies of data in which random places are removed or replaced."""
     choose = random.Random(seed)
-    spots = list(places(data))
+    spots = list(paths_in(data))
     junk: list[Any] = [None, -1, 2**70, 1.5, True, "", "x", "a.b", "é\n", [], ["x"], {}, {"name": "x"}, [{}], [[1]]]
     for _ in range(25):
-        made = copy.deepcopy(data)
+        damaged_data = copy.deepcopy(data)
         for spot in choose.sample(spots, choose.randint(1, 3)):
-            node: Any = made
+            node: Any = damaged_data
             try:
                 for step in spot[:-1]:
                     node = node[step]
@@ -143,7 +151,7 @@ def damaged(data: Any, seed: str) -> Iterator[Any]:
                     node[spot[-1]] = choose.choice(junk)
             except (KeyError, IndexError, TypeError):
                 continue  # Earlier damage removed the place.
-        yield made
+        yield damaged_data
 
 
 EACH = pytest.mark.parametrize(
@@ -158,12 +166,12 @@ def test_no_damage_makes_it_raise(path: pathlib.Path) -> None:
     """Remove or replace random places of a valid spec. The result is problems or a valid spec, never an exception."""
     sound = read_document(path, Report())
     assert sound is not None
-    for data in damaged(sound.data, path.stem):
+    for data in damaged_copies(sound.data, path.stem):
         # It is checked as data. The marks are those of the valid spec, since they only give places.
-        document, report = Document(path.name, sound.lines, data, sound.marks), Report()
-        rest = check_document(document, report)
-        if rest is not None and "device" in rest:
-            build_device(rest, MAKER, report.for_document(document))
+        damaged_spec, report = Document(path.name, sound.lines, data, sound.marks), Report()
+        accepted = check_document(damaged_spec, report)
+        if accepted is not None and "device" in accepted:
+            build_device(accepted, MAKER, report.for_document(damaged_spec))
         for problem in report.problems[:50]:
             assert problem.format()
 
@@ -177,7 +185,7 @@ def test_the_quick_test_agrees_with_jsonschema(path: pathlib.Path, monkeypatch: 
     shape = shape_of(kind.value)
     assert follows_schema(sound.data, shape)
     monkeypatch.setattr("codewheel.language.schema.follows_schema", lambda value, schema: False)
-    for data in (sound.data, *damaged(sound.data, path.stem)):
+    for data in (sound.data, *damaged_copies(sound.data, path.stem)):
         report = Report()
         check_schema(Document(path.name, sound.lines, data, sound.marks), report, kind)
         assert follows_schema(data, shape) == (not report.problems)
@@ -194,7 +202,7 @@ _Hexadecimal.add_representer(
 
 def test_spec_written_by_a_machine(tmp_path: pathlib.Path) -> None:
     """Block style instead of flow style, with numbers as 0x: the same data, and the same check."""
-    found, _ = document(tmp_path, MINIMAL.read_text())
-    again, report = document(tmp_path, yaml.dump(found.data, Dumper=_Hexadecimal, sort_keys=False))
+    spec, _ = read_spec(tmp_path, MINIMAL.read_text())
+    again, report = read_spec(tmp_path, yaml.dump(spec.data, Dumper=_Hexadecimal, sort_keys=False))
     check_document(again, report)
     assert report.problems == ()

@@ -16,7 +16,7 @@ BASE = (HERE / "ok" / "minimal.yaml").read_text(encoding="utf-8")
 MAKER = (HERE / "broken_model" / "manufacturer.yaml").read_text(encoding="utf-8")
 
 
-def load(folder: Path, *changes: tuple[str, str], more: str = "") -> tuple[Device | None, list[str]]:
+def load_changed(folder: Path, *changes: tuple[str, str], more: str = "") -> tuple[Device | None, list[str]]:
     """Return the device of the base spec with these changes, and the problems in it."""
     text = BASE
     for old, new in changes:
@@ -25,11 +25,11 @@ def load(folder: Path, *changes: tuple[str, str], more: str = "") -> tuple[Devic
     (folder / "manufacturer.yaml").write_text(MAKER, encoding="utf-8")
     (folder / "minimal.yaml").write_text(text + more, encoding="utf-8")
     devices, report = load_for([folder], targets_named())
-    return (devices[0] if devices else None), [f"{item.rule}: {item.message}" for item in report.problems]
+    return (devices[0] if devices else None), [f"{problem.rule}: {problem.message}" for problem in report.problems]
 
 
-def sound(folder: Path, *changes: tuple[str, str], more: str = "") -> Device:
-    device, problems = load(folder, *changes, more=more)
+def load_valid(folder: Path, *changes: tuple[str, str], more: str = "") -> Device:
+    device, problems = load_changed(folder, *changes, more=more)
     assert problems == []
     assert device is not None
     return device
@@ -43,7 +43,7 @@ def test_a_request_can_have_a_field_named_like_the_position(tmp_path: Path) -> N
     request = "{name: position, bits: 8, constant: 1}"
     interface = "\n".join(serial).replace("{name: command, bits: 8, constant: 1}", request)
     measurement = '    measurement: {of: position, counts_per_turn: 2^16, turns: 1, source: "7"}'
-    device = sound(
+    device = load_valid(
         tmp_path,
         ("        SC: {interface: biss}\n", "        SC: {interface: biss}\n        JP: {interface: rs485}\n"),
         ("registers:\n", f"{interface}\n{measurement}\nregisters:\n"),
@@ -70,7 +70,7 @@ def test_a_parity_bit_has_a_sense(tmp_path: Path, word: str, bit_of_7: int, bit_
     """Check 7, with ones in bits 0, 1 and 2, and 3, with ones in bits 0 and 1. Even is the default."""
     position = "          - {name: position, bits: position_bits}\n"
     parity = f"          - {{name: check, parity_of: position{word}}}\n"
-    device = sound(tmp_path, (position, position + parity))
+    device = load_valid(tmp_path, (position, position + parity))
     placed = device.layout("single_cycle_data").place(device.variant("MIN12SC").parameters)
     for position_is, bit in ((7, bit_of_7), (3, bit_of_3)):
         frame = codec.encode(device, placed, {"position": position_is, "error": False, "warning": False})
@@ -94,17 +94,17 @@ SETTING = (
 @pytest.mark.parametrize("field", ["{name: zero_bits, at: 3, bits: 5}", "{name: zero_bits, at: 7:3}"])
 def test_a_field_by_its_low_bit_and_its_width(tmp_path: Path, field: str) -> None:
     """``at: 3`` with ``bits: 5`` is 7:3 for the parameter as well, not bit 3 alone."""
-    device = sound(tmp_path, HELD, ZEROS, more=SETTING.replace("DEFAULT", "0x30").replace("FIELD", field))
+    device = load_valid(tmp_path, HELD, ZEROS, more=SETTING.replace("DEFAULT", "0x30").replace("FIELD", field))
     variant = device.variant("MIN12SC")
     assert variant.parameters["zero_bits"] == 6
     assert device.layout("single_cycle_data").place(variant.parameters).bits == 12 + 6 + 2 + 6
 
 
 def test_a_parameter_held_in_a_whole_register(tmp_path: Path) -> None:
-    held = (HELD[0], HELD[1].replace("setting.zero_bits", "setting.setting"))
-    device = sound(
+    held_parameter = (HELD[0], HELD[1].replace("setting.zero_bits", "setting.setting"))
+    device = load_valid(
         tmp_path,
-        held,
+        held_parameter,
         ZEROS,
         more=SETTING.replace("DEFAULT", "5").replace(", other_bits: unspecified, fields: [FIELD]", ""),
     )
@@ -114,7 +114,7 @@ def test_a_parameter_held_in_a_whole_register(tmp_path: Path) -> None:
 @pytest.mark.parametrize("other_bits", ["", "        other_bits: zero\n"])
 def test_a_field_that_has_no_bits_by_default(tmp_path: Path, other_bits: str) -> None:
     """At width 0 it has the position of its neighbour, and both keep theirs. The longest frame is one without it."""
-    held = (
+    held_parameter = (
         HELD[0],
         f"{HELD[1]}  more_bits: {{meaning: More of the position, read_from: setting.more_bits, min: 0, max: 7}}\n",
     )
@@ -126,12 +126,17 @@ def test_a_field_that_has_no_bits_by_default(tmp_path: Path, other_bits: str) ->
         ),
     )
     setting = "{name: zero_bits, at: 7:3}, {name: more_bits, at: 2:0}"
-    device = sound(tmp_path, held, fields, more=SETTING.replace("DEFAULT", "0").replace("FIELD", setting))
+    device = load_valid(
+        tmp_path, held_parameter, fields, more=SETTING.replace("DEFAULT", "0").replace("FIELD", setting)
+    )
     layout, variant = device.layout("single_cycle_data"), device.variant("MIN16SC")
     assert [field.name for field in layout.fields] == ["position", "zeros", "error", "warning", "crc"]
     assert layout.place(variant.parameters).bits == 16 + 2 + 6
     later = layout.place(with_registers(device, variant, {0x48: 7 << 3}).parameters)
-    assert [(item.name, item.low, item.width) for item in later.fields][:2] == [("position", 15, 16), ("zeros", 8, 7)]
+    assert [(placed_field.name, placed_field.low, placed_field.width) for placed_field in later.fields][:2] == [
+        ("position", 15, 16),
+        ("zeros", 8, 7),
+    ]
 
 
 # -- ranges of positions
@@ -170,16 +175,16 @@ def test_steps_and_turns_that_fit(tmp_path: Path, changes: tuple[tuple[str, str]
 
     It may have a fixed width, padding, or a parameter of its own.
     """
-    sound(tmp_path, *changes, more=f'measurement: {{of: position, {measurement}, source: "6.1"}}\n')
+    load_valid(tmp_path, *changes, more=f'measurement: {{of: position, {measurement}, source: "6.1"}}\n')
 
 
 def test_turns_that_a_register_holds(tmp_path: Path) -> None:
     """255 turns, the maximum of a byte, are not a typing mistake if a user may set any number."""
-    held = (HELD[0], f"{HELD[0]}  turns: {{meaning: Turns, read_from: setting.setting, min: 1, max: 255}}\n")
+    held_parameter = (HELD[0], f"{HELD[0]}  turns: {{meaning: Turns, read_from: setting.setting, min: 1, max: 255}}\n")
     more = SETTING.replace("DEFAULT", "255").replace(", other_bits: unspecified, fields: [FIELD]", "")
-    sound(
+    load_valid(
         tmp_path,
-        held,
+        held_parameter,
         (POSITION, "{name: position, bits: position_bits + 8}"),
         more=more + 'measurement: {of: position, counts_per_turn: 2^position_bits, turns: turns, source: "6.1"}\n',
     )
@@ -198,7 +203,7 @@ examples:
   - {name: thirty_below, kind: procedure, procedure: set_lowest, order_code: MIN12SC,
      arguments: {value: -30}, writes: [{address: 0x48, value: 0xE2}], source: "6.3"}
 """
-    sound(tmp_path, more=more)
+    load_valid(tmp_path, more=more)
 
 
 # -- unused bits, and open questions of the manual
@@ -209,12 +214,12 @@ WHOLE_LINE = "          - {name: position, bits: position_bits}\n"
 def test_unused_bits_say_what_they_make_of_the_position(tmp_path: Path) -> None:
     spare = '          - {name: spare, bits: 2, unused: 2, makes_position: not_usable, meaning: "Reserved"}\n'
     more = "          - {name: rest, bits: 3, unused: 0}\n"
-    device = sound(tmp_path, (WHOLE_LINE, WHOLE_LINE + spare + more))
+    device = load_valid(tmp_path, (WHOLE_LINE, WHOLE_LINE + spare + more))
     layout = device.layout("single_cycle_data")
     assert layout.field("spare").kind == Unused(2, Verdict.NOT_USABLE)
     assert layout.field("rest").kind == Unused(0, Verdict.USABLE_WITH_WARNING)
     # The last one sent is the lowest in the number of unused bits.
-    assert [(item.name, place) for item, place in layout.unused] == [("rest", 0), ("spare", 3)]
+    assert [(field.name, place) for field, place in layout.unused] == [("rest", 0), ("spare", 3)]
 
 
 def test_an_alternative_moves_fields(tmp_path: Path) -> None:
@@ -227,13 +232,13 @@ def test_an_alternative_moves_fields(tmp_path: Path) -> None:
         "      above: {meaning: In bits 7:1, sets: {address_low: 1, busy_low: 0}}\n"
         "      below: {meaning: In bits 6:0, sets: {address_low: 0, busy_low: 7}}\n"
     )
-    device, problems = load(tmp_path, (BITS, BITS + open_), more=more)
-    assert [item.partition(":")[0] for item in problems] == ["c-target"]  # C takes answers for frames only.
+    device, problems = load_changed(tmp_path, (BITS, BITS + open_), more=more)
+    assert [problem.partition(":")[0] for problem in problems] == ["c-target"]  # C takes answers for frames only.
     assert device is not None
     variant = device.variant("MIN12SC")
     layout = device.register("access").layout
-    assert [item.name for item in device.alternatives_of(layout)] == ["place"]
+    assert [alternative.name for alternative in device.alternatives_of(layout)] == ["place"]
     for answer, number in (("above", 0x0B), ("below", 0x85)):
         placed = layout.place(with_answers(device, variant, {"place": answer}).parameters)
-        values = {item.name: item.value for item in codec.decode(device, placed, number).fields}
+        values = {field.name: field.value for field in codec.decode(device, placed, number).fields}
         assert values == {"address": 5, "busy": True}

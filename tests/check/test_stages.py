@@ -9,7 +9,7 @@ from codewheel.commands.outputs import load_for, targets_named
 BROKEN = Path(__file__).parent / "broken_model"
 
 
-def told(folder: Path) -> list[str]:
+def problem_lines(folder: Path) -> list[str]:
     _, report = load_for([folder], targets_named())
     return [f"{Path(problem.file).name}:{problem.line}: {problem.rule}" for problem in report.problems]
 
@@ -21,21 +21,21 @@ def copy(folder: Path, *names: str) -> None:
 
 def test_names_in_c_are_told_of_a_family_beside_a_broken_one(tmp_path: Path) -> None:
     copy(tmp_path, "c_name_procedure")
-    alone = told(tmp_path)
+    alone = problem_lines(tmp_path)
     assert alone
-    assert all(item.endswith("c-name") for item in alone)
+    assert all(line.endswith("c-name") for line in alone)
     copy(tmp_path, "overlap")
-    assert set(alone) < set(told(tmp_path))
+    assert set(alone) < set(problem_lines(tmp_path))
 
 
 def test_a_family_is_looked_at_although_its_manufacturer_file_is_broken(tmp_path: Path) -> None:
     copy(tmp_path, "overlap")
-    alone = told(tmp_path)
+    alone = problem_lines(tmp_path)
     (tmp_path / "manufacturer.yaml").write_text('codewheel: 1\nmanufacturer: acme\ntitel: Acme\nsource: "1"\n')
-    assert told(tmp_path) == sorted([*alone, "manufacturer.yaml:3: unknown-key"])
+    assert problem_lines(tmp_path) == sorted([*alone, "manufacturer.yaml:3: unknown-key"])
 
 
 def test_a_manufacturer_file_whose_name_is_no_text_is_a_problem(tmp_path: Path) -> None:
     copy(tmp_path, "overlap")
     (tmp_path / "manufacturer.yaml").write_text("codewheel: 1\nmanufacturer: [acme]\ntitle: Acme\n")
-    assert "manufacturer.yaml:2: wrong-type" in told(tmp_path)
+    assert "manufacturer.yaml:2: wrong-type" in problem_lines(tmp_path)

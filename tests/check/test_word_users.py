@@ -6,8 +6,9 @@ import copy
 import functools
 import re
 from collections.abc import Iterable, Iterator, Mapping
+from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 import yaml
@@ -94,40 +95,60 @@ UNUSED = {
 PHYSICS = re.compile(r"(quantity\.(unit|quantity)|scale\.unit)\.")
 
 
-def walk(schema: Mapping[str, Any], data: Iterable[Any] | None) -> Iterator[str]:
+class Part(NamedTuple):
+    """A part of a schema with its key, if it has one, and the values that the data have there.
+
+    ``values`` is None if all words of the schema are wanted.
+    """
+
+    key: str
+    schema: Mapping[str, Any]
+    values: list[Any] | None
+
+
+def parts_of(node: Mapping[str, Any], values: list[Any] | None) -> Iterator[Part]:
+    """Yield the alternatives, the members and the items of a schema."""
+    for alternative in (*node.get("oneOf", ()), *node.get("anyOf", ())):
+        yield Part("", alternative, values)
+    mappings = [value for value in values or () if isinstance(value, dict)]
+    properties = node.get("properties", {})
+    for key, member in properties.items():
+        member_values = [mapping[key] for mapping in mappings if key in mapping]
+        yield Part(key, member, None if values is None else member_values)
+    any_member = node.get("additionalProperties")
+    if isinstance(any_member, dict):
+        unlisted = [value for mapping in mappings for key, value in mapping.items() if key not in properties]
+        yield Part("", any_member, None if values is None else unlisted)
+    if "items" in node:
+        lists = [value for value in values or () if isinstance(value, list)]
+        yield Part("", node["items"], None if values is None else list(chain.from_iterable(lists)))
+
+
+def allowed_words(node: Mapping[str, Any], values: list[Any] | None) -> list[Any]:
+    """Return the words of an enumeration, or those among the values."""
+    scalars = [value for value in values or () if not isinstance(value, dict | list)]
+    return [word for word in node.get("enum", ()) if values is None or word in scalars]
+
+
+def words_of(schema: Mapping[str, Any], data: Iterable[Any] | None) -> Iterator[str]:
     """Yield the words of a schema, or those that the data uses."""
-    seen: set[str] = set()
+    visited: set[str] = set()
 
     def below(node: Mapping[str, Any], owner: str, values: list[Any] | None) -> Iterator[str]:
         if "$ref" in node:
             owner = node["$ref"].rsplit("/", 1)[1]
-            if values is None and owner in seen:
+            if values is None and owner in visited:
                 return
-            seen.add(owner)
+            visited.add(owner)
             node = schema["$defs"][owner]
-        for other in (*node.get("oneOf", ()), *node.get("anyOf", ())):
-            yield from below(other, owner, values)
-        mappings = [item for item in values or () if isinstance(item, dict)]
-        for key, inner in node.get("properties", {}).items():
-            found = [item[key] for item in mappings if key in item]
-            if values is None or found:
-                yield f"{owner}.{key}"
-                yield from below(
-                    inner, owner if "$ref" in inner else f"{owner}.{key}", None if values is None else found
-                )
-        inner = node.get("additionalProperties")
-        if isinstance(inner, dict):
-            known = node.get("properties", {})
-            rest = [value for item in mappings for key, value in item.items() if key not in known]
-            if values is None or rest:
-                yield from below(inner, owner, None if values is None else rest)
-        if "items" in node:
-            elements = [value for item in values or () if isinstance(item, list) for value in item]
-            if values is None or elements:
-                yield from below(node["items"], owner, None if values is None else elements)
-        for value in node.get("enum", ()):
-            if values is None or value in [item for item in values if not isinstance(item, dict | list)]:
-                yield f"{owner}.{value}"
+        for part in parts_of(node, values):
+            if part.values == []:
+                continue
+            if part.key:
+                yield f"{owner}.{part.key}"
+            yield from below(part.schema, f"{owner}.{part.key}" if part.key else owner, part.values)
+        for word in allowed_words(node, values):
+            yield f"{owner}.{word}"
 
     yield from below(schema, "device", None if data is None else list(data))
 
@@ -135,43 +156,47 @@ def walk(schema: Mapping[str, Any], data: Iterable[Any] | None) -> Iterator[str]
 @functools.cache
 def specs() -> dict[str, list[Any]]:
     """Return the specs of all real encoders, by manufacturer."""
-    found: dict[str, list[Any]] = {}
+    specs_by_manufacturer: dict[str, list[Any]] = {}
     for path in sorted([*(ROOT / "specs").glob("*/*.yaml"), *(ROOT / "examples" / "encoders").glob("*/*.yaml")]):
         if path.name != "manufacturer.yaml" and path.parent.name != "masters" and not is_second(path):
             text = path.read_text(encoding="utf-8")
-            found.setdefault(path.parent.name, []).append(yaml.load(text, LOADER))
-    return found
+            specs_by_manufacturer.setdefault(path.parent.name, []).append(yaml.load(text, LOADER))
+    return specs_by_manufacturer
 
 
 def users(schema: Mapping[str, Any]) -> dict[str, set[str]]:
     """Return the manufacturers that use each word of the language."""
-    found: dict[str, set[str]] = {word: set() for word in walk(schema, None) if not PHYSICS.match(word)}
+    users_by_word: dict[str, set[str]] = {word: set() for word in words_of(schema, None) if not PHYSICS.match(word)}
     for name, data in specs().items():
-        for word in walk(schema, data):
-            if word in found:
-                found[word].add(name)
-    return found
+        for word in words_of(schema, data):
+            if word in users_by_word:
+                users_by_word[word].add(name)
+    return users_by_word
 
 
-def lonely(schema: Mapping[str, Any]) -> set[str]:
+def words_of_one_manufacturer(schema: Mapping[str, Any]) -> set[str]:
     """Return the words that need a second manufacturer."""
-    return {word for word, found in users(schema).items() if found and WHOLE not in found and len(found) == 1}
+    words = set()
+    for word, manufacturers in users(schema).items():
+        if len(manufacturers) == 1 and WHOLE not in manufacturers:
+            words.add(word)
+    return words
 
 
-def unused(schema: Mapping[str, Any]) -> set[str]:
+def unused_words(schema: Mapping[str, Any]) -> set[str]:
     """Return the words that no encoder uses."""
-    return {word for word, found in users(schema).items() if not found}
+    return {word for word, manufacturers in users(schema).items() if not manufacturers}
 
 
 def test_each_word_has_users_at_two_manufacturers() -> None:
     """Words are counted in the specs of real encoders. Words that only whole manuals need are older than the rule."""
     schema = load_schema("device")
-    assert lonely(schema) - {*ALONE} == set()
-    assert unused(schema) - {*UNUSED} == set()
+    assert words_of_one_manufacturer(schema) - {*ALONE} == set()
+    assert unused_words(schema) - {*UNUSED} == set()
 
 
 def test_the_exceptions_are_words_of_the_language() -> None:
-    assert {*ALONE, *UNUSED} <= {*walk(load_schema("device"), None)}
+    assert {*ALONE, *UNUSED} <= {*words_of(load_schema("device"), None)}
     assert ALONE.keys().isdisjoint(UNUSED)
 
 
@@ -179,35 +204,35 @@ def test_a_word_of_one_encoder_is_found() -> None:
     """A key that one spec uses is lonely, and a key or value that none uses is unused."""
     schema: Any = copy.deepcopy(load_schema("device"))
     schema["$defs"]["spi"]["properties"]["quirk"] = {"enum": ["a", "b"]}
-    assert {"spi.quirk", "spi.quirk.a", "spi.quirk.b"} <= unused(schema)
-    [spec] = [item for item in specs()["mps"] if item["device"] == "ma732"]
+    assert {"spi.quirk", "spi.quirk.a", "spi.quirk.b"} <= unused_words(schema)
+    [spec] = [spec for spec in specs()["mps"] if spec["device"] == "ma732"]
     spec["interfaces"]["spi"]["quirk"] = "a"
     try:
-        assert {"spi.quirk", "spi.quirk.a"} <= lonely(schema)
-        assert "spi.quirk.b" in unused(schema)
+        assert {"spi.quirk", "spi.quirk.a"} <= words_of_one_manufacturer(schema)
+        assert "spi.quirk.b" in unused_words(schema)
         specs()["ams"][0]["interfaces"]["spi"]["quirk"] = "a"
-        assert "spi.quirk" not in lonely(schema)
+        assert "spi.quirk" not in words_of_one_manufacturer(schema)
     finally:
         specs.cache_clear()
 
 
 def names() -> set[str]:
     """Return the names of manufacturers and families, and the parts of them that are words."""
-    families = [spec["device"] for found in specs().values() for spec in found]
+    families = [spec["device"] for specs_of_manufacturer in specs().values() for spec in specs_of_manufacturer]
     return {part for name in (*specs(), *families) for part in (name, *name.split("_")) if len(part) > 2}
 
 
-def named(words: Iterable[str]) -> set[str]:
+def words_with_names(words: Iterable[str]) -> set[str]:
     """Return the words that contain the name of a manufacturer or a family."""
-    known = names() - {"linear", "parity"}
-    return {word for word in words if not known.isdisjoint(re.split(r"[^a-z0-9]+", word.casefold()))}
+    forbidden = names() - {"linear", "parity"}
+    return {word for word in words if not forbidden.isdisjoint(re.split(r"[^a-z0-9]+", word.casefold()))}
 
 
 @pytest.mark.slow
 def test_no_word_names_a_manufacturer() -> None:
     for kind in ("device", "manufacturer"):
-        assert named(walk(load_schema(kind), None)) == set()
-    assert named(["spi.as5047p_mode", "register.ichaus", "field.lika_bit", "ssi.clock"]) == {
+        assert words_with_names(words_of(load_schema(kind), None)) == set()
+    assert words_with_names(["spi.as5047p_mode", "register.ichaus", "field.lika_bit", "ssi.clock"]) == {
         "spi.as5047p_mode",
         "register.ichaus",
         "field.lika_bit",

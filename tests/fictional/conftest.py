@@ -21,7 +21,7 @@ EXAMPLE = DOCS / "example"
 def device() -> Device:
     devices, report = load_library([EXAMPLE])
     assert not report, "\n".join(problem.format() for problem in report.problems)
-    assert [item.name for item in devices] == ["tv62"]
+    assert [device.name for device in devices] == ["tv62"]
     return devices[0]
 
 

@@ -76,7 +76,7 @@ def test_the_spec_is_clean(capsys: pytest.CaptureFixture[str]) -> None:
 
 def test_it_is_no_part_of_the_library(devices: Mapping[str, Device]) -> None:
     assert "tv62" not in devices
-    assert "tolvarn" not in {item.manufacturer.name for item in devices.values()}
+    assert "tolvarn" not in {device.manufacturer.name for device in devices.values()}
 
 
 def test_every_page_of_a_source_is_in_the_contents() -> None:
@@ -84,7 +84,8 @@ def test_every_page_of_a_source_is_in_the_contents() -> None:
     pages = dict(re.findall(r"^\| ([0-9.]+) [^|]+\| ([0-9]+) \|$", text.partition("\n## ")[0], re.MULTILINE))
     assert len(pages) == 14
     spec = (EXAMPLE / "tolvarn" / "tv62.yaml").read_text(encoding="utf-8")
-    cited = {piece.strip() for found in re.findall(r"\bsource: \"?([^\",}\n]+)", spec) for piece in found.split(";")}
+    source_texts = re.findall(r"\bsource: \"?([^\",}\n]+)", spec)
+    cited = {piece.strip() for source_text in source_texts for piece in source_text.split(";")}
     assert len(cited) > 10
     for piece in cited:
         section, _, page = piece.partition(" p.")
@@ -99,62 +100,65 @@ def frame(device: Device, code: str, layout: str, bits: str) -> codec.Decoded:
 
 def test_what_the_language_carries_that_no_other_family_needs(device: Device) -> None:
     crc = device.crc("position_16")
-    forms = {item.crc.name: item.form.value for item in crc_functions(device)}
+    forms = {function.crc.name: function.form.value for function in crc_functions(device)}
     assert (crc.poly_with_top_bit, crc.init, forms["position_16"], forms["temperature_5"]) == (
         POSITION,
         0x5A3C,
         "table",
         "fold",
     )
-    assert [(item.name, item.channel) for item in device.interface("biss").layouts] == [
+    assert [(layout.name, layout.channel) for layout in device.interface("biss").layouts] == [
         ("position_data", 1),
         ("temperature_data", 2),
     ]
     word = device.layout("ssi_word").place(device.variant("TV62-M13-S1").parameters)
     assert word.bits == 32
-    assert [(item.name, item.high, item.low) for item in word.fields] == [
+    assert [(field.name, field.high, field.low) for field in word.fields] == [
         ("alarm", 31, 31),
         ("position_padding", 30, 25),
         ("position", 24, 0),
     ]
-    banked = {(item.bank, item.address): item.name for item in device.registers if item.bank is not None}
-    assert banked[1, 0] == "preset"
-    assert banked[2, 0] == "upper_limit"
-    assert banked[1, 4] == "control"
-    assert banked[2, 4] == "correction"
+    names = {(register.bank, register.address): register.name for register in device.registers}
+    assert names[1, 0] == "preset"
+    assert names[2, 0] == "upper_limit"
+    assert names[1, 4] == "control"
+    assert names[2, 4] == "correction"
     limit = device.register("lower_limit")
     assert limit.min is not None
     assert limit.min.constant == -400
 
 
 def test_the_manuals_frames(device: Device) -> None:
-    found = frame(device, "TV62-M13-S1", "ssi_word", f"{0x01FFFC18:032b}")
-    assert found.values["position"] == -1000
-    assert found.values["alarm"] is False
-    assert not found.problems
-    found = frame(device, "TV62-S17-S1", "ssi_word", f"{0x80001234:032b}")
-    assert found.values["position"] == 4660
-    assert found.values["alarm"] is True
-    assert not found.problems
-    found = frame(device, "TV62-M17-B1", "position_data", "010011010010 01111111110011000 1 1 100101 0100010110000111")
-    assert not found.problems
+    decoded = frame(device, "TV62-M13-S1", "ssi_word", f"{0x01FFFC18:032b}")
+    assert decoded.values["position"] == -1000
+    assert decoded.values["alarm"] is False
+    assert not decoded.problems
+    decoded = frame(device, "TV62-S17-S1", "ssi_word", f"{0x80001234:032b}")
+    assert decoded.values["position"] == 4660
+    assert decoded.values["alarm"] is True
+    assert not decoded.problems
+    decoded = frame(
+        device, "TV62-M17-B1", "position_data", "010011010010 01111111110011000 1 1 100101 0100010110000111"
+    )
+    assert not decoded.problems
     assert (
-        found.values["multiturn"],
-        found.values["singleturn"],
-        found.values["life_counter"],
+        decoded.values["multiturn"],
+        decoded.values["singleturn"],
+        decoded.values["life_counter"],
     ) == (1234, 65432, 37)
-    assert found.values["error"] is False
-    assert found.values["warning"] is False
+    assert decoded.values["error"] is False
+    assert decoded.values["warning"] is False
     assert frame(device, "TV62-M17-B1", "temperature_data", "0000000011101011 00101").values["temperature"] == 235
-    assert [
-        item.fault.value for item in frame(device, "TV62-M17-B1", "temperature_data", "1111111101101001 10001").problems
-    ] == ["crc"]
+    disturbed = frame(device, "TV62-M17-B1", "temperature_data", "1111111101101001 10001")
+    assert [problem.fault.value for problem in disturbed.problems] == ["crc"]
     assert frame(device, "TV62-M17-B1", "temperature_data", "1111111101101010 10001").values["temperature"] == -150
 
 
 def test_zeros_before_a_negative_position_are_zeros(device: Device) -> None:
     extended = f"{-1000 & 0x7FFFFFFF:032b}"
-    assert [item.fault.value for item in frame(device, "TV62-M13-S1", "ssi_word", extended).problems] == ["constant"]
+    assert [problem.fault.value for problem in frame(device, "TV62-M13-S1", "ssi_word", extended).problems] == [
+        "constant"
+    ]
 
 
 @pytest.mark.parametrize("code", ["TV62-S13-B1", "TV62-M17-B1", "TV62-M20-B1"])
@@ -170,19 +174,19 @@ def test_every_crc_by_division_on_paper(device: Device, code: str) -> None:
             "warning": True,
             "life_counter": 1,
         }
-        made = f"{codec.encode(device, placed, values):0{placed.bits}b}"
-        assert made[-16:] == remainder(made[:-16], POSITION, 0x5A3C)
+        encoded = f"{codec.encode(device, placed, values):0{placed.bits}b}"
+        assert encoded[-16:] == remainder(encoded[:-16], POSITION, 0x5A3C)
 
 
 @pytest.mark.parametrize(("lower", "written"), [(-300, "D4 FE"), (-400, "70 FE"), (-1, "FF FF"), (1200, "B0 04")])
 def test_arguments_below_zero(device: Device, lower: int, written: str) -> None:
-    made = register_writes(
+    writes = register_writes(
         device,
         device.procedure("set_temperature_limits"),
         device.variant("TV62-M17-B1"),
         {"upper": 800, "lower": lower},
     )
-    assert bytes(item.value for item in made[3:5]).hex(" ").upper() == written
+    assert bytes(write.value for write in writes[3:5]).hex(" ").upper() == written
 
 
 @pytest.mark.parametrize("lower", [-401, 1201])
@@ -211,11 +215,11 @@ def test_decode_names_another_channel(capsys: pytest.CaptureFixture[str]) -> Non
     assert main([*arguments, "0b01001101001001111111110011000111001010100010110000111"]) == 0
     assert json.loads(capsys.readouterr().out)["layout"] == "position_data"
     assert main([*arguments, "--layout", "temperature_data", "0b000000001110101100101"]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert found["layout"] == "temperature_data"
-    assert found["fields"][0]["value"] == 235
+    data = json.loads(capsys.readouterr().out)
+    assert data["layout"] == "temperature_data"
+    assert data["fields"][0]["value"] == 235
     assert main([*arguments, "--layout", "temperature_data", "0b111111110110100110001"]) == 1
-    assert [item["kind"] for item in json.loads(capsys.readouterr().out)["problems"]] == ["crc"]
+    assert [problem["kind"] for problem in json.loads(capsys.readouterr().out)["problems"]] == ["crc"]
     assert main([*arguments, "--layout", "nothing", "0b0"]) == 2
     assert (
         capsys.readouterr().err
@@ -227,9 +231,9 @@ def test_decode_names_another_channel(capsys: pytest.CaptureFixture[str]) -> Non
 def test_a_layout_of_bytes_can_be_named(capsys: pytest.CaptureFixture[str]) -> None:
     """If the frame identifies its layout, that of a given name is used instead, and the error is that of the frame."""
     assert main(["decode", "AMM5A23/65KJP1", "--layout", "multiturn_reply", "02 20 C7 D1 6A 5E", "--json"]) == 1
-    found = json.loads(capsys.readouterr().out)
-    assert found["layout"] == "multiturn_reply"
-    assert "range" in [item["kind"] for item in found["problems"]]
+    data = json.loads(capsys.readouterr().out)
+    assert data["layout"] == "multiturn_reply"
+    assert "range" in [problem["kind"] for problem in data["problems"]]
 
 
 def test_show_says_channel_and_bank(capsys: pytest.CaptureFixture[str]) -> None:

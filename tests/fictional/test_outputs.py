@@ -29,14 +29,14 @@ POSITION = 0x9A4FF98E54587
 
 @pytest.mark.slow
 def test_all_four_targets(generated: Path) -> None:
-    made = {path.relative_to(generated).as_posix() for path in generated.rglob("*") if path.is_file()}
+    paths = {path.relative_to(generated).as_posix() for path in generated.rglob("*") if path.is_file()}
     assert {
         "python/tolvarn_encoders/tv62.py",
         "c/include/tolvarn/tv62_biss.h",
         "biss/idbiss5476.xml",
         "biss/tolvarn-tv62.xml",
         "docs/tv62.md",
-    } <= made
+    } <= paths
 
 
 # --------------------------------------------------------------------------------------------------------------- Python
@@ -109,9 +109,9 @@ def test_the_python_command_writes_negative_positions_in_si_units(generated: Pat
     done = subprocess.run(run, cwd=tmp_path, capture_output=True, text=True, check=False, env=environment)
     assert (done.returncode, "Traceback" in done.stderr) == (0, False), done.stderr
     with (tmp_path / "out.csv").open(encoding="utf-8", newline="") as file:
-        found = list(csv.DictReader(file))
-    assert [int(row["position"]) for row in found] == [*ACROSS]
-    assert float(found[2]["radians_per_second"]) == pytest.approx(-2 * 1 / 8192 * math.tau)
+        written_rows = list(csv.DictReader(file))
+    assert [int(row["position"]) for row in written_rows] == [*ACROSS]
+    assert float(written_rows[2]["radians_per_second"]) == pytest.approx(-2 * 1 / 8192 * math.tau)
 
 
 def test_python_refuses_what_is_wrong(tv62: ModuleType) -> None:
@@ -131,7 +131,7 @@ def test_python_registers_and_procedure(tv62: ModuleType) -> None:
     assert tv62.LowerLimit.decode(bytes.fromhex("06 FF")).lower_limit == -250
     assert tv62.LowerLimit(-250).encode() == bytes.fromhex("06 FF")
     assert tv62.Correction.decode(b"\xff").correction == -1
-    assert {(item.bank, int(item.address)) for item in tv62.REGISTERS.values()} >= {
+    assert {(register.bank, int(register.address)) for register in tv62.REGISTERS.values()} >= {
         (1, 0),
         (2, 0),
         (1, 4),
@@ -276,7 +276,7 @@ def test_the_description_is_valid_and_whole(generated: Path, device: Device) -> 
     data = (biss / "tolvarn-tv62.xml").read_bytes()
     assert checker.validate(etree.fromstring(data)), checker.error_log
     assert from_xml(data) == json.loads(json.dumps(device_dump(device)))
-    channels = {item["name"]: item["channel"] for item in from_xml(data)["layouts"]}
+    channels = {layout["name"]: layout["channel"] for layout in from_xml(data)["layouts"]}
     assert channels == {"ssi_word": None, "position_data": 1, "temperature_data": 2}
 
 

@@ -66,19 +66,21 @@ SLIPS = {
 
 def fences(word: str) -> list[str]:
     """Return the fenced blocks with this info string, or without one."""
-    return [
-        text for found, text in re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL) if found == word
-    ]
+    return [text for info, text in re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL) if info == word]
 
 
 def quotes() -> list[str]:
-    return [
-        "\n".join(line[2:] for line in found.splitlines()) for found in re.findall(r"(?:^> .*\n)+", PAGE, re.MULTILINE)
-    ]
+    quotes_with_marks = re.findall(r"(?:^> .*\n)+", PAGE, re.MULTILINE)
+    return [re.sub("^> ", "", quote, flags=re.MULTILINE).removesuffix("\n") for quote in quotes_with_marks]
 
 
-def flat(text: str) -> str:
+def on_one_line(text: str) -> str:
     return " ".join(text.split())
+
+
+def without_indent(line: str, depth: int) -> str:
+    """Return a line without its first columns, if these are blank."""
+    return line if line[:depth].strip() else line[depth:]
 
 
 @pytest.mark.parametrize("snippet", fences("yaml"), ids=lambda text: text.split("\n")[0][:40])
@@ -87,7 +89,7 @@ def test_yaml_is_that_of_the_spec(snippet: str) -> None:
     lines = SPEC.splitlines()
     for start, line in enumerate(lines):
         depth = len(line) - len(line.lstrip())
-        piece = [item[depth:] if not item[:depth].strip() else item for item in lines[start : start + len(wanted)]]
+        piece = [without_indent(spec_line, depth) for spec_line in lines[start : start + len(wanted)]]
         # An item of a list or a map may be shown without the text before it on its line.
         if piece == wanted or (len(wanted) == 1 and line.strip().endswith(wanted[0])):
             return
@@ -96,7 +98,7 @@ def test_yaml_is_that_of_the_spec(snippet: str) -> None:
 
 @pytest.mark.parametrize("quote", quotes(), ids=lambda text: text[:40])
 def test_quotes_are_from_the_manual(quote: str) -> None:
-    assert flat(quote) in flat(MANUAL)
+    assert on_one_line(quote) in on_one_line(MANUAL)
 
 
 def test_there_is_something_to_compare() -> None:
@@ -107,34 +109,34 @@ def test_there_is_something_to_compare() -> None:
 
 @pytest.mark.slow
 def test_what_the_tool_says_is_what_it_says(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    said = [message for _, _, message in SLIPS.values()]
+    messages = [message for _, _, message in SLIPS.values()]
     assert main(["decode", "--specs", str(EXAMPLE), "TV62-M17-B1", "--as", "lower_limit", "06 FF"]) == 0
-    said.append(capsys.readouterr().out)
+    messages.append(capsys.readouterr().out)
     shutil.copy(EXAMPLE / "tolvarn" / "manufacturer.yaml", tmp_path)
     revised = tmp_path / "tv62.yaml"
     revised.write_text(
         SPEC.replace('revision: "1.1"', 'revision: "1.2"').replace("max: 1200", "max: 1250"), encoding="utf-8"
     )
     assert main(["diff", str(EXAMPLE / "tolvarn" / "tv62.yaml"), str(revised)]) == 1
-    said.append(capsys.readouterr().out)
+    messages.append(capsys.readouterr().out)
     for text in fences("text"):
         if "readings-disagree" not in text:  # Those are tested one by one in test_revision.py.
-            assert any(text.rstrip("\n") in item for item in said), text
+            assert any(text.rstrip("\n") in message for message in messages), text
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("slip", SLIPS)
 def test_slips_are_found_in_the_words_shown(slip: str, tmp_path: Path) -> None:
-    right, wrong, message = SLIPS[slip]
-    assert right in SPEC
+    original, misspelt, message = SLIPS[slip]
+    assert original in SPEC
     shutil.copy(EXAMPLE / "tolvarn" / "manufacturer.yaml", tmp_path)
-    (tmp_path / "tv62.yaml").write_text(SPEC.replace(right, wrong, 1), encoding="utf-8")
+    (tmp_path / "tv62.yaml").write_text(SPEC.replace(original, misspelt, 1), encoding="utf-8")
     _, report = load_library([tmp_path / "tv62.yaml"])
-    found = [f"{item.rule}: {item.message}" for item in report.problems]
+    reported = [f"{problem.rule}: {problem.message}" for problem in report.problems]
     if message:
-        assert any(message in item for item in found), found
+        assert any(message in text for text in reported), reported
     else:
-        assert not found  # The page says that no program can find it.
+        assert not reported  # The page says that no program can find it.
 
 
 @pytest.mark.slow
@@ -143,14 +145,14 @@ def test_commands_of_the_page_work(
 ) -> None:
     monkeypatch.chdir(DOCS.parent)
     commands = [line.removeprefix("$ ") for text in fences("") for line in text.splitlines()]
-    commands += [found for found in re.findall(r"`(codewheel [^`]+)`", PAGE) if "--specs" in found]
+    commands += [command for command in re.findall(r"`(codewheel [^`]+)`", PAGE) if "--specs" in command]
     ours = [shlex.split(line) for line in commands if "docs/example" in line]
     assert len(ours) >= 7
     (tmp_path / "new").mkdir()
     assert "codewheel new tv62" in commands
     assert main(["new", "tv62", "-o", str(tmp_path / "new" / "tv62.yaml")]) == 0
     for words in ours:
-        assert main([str(tmp_path) if item.startswith("/") else item for item in words[1:]]) == 0, words
+        assert main([str(tmp_path) if word.startswith("/") else word for word in words[1:]]) == 0, words
     capsys.readouterr()
 
 

@@ -25,7 +25,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def revised(path: Path, old: str, new: str, address: str) -> None:
+def revise(path: Path, old: str, new: str, address: str) -> None:
     """Another revision of the manual, in which the correction has another address."""
     text = path.read_text(encoding="utf-8").replace(f'revision: "{old}"', f'revision: "{new}"')
     before, correction, after = text.partition("  - name: correction\n")
@@ -38,27 +38,27 @@ def test_the_story_of_the_page(folder: Path, capsys: pytest.CaptureFixture[str])
     def check() -> list[str]:
         main(["check"])
         *lines, last = capsys.readouterr().out.splitlines()
-        told.extend(line for line in lines if "readings-disagree" in line)
+        disagreements.extend(line for line in lines if "readings-disagree" in line)
         return [line.removesuffix(MEND) for line in lines if "readings-disagree" in line] or [last]
 
-    told: list[str] = []
+    disagreements: list[str] = []
     silent = ["no problems in 1 family: tv62"]
     spec, second = folder / "tv62.yaml", folder / "tv62.second.yaml"
     assert check() == silent
-    revised(spec, "1.1", "1.2", "0x06")
+    revise(spec, "1.1", "1.2", "0x06")
     assert check() == [
         "tv62.second.yaml:6:20: readings-disagree: revision of the edition 'en': 1.1 here, 1.2 in tv62.yaml:17",
         "tv62.second.yaml:104:14: readings-disagree: register 0x04 of bank 2: 1 byte here, nothing in tv62.yaml:218",
         "tv62.yaml:17:13: readings-disagree: revision of the edition 'en': 1.2 here, 1.1 in tv62.second.yaml:6",
         "tv62.yaml:218:14: readings-disagree: register 0x04 of bank 2: nothing here, 1 byte in tv62.second.yaml:104",
     ]
-    revised(second, "1.1", "1.2", "0x05")
+    revise(second, "1.1", "1.2", "0x05")
     assert len(check()) == 2
-    revised(second, "1.2", "1.2", "0x06")
+    revise(second, "1.2", "1.2", "0x06")
     assert check() == silent
     assert main(["check", "--coverage"]) == 0
     assert QUOTED
-    assert [text for text in QUOTED if text not in told] == []
+    assert [text for text in QUOTED if text not in disagreements] == []
 
 
 @pytest.mark.slow
@@ -75,8 +75,8 @@ def test_what_is_new_in_the_spec_alone_is_missed_by_the_coverage(folder: Path) -
 def test_a_mistake_that_the_new_manual_prints_is_an_erratum(folder: Path) -> None:
     """The second reading has the value that is still in the table."""
     spec, second = folder / "tv62.yaml", folder / "tv62.second.yaml"
-    revised(spec, "1.1", "1.2", "0x06")
-    revised(second, "1.1", "1.2", "0x04")
+    revise(spec, "1.1", "1.2", "0x06")
+    revise(second, "1.1", "1.2", "0x04")
     assert main(["check"]) == 1
     erratum = """\
   - name: address_of_correction

@@ -15,7 +15,7 @@ from itertools import pairwise
 class Encoder:
     """A BiSS frame: ``zeros`` above the position, ``position`` bits, ``below`` zeros, error and warning, CRC 6.
 
-    ``others`` are order codes of the family with other lengths of the frame.
+    ``other_codes`` are order codes of the family with other lengths of the frame.
     """
 
     code: str
@@ -23,7 +23,7 @@ class Encoder:
     position: int
     below: int = 0
     has_status: bool = True
-    others: tuple[tuple[str, int], ...] = ()
+    other_codes: tuple[tuple[str, int], ...] = ()
 
     @property
     def bits(self) -> int:
@@ -39,13 +39,24 @@ AMM5 = (
     ("AMM5A23/65KSC1", 39),
 )
 ASC85 = tuple((f"ASC85{bits}/SC1", bits) for bits in range(20, 26))
+
+
+def _family(codes: tuple[tuple[str, int], ...], below: int) -> list[Encoder]:
+    """Return an encoder for each order code with its bits, which knows the other codes."""
+    encoders = []
+    for code, bits in codes:
+        other_codes = tuple(row for row in codes if row[0] != code)
+        encoders.append(Encoder(code, zeros=0, position=bits, below=below, other_codes=other_codes))
+    return encoders
+
+
 ENCODERS = (
-    *(Encoder(code, 0, bits, others=tuple(other for other in AMM5 if other[0] != code)) for code, bits in AMM5),
-    *(Encoder(code, 0, bits, 1, others=tuple(other for other in ASC85 if other[0] != code)) for code, bits in ASC85),
-    Encoder("SMA21-SC4-0050", 4, 20, others=(("SMA21-SC1-0001", 25),)),
-    Encoder("SMA21-SC4-0005", 1, 23, others=(("SMA21-SC1-0001", 25),)),
+    *_family(AMM5, below=0),
+    *_family(ASC85, below=1),
+    Encoder("SMA21-SC4-0050", 4, 20, other_codes=(("SMA21-SC1-0001", 25),)),
+    Encoder("SMA21-SC4-0005", 1, 23, other_codes=(("SMA21-SC1-0001", 25),)),
     # Of four shapes of 32 bits only the one without zeros above the position fits.
-    Encoder("SMA21-SC4-0001", 0, 25, others=(("SMA21-SC1-0002", 24),)),
+    Encoder("SMA21-SC4-0001", 0, 25, other_codes=(("SMA21-SC1-0002", 24),)),
     Encoder("AM3616/4096-I7", 0, 36, has_status=False),
 )
 
@@ -64,27 +75,27 @@ def crc(data: str, polynomial: int = 0x43, start: str = "", invert: bool = True)
     """The CRC by long division, as on paper: ``polynomial`` has its top bit, ``start`` is added to the first bits."""
     width = polynomial.bit_length() - 1
     divisor = [int(bit) for bit in f"{polynomial:b}"]
-    rest = [int(bit) for bit in data] + [0] * width
+    remainder = [int(bit) for bit in data] + [0] * width
     for place, first in enumerate(start):
-        rest[place] ^= int(first)
+        remainder[place] ^= int(first)
     for place in range(len(data)):
-        if rest[place]:
+        if remainder[place]:
             for offset, bit in enumerate(divisor):
-                rest[place + offset] ^= bit
-    return "".join(str(bit ^ invert) for bit in rest[len(data) :])
+                remainder[place + offset] ^= bit
+    return "".join(str(bit ^ invert) for bit in remainder[len(data) :])
 
 
-def noise(source: random.Random, bits: int) -> str:
+def random_bits(source: random.Random, bits: int) -> str:
     return "".join(source.choice("01") for _ in range(bits))
 
 
-def flipped(text: str) -> str:
+def inverted(text: str) -> str:
     return text.translate(str.maketrans("01", "10"))
 
 
 def gray(position: str) -> str:
     """Each bit is the change from the one before."""
-    return "".join(str(int(one != other)) for one, other in pairwise("0" + position))
+    return "".join(str(int(bit != next_bit)) for bit, next_bit in pairwise("0" + position))
 
 
 def binary(position: str) -> str:
@@ -94,16 +105,16 @@ def binary(position: str) -> str:
 
 def status(encoder: Encoder, source: random.Random) -> str:
     """Return error and warning, active low. Nine of ten frames have none."""
-    return noise(source, 2) if encoder.has_status and source.random() < 0.1 else "11"
+    return random_bits(source, 2) if encoder.has_status and source.random() < 0.1 else "11"
 
 
-def parts(encoder: Encoder, source: random.Random) -> tuple[str, str]:
+def position_and_status(encoder: Encoder, source: random.Random) -> tuple[str, str]:
     """Return the bits before the status bits, and these."""
-    return "0" * encoder.zeros + noise(source, encoder.position) + "0" * encoder.below, status(encoder, source)
+    return "0" * encoder.zeros + random_bits(source, encoder.position) + "0" * encoder.below, status(encoder, source)
 
 
-def sound(encoder: Encoder, source: random.Random) -> str:
-    data = "".join(parts(encoder, source))
+def valid_frame(encoder: Encoder, source: random.Random) -> str:
+    data = "".join(position_and_status(encoder, source))
     return data + crc(data)
 
 
@@ -115,17 +126,17 @@ def _plant(encoder: Encoder, bits: str, kind: str, words: str = "") -> Plant:
 
 
 def not_inverted(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    frame = sound(encoder, source)
-    yield _plant(encoder, frame[:-6] + flipped(frame[-6:]), "crc_not_inverted")
+    frame = valid_frame(encoder, source)
+    yield _plant(encoder, frame[:-6] + inverted(frame[-6:]), "crc_not_inverted")
 
 
 def status_left_out(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    position, flags = parts(encoder, source)
+    position, flags = position_and_status(encoder, source)
     yield _plant(encoder, position + flags + crc(position), "status_left_out")
 
 
 def status_not_sent(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    position, _ = parts(encoder, source)
+    position, _ = position_and_status(encoder, source)
     yield _plant(encoder, position + crc(position), "status_not_sent", "covers the rest")
     yield _plant(encoder, position + crc(position + "11"), "status_not_sent", "were inactive")
 
@@ -134,57 +145,57 @@ def other_answer(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     """The 0 bit below the position is not sent, as in a public driver: 33 bits instead of 34 for 25 bits.
     Or the reader sends one more clock."""
     if encoder.below:
-        position, flags = parts(encoder, source)
+        position, flags = position_and_status(encoder, source)
         data = position[: -encoder.below] + flags
         yield _plant(encoder, data + crc(data), "other_answer", "zero_bit=left_out")
         yield _plant(encoder, data + crc(data) + "0", "other_answer", "too long")
 
 
 def status_turned(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    position, flags = parts(encoder, source)
-    yield _plant(encoder, position + flipped(flags) + crc(position + flags), "status_turned")
+    position, flags = position_and_status(encoder, source)
+    yield _plant(encoder, position + inverted(flags) + crc(position + flags), "status_turned")
 
 
 def read_late(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     """One clock late: the first bit is missing, and an extra bit follows the last."""
-    frame = sound(encoder, source)
+    frame = valid_frame(encoder, source)
     if not encoder.zeros:
         yield _plant(encoder, frame[1:] + "0", "first_bit_missing", f"first bit ({frame[0]})")
 
 
 def first_bit_missing(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    frame = sound(encoder, source)
+    frame = valid_frame(encoder, source)
     if not encoder.zeros:
         yield _plant(encoder, frame[1:], "first_bit_missing", f"first bit ({frame[0]})")
 
 
 def read_early(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     """One clock early: the CDS bit is in front, and the last bit of the CRC is missing."""
-    frame = sound(encoder, source)
-    yield _plant(encoder, noise(source, 1) + frame[:-1], "bits_in_front")
+    frame = valid_frame(encoder, source)
+    yield _plant(encoder, random_bits(source, 1) + frame[:-1], "bits_in_front")
 
 
 def bit_in_front(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    frame = sound(encoder, source)
-    yield _plant(encoder, noise(source, 1) + frame, "bits_in_front", "an extra bit")
+    frame = valid_frame(encoder, source)
+    yield _plant(encoder, random_bits(source, 1) + frame, "bits_in_front", "an extra bit")
 
 
 def start_and_cds_in_front(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    frame = sound(encoder, source)
-    yield _plant(encoder, "1" + noise(source, 1) + frame, "bits_in_front", "start bit and CDS")
+    frame = valid_frame(encoder, source)
+    yield _plant(encoder, "1" + random_bits(source, 1) + frame, "bits_in_front", "start bit and CDS")
 
 
 def bit_behind(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    frame = sound(encoder, source)
-    yield _plant(encoder, frame + noise(source, 1), "bits_behind", "an extra bit")
+    frame = valid_frame(encoder, source)
+    yield _plant(encoder, frame + random_bits(source, 1), "bits_behind", "an extra bit")
 
 
 def last_bit_missing(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    yield _plant(encoder, sound(encoder, source)[:-1], "last_bits_missing")
+    yield _plant(encoder, valid_frame(encoder, source)[:-1], "last_bits_missing")
 
 
 def start_in_crc(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    data = "".join(parts(encoder, source))
+    data = "".join(position_and_status(encoder, source))
     yield _plant(encoder, data + crc("1" + data), "start_bits_in_crc", "the start bit, or")
     yield _plant(encoder, data + crc("10" + data), "start_bits_in_crc", "CDS bit of 0")
     yield _plant(encoder, data + crc("11" + data), "start_bits_in_crc", "start bit and a CDS bit of 1")
@@ -192,7 +203,7 @@ def start_in_crc(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
 
 def other_code(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     """The position is converted to the other code between sender and reader, but the CRC is not."""
-    position, flags = noise(source, encoder.position), status(encoder, source)
+    position, flags = random_bits(source, encoder.position), status(encoder, source)
     before, behind = "0" * encoder.zeros, "0" * encoder.below
     check = crc(before + position + behind + flags)
     yield _plant(
@@ -208,7 +219,7 @@ def other_code(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
 
 def other_polynomial(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     """The CRC has the length of its polynomial."""
-    data = "".join(parts(encoder, source))
+    data = "".join(position_and_status(encoder, source))
     for polynomial in (0x190D9, 0x12F, 0x89, 0x97, 0x25, 0x13, 0xB):
         yield _plant(encoder, data + crc(data, polynomial), "other_polynomial", f"{polynomial:#x},")
 
@@ -216,53 +227,55 @@ def other_polynomial(encoder: Encoder, source: random.Random) -> Iterator[Plant]
 def other_polynomial_in_6_bits(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     """The same, but the reader still expects 6 bits of CRC:
     the first bits of a longer one, or a shorter one with zeros after it."""
-    data = "".join(parts(encoder, source))
+    data = "".join(position_and_status(encoder, source))
     for polynomial in (0x190D9, 0x12F, 0x89, 0x97, 0x25, 0x13, 0xB):
         yield _plant(encoder, data + (crc(data, polynomial) + "000")[:6], "other_polynomial", f"{polynomial:#x},")
 
 
 def other_order_code(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     """The frame of another order code, with its length."""
-    for other, width in encoder.others:
-        frame = sound(Encoder(other, 0, width, encoder.below), source)
-        yield _plant(encoder, frame, "other_order_code", other)
+    for order_code, width in encoder.other_codes:
+        frame = valid_frame(Encoder(order_code, 0, width, encoder.below), source)
+        yield _plant(encoder, frame, "other_order_code", order_code)
 
 
 def other_order_code_read_on(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     """The same with a shorter frame and more clocks: the stop bit and the bits after it are 0."""
-    for other, width in encoder.others:
-        made = Encoder(other, 0, width, encoder.below)
-        if made.bits < encoder.bits:
-            yield _plant(encoder, sound(made, source).ljust(encoder.bits, "0"), "other_order_code", other)
+    for order_code, width in encoder.other_codes:
+        other_encoder = Encoder(order_code, 0, width, encoder.below)
+        if other_encoder.bits < encoder.bits:
+            yield _plant(
+                encoder, valid_frame(other_encoder, source).ljust(encoder.bits, "0"), "other_order_code", order_code
+            )
 
 
 def all_inverted(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    yield _plant(encoder, flipped(sound(encoder, source)), "all_inverted")
+    yield _plant(encoder, inverted(valid_frame(encoder, source)), "all_inverted")
 
 
 def bits_reversed(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    yield _plant(encoder, sound(encoder, source)[::-1], "bits_reversed")
+    yield _plant(encoder, valid_frame(encoder, source)[::-1], "bits_reversed")
 
 
 def crc_reversed(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    frame = sound(encoder, source)
+    frame = valid_frame(encoder, source)
     yield _plant(encoder, frame[:-6] + frame[:-7:-1], "crc_reversed")
 
 
 def bytes_reversed(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
     """The frame at the low end of whole bytes, as an integer of the other byte order."""
     size = (encoder.bits + 7) // 8
-    data = int(sound(encoder, source), 2).to_bytes(size, "big")
+    data = int(valid_frame(encoder, source), 2).to_bytes(size, "big")
     yield Plant(encoder.code, "0x" + data[::-1].hex(), "bytes_reversed")
 
 
 def start_value(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    data = "".join(parts(encoder, source))
+    data = "".join(position_and_status(encoder, source))
     yield _plant(encoder, data + crc(data, start="111111"), "start_value")
 
 
 def polynomial_reversed(encoder: Encoder, source: random.Random) -> Iterator[Plant]:
-    data = "".join(parts(encoder, source))
+    data = "".join(position_and_status(encoder, source))
     yield _plant(encoder, data + crc(data, 0b1100001), "polynomial_reversed")
 
 

@@ -19,16 +19,16 @@ AS_PRINTED = ("--choose", "eeprom_address=as_printed")
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
     try:
-        code = main(arguments)
+        exit_code = main(arguments)
     except SystemExit as stop:
-        code = int(stop.code or 0)
+        exit_code = int(stop.code or 0)
     captured = capsys.readouterr()
-    return code, captured.out, captured.err
+    return exit_code, captured.out, captured.err
 
 
-def data(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict[str, Any]]:
-    code, out, _ = run(capsys, *arguments)
-    return code, json.loads(out)
+def json_of(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, dict[str, Any]]:
+    exit_code, out, _ = run(capsys, *arguments)
+    return exit_code, json.loads(out)
 
 
 SHOWN = ["amm5", "AMM5", "AMM5A21/65KSC1", "AMM5B23/1JP1-X", "AMM5A17/1BG1", "sma21", "am36", "asc85"]
@@ -36,8 +36,8 @@ SHOWN += ["SMA21-SC4-0050", "SMA21-JP1-0001", "AMC3616/4096-GG", "AM3619/4096-I7
 
 
 def test_list(capsys: pytest.CaptureFixture[str]) -> None:
-    code, out, _ = run(capsys, "list")
-    assert code == 0
+    exit_code, out, _ = run(capsys, "list")
+    assert exit_code == 0
     assert "amm5" in out
     assert "36, AMM5{mount}{singleturn}/{turns}{interface}" in out
     assert "SSI, BiSS C-mode, RS-485" in out
@@ -46,10 +46,10 @@ def test_list(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("what", SHOWN)
-def test_show_fits_a_terminal(capsys: pytest.CaptureFixture[str], what: str) -> None:
-    code, out, err = run(capsys, "show", what)
-    assert (code, err) == (0, "")
+@pytest.mark.parametrize("argument", SHOWN)
+def test_show_fits_a_terminal(capsys: pytest.CaptureFixture[str], argument: str) -> None:
+    exit_code, out, err = run(capsys, "show", argument)
+    assert (exit_code, err) == (0, "")
     assert [line for line in out.splitlines() if len(line) > 80] == []
 
 
@@ -62,16 +62,16 @@ def test_show_one_code(capsys: pytest.CaptureFixture[str]) -> None:
     assert "rs485" not in out
     errata = out.partition("\nErrata of the manual\n")[2].split("\n  Erratum ")[1:]
     assert len(errata) > 5
-    assert all("\n    Why: " in item for item in errata)
+    assert all("\n    Why: " in erratum for erratum in errata)
 
 
-def shown(capsys: pytest.CaptureFixture[str], what: str) -> str:
-    return " ".join(run(capsys, "show", what)[1].split())
+def shown_text(capsys: pytest.CaptureFixture[str], argument: str) -> str:
+    return " ".join(run(capsys, "show", argument)[1].split())
 
 
 @pytest.mark.slow
 def test_show_leaves_out_what_belongs_to_other_interfaces(capsys: pytest.CaptureFixture[str]) -> None:
-    ssi, biss, rs485 = (shown(capsys, code) for code in ("SMA21-GG4-0050", "SMA21-SC4-0050", "SMA21-JP1-0001"))
+    ssi, biss, rs485 = (shown_text(capsys, code) for code in ("SMA21-GG4-0050", "SMA21-SC4-0050", "SMA21-JP1-0001"))
     assert "ssi_gray 1" in ssi
     assert "Code Gray [5.2 p.20]" in ssi
     assert "position is in Gray code" in ssi
@@ -88,23 +88,23 @@ def test_show_leaves_out_what_belongs_to_other_interfaces(capsys: pytest.Capture
 
 @pytest.mark.slow
 def test_show_names_times_limits_and_measures(capsys: pytest.CaptureFixture[str]) -> None:
-    sma21 = shown(capsys, "SMA21-SC4-0050")
+    sma21 = shown_text(capsys, "SMA21-SC4-0050")
     assert "50 µm per count, 1,048,576 counts in total, maximum 1,048,575, 52,428.800 mm in total" in sma21
     assert "configuration.select_preset_offset is 0 (preset), the register holds preset, 0 to 1,048,575:" in sma21
     assert "Time-out varies with the clock, at most 16 µs" in sma21
-    ssi = shown(capsys, "AMC3616/4096-GG")
+    ssi = shown_text(capsys, "AMC3616/4096-GG")
     assert "below 400 kHz with a cable shorter than 50 m" in ssi
     assert "position is in Gray code" in ssi
     assert "Zero" not in ssi.partition("Inputs")[0]
     assert "65,536 counts per revolution, 4,096 revolutions" in ssi
-    asc85 = shown(capsys, "ASC8525/SC2")
+    asc85 = shown_text(capsys, "ASC8525/SC2")
     assert "Time-out varies with the clock, 350 ns at 10 MHz" in asc85
     assert "1 revolution " in asc85
 
 
 @pytest.mark.slow
 def test_show_and_decode_tell_of_registers_only_where_they_matter(capsys: pytest.CaptureFixture[str]) -> None:
-    biss = shown(capsys, "AM3616/4096-I7")
+    biss = shown_text(capsys, "AM3616/4096-I7")
     assert "used_singleturn_bits 20" in biss
     assert "--register 0x56=0x.." in biss
     assert "position_bits 28" not in biss
@@ -112,7 +112,7 @@ def test_show_and_decode_tell_of_registers_only_where_they_matter(capsys: pytest
         "The widths are the factory defaults in register 56h (singleturn_bits_used.bits) and register 57h "
         "(multiturn_bits_used.bits)."
     ) in biss
-    assert "--register" not in shown(capsys, "AM3616/4096-BG")
+    assert "--register" not in shown_text(capsys, "AM3616/4096-BG")
     assert "from registers" not in run(capsys, "decode", "SMA21-BG1-0050", "0b" + "0" * 20 + "1")[1]
     assert "from registers" in run(capsys, "decode", "SMA21-SC1-0050", "0x0")[1]
 
@@ -126,8 +126,8 @@ def test_unknown_codes_exit_2(capsys: pytest.CaptureFixture[str]) -> None:
         ("decode", "AMM5A23/1JP1", "02 20C"),
         ("generate", "--target", "cobol"),
     ):
-        code, out, err = run(capsys, *arguments)
-        assert code == 2, arguments
+        exit_code, out, err = run(capsys, *arguments)
+        assert exit_code == 2, arguments
         assert not out, arguments
         assert err.count("\n") == 1, arguments
         assert err.startswith("codewheel: "), arguments
@@ -135,14 +135,14 @@ def test_unknown_codes_exit_2(capsys: pytest.CaptureFixture[str]) -> None:
 
 # Public vector: TexasInstruments/motor-control-sdk, Tamagawa_UART_output.PNG.
 def test_decode_a_reply(capsys: pytest.CaptureFixture[str]) -> None:
-    code, found = data(capsys, "decode", "AMM5A23/65KJP1", "02 20 C7 D1 6A 5E", "--json")
-    assert code == 3  # valid, but the encoder reports a fault
-    fields = {item["name"]: item["value"] for item in found["fields"]}
-    assert (found["layout"], found["direction"], found["problems"]) == ("singleturn_reply", "encoder", [])
+    exit_code, decoded = json_of(capsys, "decode", "AMM5A23/65KJP1", "02 20 C7 D1 6A 5E", "--json")
+    assert exit_code == 3  # valid, but the encoder reports a fault
+    fields = {field["name"]: field["value"] for field in decoded["fields"]}
+    assert (decoded["layout"], decoded["direction"], decoded["problems"]) == ("singleturn_reply", "encoder", [])
     assert fields["singleturn"] == 7000519
     assert fields["status_other_error"] is True
     assert fields["status_st_error"] is False
-    assert found["crc"] == {"received": 0x5E, "computed": 0x5E, "ok": True}
+    assert decoded["crc"] == {"received": 0x5E, "computed": 0x5E, "ok": True}
 
 
 @pytest.mark.slow
@@ -161,19 +161,19 @@ def test_decode_a_reply(capsys: pytest.CaptureFixture[str]) -> None:
     ],
 )
 def test_faults_exit_1(capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...], kind: str) -> None:
-    code, found = data(capsys, "decode", *arguments, "--json")
-    assert code == 1
-    assert kind in [item["kind"] for item in found["problems"]]
-    code, out, _ = run(capsys, "decode", *arguments)
-    assert code == 1
+    exit_code, decoded = json_of(capsys, "decode", *arguments, "--json")
+    assert exit_code == 1
+    assert kind in [problem["kind"] for problem in decoded["problems"]]
+    exit_code, out, _ = run(capsys, "decode", *arguments)
+    assert exit_code == 1
     assert f"{kind} error: " in out
 
 
 def test_a_sound_frame_with_an_error_exits_3(capsys: pytest.CaptureFixture[str]) -> None:
     # 17 bits: position 0, nE 0, nW 0: the CRC of zeros is 0, inverted 3Fh.
-    code, found = data(capsys, "decode", "AMM5A17/1SC1", "0x3F", "--json")
-    fields = {item["name"]: item["value"] for item in found["fields"]}
-    assert code == 3
+    exit_code, decoded = json_of(capsys, "decode", "AMM5A17/1SC1", "0x3F", "--json")
+    fields = {field["name"]: field["value"] for field in decoded["fields"]}
+    assert exit_code == 3
     assert fields["error"] is True
     assert fields["warning"] is True
 
@@ -196,9 +196,9 @@ def test_a_label_of_another_edition_is_shown_as_such(capsys: pytest.CaptureFixtu
         assert "AM3616/4096-I7" in out, arguments
         assert "the label is written as in edition 1.1 of the manual" in out, arguments
     for command in ("show", "master"):
-        code, found = data(capsys, command, label, "--json")
-        assert code == 0, command
-        assert found["label"]["written_as_in"].startswith("edition 1.1"), command
+        exit_code, output = json_of(capsys, command, label, "--json")
+        assert exit_code == 0, command
+        assert output["label"]["written_as_in"].startswith("edition 1.1"), command
     assert "written as in" not in run(capsys, "show", "AM3616/4096-I7")[1]
     assert "Also written: {model}{singleturn}/{turns}{output}" in run(capsys, "show", "am36")[1]
 
@@ -209,12 +209,12 @@ def test_a_blank_on_a_label_means_nothing(capsys: pytest.CaptureFixture[str]) ->
 
 def test_decode_a_register(capsys: pytest.CaptureFixture[str]) -> None:
     # AMM5 manual 6.4: 18 30 03630.
-    code, found = data(capsys, "decode", "AMM5A21/65KSC1", "--as", "serial_number", "0AE869EE", "--json")
-    fields = {item["name"]: item["value"] for item in found["fields"]}
-    assert code == 0
+    exit_code, decoded = json_of(capsys, "decode", "AMM5A21/65KSC1", "--as", "serial_number", "0AE869EE", "--json")
+    fields = {field["name"]: field["value"] for field in decoded["fields"]}
+    assert exit_code == 0
     assert (fields["year"], fields["week"], fields["number"]) == (18, 30, 3630)
-    code, _, err = run(capsys, "decode", "AMM5A21/65KSC1", "--as", "nothing", "00")
-    assert code == 2
+    exit_code, _, err = run(capsys, "decode", "AMM5A21/65KSC1", "--as", "nothing", "00")
+    assert exit_code == 2
     assert "it has: preset" in err
 
 
@@ -230,24 +230,24 @@ def test_frames_from_standard_input() -> None:
 @pytest.mark.slow
 def test_generate_twice_check_and_targets(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     command = ("generate", str(EXAMPLE), "-o", str(tmp_path))
-    code, out, _ = run(capsys, *command)
-    assert code == 0
-    code, out, _ = run(capsys, *command)
-    assert code == 0
+    exit_code, out, _ = run(capsys, *command)
+    assert exit_code == 0
+    exit_code, out, _ = run(capsys, *command)
+    assert exit_code == 0
     assert [line.split()[0] for line in out.splitlines()] == ["read", "all"]
     assert run(capsys, *command, "--check")[0] == 0
     victim = next(tmp_path.rglob("tv62_biss.h"))
     victim.write_text("changed")
-    code, out, err = run(capsys, *command, "--check")
-    assert code == 1
+    exit_code, out, err = run(capsys, *command, "--check")
+    assert exit_code == 1
     assert out.splitlines()[1:] == [
         f"differs    {victim}",
         "up to date: python, biss, docs, browser, masters; out of date: c",
     ]
     assert f"run: codewheel {shlex.join(command)}" in err
     assert victim.read_text() == "changed"
-    code, out, _ = run(capsys, *command, "--target", "python")
-    assert code == 0
+    exit_code, out, _ = run(capsys, *command, "--target", "python")
+    assert exit_code == 0
     assert victim.read_text() == "changed"
 
 
@@ -279,8 +279,8 @@ def test_only_the_targets_that_run_are_imported(arguments: str, imported: set[st
 def test_problems_go_to_standard_error_and_exit_1(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     (tmp_path / "x.yaml").write_text("device: x\n")
     for arguments in (("generate", "-o", str(tmp_path / "out")), ("list", "--specs")):
-        code, out, err = run(capsys, *arguments[:1], *arguments[1:], str(tmp_path / "x.yaml"))
-        assert code == 1
+        exit_code, out, err = run(capsys, *arguments[:1], *arguments[1:], str(tmp_path / "x.yaml"))
+        assert exit_code == 1
         assert not out
         assert "x.yaml:1:1: missing-key: " in err
         assert "Traceback" not in err
@@ -289,8 +289,8 @@ def test_problems_go_to_standard_error_and_exit_1(capsys: pytest.CaptureFixture[
 
 @pytest.mark.slow
 def test_what_the_manual_leaves_open_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
-    for shown in ("amm5", "AMM5A23/65KJP1"):
-        out = " ".join(run(capsys, "show", shown)[1].split())
+    for name in ("amm5", "AMM5A23/65KJP1"):
+        out = " ".join(run(capsys, "show", name)[1].split())
         assert (
             "Left open by the manual, for you to choose eeprom_address: Position of the address in byte "
             "ADF of an EEPROM access over RS-485 [7.5 p.46]. as_printed: Bits 7:1"
@@ -299,8 +299,8 @@ def test_what_the_manual_leaves_open_is_shown(capsys: pytest.CaptureFixture[str]
         assert "The positions of its fields depend on your choice of eeprom_address: as_printed or as_t_format." in out
     assert "The picture shows as_printed." in out
     assert "for you to choose" not in run(capsys, "show", "AMM5A17/1SC1")[1]
-    assert data(capsys, "show", "AMM5A17/1SC1", "--json")[1]["alternatives"] == []
-    found = data(capsys, "show", "AMM5A23/65KJP1", "--json")[1]
-    assert [item["name"] for item in found["alternatives"][0]["answers"]] == ["as_printed", "as_t_format"]
-    needed = {item["name"] for item in found["layouts"] if item["alternatives"] == ["eeprom_address"]}
+    assert json_of(capsys, "show", "AMM5A17/1SC1", "--json")[1]["alternatives"] == []
+    shown_data = json_of(capsys, "show", "AMM5A23/65KJP1", "--json")[1]
+    assert [answer["name"] for answer in shown_data["alternatives"][0]["answers"]] == ["as_printed", "as_t_format"]
+    needed = {layout["name"] for layout in shown_data["layouts"] if layout["alternatives"] == ["eeprom_address"]}
     assert needed == {"eeprom_write_request", "eeprom_read_request", "eeprom_write_reply", "eeprom_read_reply"}

@@ -37,7 +37,7 @@ def encoders() -> Library:
 
 
 def device(encoders: Library, name: str) -> Device:
-    return next(item for item in encoders.devices if item.name == name)
+    return next(device for device in encoders.devices if device.name == name)
 
 
 def test_the_model(encoders: Library) -> None:
@@ -47,17 +47,17 @@ def test_the_model(encoders: Library) -> None:
     assert (clock.min_hz, clock.max_hz, clock.used_hz) == (None, 10_000_000, (2_000_000,))
 
 
-def macros(files: dict[str, str], header: str) -> dict[str, int]:
-    found = re.findall(r"#define \w+_BISS_CLOCK_(\w+)_HZ (\d+)U", files[f"c/include/{header}"])
-    return {name: int(value) for name, value in found}
+def clock_macros(files: dict[str, str], header: str) -> dict[str, int]:
+    clocks = re.findall(r"#define \w+_BISS_CLOCK_(\w+)_HZ (\d+)U", files[f"c/include/{header}"])
+    return {name: int(value) for name, value in clocks}
 
 
 def test_c(encoders: Library) -> None:
     files = dict(c_files(encoders))
     header = files["c/include/renishaw/resolute_biss.h"]
-    assert macros(files, "renishaw/resolute_biss.h") == {"USED": 5_000_000}
+    assert clock_macros(files, "renishaw/resolute_biss.h") == {"USED": 5_000_000}
     assert IN_WORDS in re.sub(r"\s+\*?\s*", " ", header)
-    assert macros(files, "ichaus/icmhm_biss.h") == {"MAX": 10_000_000, "USED": 2_000_000}
+    assert clock_macros(files, "ichaus/icmhm_biss.h") == {"MAX": 10_000_000, "USED": 2_000_000}
     assert "a clock in use in Hz, not a limit" in files["c/include/ichaus/icmhm_biss.h"]
 
 
@@ -84,14 +84,14 @@ def test_show(capsys: pytest.CaptureFixture[str]) -> None:
     assert (clock["min_hz"], clock["max_hz"], clock["used_hz"]) == (None, None, list(USED))
 
 
-def settings(capsys: pytest.CaptureFixture[str], master: str, *more: str) -> list[tuple[object, str, str]]:
+def clock_settings(capsys: pytest.CaptureFixture[str], master: str, *more: str) -> list[tuple[object, str, str]]:
     """Return value, bound and note of each setting for the clock."""
     arguments = ["master", "RESOLUTE-32", "--master", master, "--json", "--specs", str(ENCODERS), *more]
     assert main(arguments) == 0
     data = json.loads(capsys.readouterr().out)
     assert data["record"]["clock_max_hz"] is None
-    found = data["masters"][0]["settings"]
-    return [(item["value"], item["bound"], item["note"]) for item in found if "MHz are in use" in item["note"]]
+    rows = data["masters"][0]["settings"]
+    return [(row["value"], row["bound"], row["note"]) for row in rows if "MHz are in use" in row["note"]]
 
 
 @pytest.mark.parametrize(
@@ -106,14 +106,14 @@ def settings(capsys: pytest.CaptureFixture[str], master: str, *more: str) -> lis
 def test_masters_start_with_a_clock_in_use(
     capsys: pytest.CaptureFixture[str], master: str, more: tuple[str, ...], values: list[int]
 ) -> None:
-    found = settings(capsys, master, *more)
-    assert [(value, bound) for value, bound, _ in found] == [(value, "start_with") for value in values]
-    assert all(note.startswith("The highest clock of the encoder is not known. ") for _, _, note in found)
+    rows = clock_settings(capsys, master, *more)
+    assert [(value, bound) for value, bound, _ in rows] == [(value, "start_with") for value in values]
+    assert all(note.startswith("The highest clock of the encoder is not known. ") for _, _, note in rows)
 
 
 def test_a_clock_that_is_not_in_use_is_not_proposed(capsys: pytest.CaptureFixture[str]) -> None:
     """For 300 m, the table allows up to 200 kHz, but the slowest clock in use is 250 kHz."""
-    assert settings(capsys, "beckhoff_el5042", "--cable", "300") == []
+    assert clock_settings(capsys, "beckhoff_el5042", "--cable", "300") == []
 
 
 def test_files_for_masters_say_so(capsys: pytest.CaptureFixture[str]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from itertools import product
 
 import pytest
 from codewheel.model import Crc
@@ -77,14 +78,13 @@ def test_no_plan_is_shorter(width: int, poly: int) -> None:
     middle = (poly & ~1).bit_length() - 1 if poly & ~1 else 0
     for bits in range(1, 65):
         widths, steps = {bits}, 0
-        while not any(left <= width for left in widths):
+        while min(widths) > width:
             shifts = [width << power for power in range(7)]
-            widths = {
-                max(shift, left - shift + middle * shift // width)
-                for left in widths
-                for shift in shifts
-                if shift < left
-            }
+            folded_widths = set()
+            for remaining_width, shift in product(widths, shifts):
+                if shift < remaining_width:
+                    folded_widths.add(max(shift, remaining_width - shift + middle * shift // width))
+            widths = folded_widths
             steps += 1
         assert len(fold_plan(width, poly, bits)) == steps, bits
 

@@ -37,21 +37,21 @@ CRCS = {"00": "111111", "01": "111100", "10": "111001", "11": "111010"}
 
 def decode(capsys: Capture, *arguments: str) -> tuple[int, dict[str, Any]]:
     """Return exit code and data, after validating the data against their schema."""
-    code = main(["decode", *arguments, "--json"])
+    exit_code = main(["decode", *arguments, "--json"])
     data: dict[str, Any] = json.loads(capsys.readouterr().out)
     schema = json.loads((resources.files("codewheel.language") / "decode.schema.json").read_text(encoding="utf-8"))
     jsonschema.Draft202012Validator(schema).validate(data)
-    return code, data
+    return exit_code, data
 
 
 def text(capsys: Capture, *arguments: str) -> tuple[int, str]:
-    code = main(["decode", *arguments])
+    exit_code = main(["decode", *arguments])
     out = capsys.readouterr().out
     assert max(map(len, out.splitlines()), default=0) <= 80
-    return code, " ".join(out.split())
+    return exit_code, " ".join(out.split())
 
 
-def refused(capsys: Capture, *arguments: str) -> str:
+def refusal(capsys: Capture, *arguments: str) -> str:
     assert main(["decode", *arguments]) == 2
     captured = capsys.readouterr()
     assert captured.out == ""
@@ -68,15 +68,15 @@ def reply(*data: int) -> str:
     return bytes([*data, check]).hex(" ")
 
 
-def names(data: dict[str, Any]) -> list[str]:
-    return [item["field"] for item in data["reports"]]
+def reported_fields(data: dict[str, Any]) -> list[str]:
+    return [report["field"] for report in data["reports"]]
 
 
 # --------------------------------------------------------------------------------------------- reports of the encoder
 
 
 @pytest.mark.parametrize(
-    ("status", "reported", "verdict", "exit_code"),
+    ("status", "reported", "verdict", "expected_code"),
     [
         ("11", [], "usable", 0),
         ("10", ["warning"], "usable_with_warning", 0),
@@ -94,22 +94,23 @@ def names(data: dict[str, Any]) -> list[str]:
     ],
 )
 def test_error_and_warning_over_biss(
-    capsys: Capture, encoder: str, before: int, status: str, reported: list[str], verdict: str, exit_code: int
+    capsys: Capture, encoder: str, before: int, status: str, reported: list[str], verdict: str, expected_code: int
 ) -> None:
-    code, data = decode(capsys, *encoder.split(), "0b" + "0" * before + status + CRCS[status])
-    assert (code, names(data), data["verdict"], data["problems"]) == (exit_code, reported, verdict, [])
+    exit_code, data = decode(capsys, *encoder.split(), "0b" + "0" * before + status + CRCS[status])
+    assert exit_code == expected_code
+    assert (reported_fields(data), data["verdict"], data["problems"]) == (reported, verdict, [])
 
 
 def test_the_text_ends_with_what_the_encoder_reports(capsys: Capture) -> None:
-    code, out = text(capsys, "AMM5A21/65KSC1", "0xf424316")
-    assert code == 3
+    exit_code, out = text(capsys, "AMM5A21/65KSC1", "0xf424316")
+    assert exit_code == 3
     assert "no frame error" not in out
     assert "°" not in out
     assert "the encoder reports: - error (Error, nE): error active in the system." in out
     assert "- warning (Warning, nW): " in out
     assert out.endswith("so the position is not usable evidence: manual")
-    code, out = text(capsys, "AMM5A17/1SC1", "0b" + "0" * 17 + "10" + CRCS["10"])
-    assert code == 0
+    exit_code, out = text(capsys, "AMM5A17/1SC1", "0b" + "0" * 17 + "10" + CRCS["10"])
+    assert exit_code == 0
     assert "no frame error" not in out
     assert out.endswith("so the position is usable, with a warning evidence: manual")
     assert text(capsys, "AMM5A21/65KSC1", "0xf4243d3")[1].endswith(
@@ -132,8 +133,9 @@ def test_the_text_ends_with_what_the_encoder_reports(capsys: Capture) -> None:
 )
 def test_alarms_of_amm5(capsys: Capture, status: int, alarms: int, reported: list[str], verdict: str) -> None:
     """Data ID 3, manual 7.3.2 and 7.4: EE_1 sums up BUSY, PS error, battery alarm and MT error, which are in ALMC."""
-    code, data = decode(capsys, "AMM5A23/65KJP1", reply(0x1A, status, 1, 2, 3, 0x23, 4, 0, 0, alarms))
-    assert (names(data), data["verdict"], code) == (reported, verdict, 3 if verdict == "not_usable" else 0)
+    exit_code, data = decode(capsys, "AMM5A23/65KJP1", reply(0x1A, status, 1, 2, 3, 0x23, 4, 0, 0, alarms))
+    assert (reported_fields(data), data["verdict"]) == (reported, verdict)
+    assert exit_code == (3 if verdict == "not_usable" else 0)
 
 
 @pytest.mark.slow
@@ -164,14 +166,14 @@ def test_the_remedy_of_an_alarm_is_told(capsys: Capture) -> None:
 def test_no_battery_is_replaced_in_a_singleturn_model(capsys: Capture, code: str, frame: str, verdict: str) -> None:
     _, data = decode(capsys, code, frame)
     assert data["verdict"] == verdict
-    said = text(capsys, code, frame)[1]
+    printed = text(capsys, code, frame)[1]
     if "/65K" in code:
-        assert "Replace the battery" in said
+        assert "Replace the battery" in printed
     else:
-        assert "eplace" not in said
-        unexplained = [item for item in data["reports"] if item["field"] in ("battery_alarm", "mt_error")]
-        assert all(item["meaning"].startswith("the manual does not say") for item in unexplained)
-        assert all(item["remedy"] is None for item in unexplained)
+        assert "eplace" not in printed
+        unexplained = [report for report in data["reports"] if report["field"] in ("battery_alarm", "mt_error")]
+        assert all(report["meaning"].startswith("the manual does not say") for report in unexplained)
+        assert all(report["remedy"] is None for report in unexplained)
 
 
 @pytest.mark.parametrize(
@@ -184,8 +186,9 @@ def test_no_battery_is_replaced_in_a_singleturn_model(capsys: Capture, code: str
 )
 def test_alarms_of_sma21(capsys: Capture, status: int, alarms: int, reported: list[str], verdict: str) -> None:
     """Data ID 4, manual 7.3.2: ea0 is a warning with a valid position, ea1 is a fault."""
-    code, data = decode(capsys, "SMA21-JP1-0050", reply(0xA2, status, 123, 0, 0, alarms))
-    assert (names(data), data["verdict"], code) == (reported, verdict, 3 if verdict == "not_usable" else 0)
+    exit_code, data = decode(capsys, "SMA21-JP1-0050", reply(0xA2, status, 123, 0, 0, alarms))
+    assert (reported_fields(data), data["verdict"]) == (reported, verdict)
+    assert exit_code == (3 if verdict == "not_usable" else 0)
     if alarms == 0x80:
         assert "does not have it" in data["reports"][1]["meaning"]
 
@@ -209,8 +212,8 @@ def test_alarms_of_sma21(capsys: Capture, status: int, alarms: int, reported: li
 def test_where_there_is_no_verdict(
     capsys: Capture, arguments: tuple[str, ...], reported: list[str], verdict: str | None
 ) -> None:
-    code, data = decode(capsys, *arguments)
-    assert (code, names(data), data["verdict"]) == (0, reported, verdict)
+    exit_code, data = decode(capsys, *arguments)
+    assert (exit_code, reported_fields(data), data["verdict"]) == (0, reported, verdict)
 
 
 def test_ssi(capsys: Capture) -> None:
@@ -218,13 +221,13 @@ def test_ssi(capsys: Capture) -> None:
         "no frame error; this frame has no CRC; no bit of this frame confirms that the position is usable"
         " evidence: manual"
     )
-    code, data = decode(capsys, "SMA21-BG1-0050", "0b" + "0" * 20 + "0")
-    assert (code, names(data), data["verdict"]) == (3, ["error"], "not_usable")
+    exit_code, data = decode(capsys, "SMA21-BG1-0050", "0b" + "0" * 20 + "0")
+    assert (exit_code, reported_fields(data), data["verdict"]) == (3, ["error"], "not_usable")
 
 
 def test_a_frame_with_a_fault_says_nothing_of_the_encoder(capsys: Capture) -> None:
-    code, data = decode(capsys, "AMM5A17/1SC1", "0b" + "0" * 17 + "00" + "111110")
-    assert (code, data["reports"], data["verdict"]) == (1, [], None)
+    exit_code, data = decode(capsys, "AMM5A17/1SC1", "0b" + "0" * 17 + "00" + "111110")
+    assert (exit_code, data["reports"], data["verdict"]) == (1, [], None)
 
 
 # -------------------------------------------------------------------------------------------------------- unused bits
@@ -233,9 +236,14 @@ def test_a_frame_with_a_fault_says_nothing_of_the_encoder(capsys: Capture) -> No
 def test_the_only_reply_to_data_id_5_that_the_manual_prints(capsys: Capture) -> None:
     """SMA21 manual, 7.3.4: 02h in SF sets dd1, which is 0 in 7.3.2. The frame is still valid."""
     printed = ("SMA21-JP1-0001", "2A 02 DA 04 00 43 25 00 90")
-    code, data = decode(capsys, *printed)
-    assert (code, names(data), data["verdict"], data["problems"]) == (0, ["status_info"], "usable_with_warning", [])
-    values = {item["name"]: item["value"] for item in data["fields"]}
+    exit_code, data = decode(capsys, *printed)
+    assert (exit_code, reported_fields(data), data["verdict"], data["problems"]) == (
+        0,
+        ["status_info"],
+        "usable_with_warning",
+        [],
+    )
+    values = {field["name"]: field["value"] for field in data["fields"]}
     assert (values["status_info"], values["position"], values["unused"]) == (2, 0x25430004DA, 2)
     assert (
         "status_info (dd0 ... dd3): unused bits differ from the documented value 0. Information, not used "
@@ -257,13 +265,13 @@ def test_status_bits_that_the_manual_does_not_use(
     capsys: Capture, status: str, reported: list[str], verdict: str, unused: int
 ) -> None:
     """AM36 manual, 6.3.1 p.21: nE and nW are always 1. A 0 has its meaning in the BiSS protocol."""
-    code, data = decode(capsys, "AM3616/4096-I7", "0b" + "0" * 36 + status + CRCS[status])
-    assert (code, names(data), data["verdict"]) == (3 if verdict == "not_usable" else 0, reported, verdict)
-    assert [item["makes_position"] for item in data["reports"]] == [
-        {"error": "not_usable", "warning": "unknown"}[name] for name in reported
-    ]
-    assert all(item["source"] == "6.3.1 p.21" for item in data["reports"])
-    assert next(item["value"] for item in data["fields"] if item["name"] == "unused") == unused
+    exit_code, data = decode(capsys, "AM3616/4096-I7", "0b" + "0" * 36 + status + CRCS[status])
+    assert (reported_fields(data), data["verdict"]) == (reported, verdict)
+    assert exit_code == (3 if verdict == "not_usable" else 0)
+    verdicts = {"error": "not_usable", "warning": "unknown"}
+    assert [report["makes_position"] for report in data["reports"]] == [verdicts[name] for name in reported]
+    assert all(report["source"] == "6.3.1 p.21" for report in data["reports"])
+    assert next(field["value"] for field in data["fields"] if field["name"] == "unused") == unused
 
 
 @pytest.mark.slow
@@ -286,10 +294,10 @@ def test_reserved_bits_that_newer_firmware_may_use(
     capsys: Capture, frame: str, reported: list[str], verdict: str | None, unused: int
 ) -> None:
     """AMM5 manual, 7.3.2 p.42 and 7.4 p.43."""
-    code, data = decode(capsys, "AMM5A23/65KJP1", frame)
-    assert (names(data), data["verdict"], data["problems"]) == (reported, verdict, [])
-    assert code == (3 if verdict == "not_usable" else 0)
-    assert next(item["value"] for item in data["fields"] if item["name"] == "unused") == unused
+    exit_code, data = decode(capsys, "AMM5A23/65KJP1", frame)
+    assert (reported_fields(data), data["verdict"], data["problems"]) == (reported, verdict, [])
+    assert exit_code == (3 if verdict == "not_usable" else 0)
+    assert next(field["value"] for field in data["fields"] if field["name"] == "unused") == unused
 
 
 def test_the_number_of_unused_bits_is_no_line_of_the_text(capsys: Capture) -> None:
@@ -306,13 +314,13 @@ def test_the_number_of_unused_bits_is_no_line_of_the_text(capsys: Capture) -> No
 def test_public_frames_of_the_eeprom(capsys: Capture, frame: str, address: int, value: int | None) -> None:
     """HPMicro's three printed requests are valid with the address in bits 6:0, and invalid with it in bits 7:1."""
     master = ("AMM5A23/65KJP1", "--from", "master", frame)
-    code, data = decode(capsys, *master, *AS_T_FORMAT)
-    assert (code, data["problems"], data["alternatives"]) == (0, [], {"eeprom_address": "as_t_format"})
-    values = {item["name"]: item["value"] for item in data["fields"]}
+    exit_code, data = decode(capsys, *master, *AS_T_FORMAT)
+    assert (exit_code, data["problems"], data["alternatives"]) == (0, [], {"eeprom_address": "as_t_format"})
+    values = {field["name"]: field["value"] for field in data["fields"]}
     assert (values["address"], values["mem_busy"], values.get("data")) == (address, 0, value)
-    code, data = decode(capsys, *master, *AS_PRINTED)
-    assert (code, [item["field"] for item in data["problems"]]) == (1, ["mem_busy"])
-    code, out = text(capsys, *master, *AS_T_FORMAT)
+    exit_code, data = decode(capsys, *master, *AS_PRINTED)
+    assert (exit_code, [problem["field"] for problem in data["problems"]]) == (1, ["mem_busy"])
+    exit_code, out = text(capsys, *master, *AS_T_FORMAT)
     assert "decoded with eeprom_address = as_t_format: Bits 6:0, as in public T-format stacks" in out
 
 
@@ -325,16 +333,16 @@ def test_what_was_chosen_is_wrapped_at_80_columns(capsys: Capture, tmp_path: Pat
     changed = (base / "demo.yaml").read_text(encoding="utf-8").replace('"Bits 6:0"', meaning)
     (tmp_path / "demo.yaml").write_text(changed, encoding="utf-8")
     (tmp_path / "manufacturer.yaml").write_bytes((base / "manufacturer.yaml").read_bytes())
-    asked = ("--specs", str(tmp_path), "DEMO13-SJP", "--from", "master", "EA 01 EB", "--choose", "memory=low")
-    assert main(["decode", *asked]) == 0
-    shown = f"{start}{meaning}" if lines == 1 else f"{start}{meaning.removesuffix(' last')}\n  last"
-    assert f"\n{shown}\n" in capsys.readouterr().out
+    arguments = ("--specs", str(tmp_path), "DEMO13-SJP", "--from", "master", "EA 01 EB", "--choose", "memory=low")
+    assert main(["decode", *arguments]) == 0
+    meaning_lines = f"{start}{meaning}" if lines == 1 else f"{start}{meaning.removesuffix(' last')}\n  last"
+    assert f"\n{meaning_lines}\n" in capsys.readouterr().out
 
 
 @pytest.mark.slow
 def test_nobody_decides_for_the_user(capsys: Capture) -> None:
     for more in ((), ("--json",)):
-        message = refused(capsys, "AMM5A23/65KJP1", "--from", "master", *more, "EA 0A E0")
+        message = refusal(capsys, "AMM5A23/65KJP1", "--from", "master", *more, "EA 0A E0")
         assert message == (
             "'eeprom_read_request' cannot be decoded until you decide. Position of the address in byte ADF of an "
             "EEPROM access over RS-485: add --choose eeprom_address=as_printed (Bits 7:1, with MEM BUSY in bit 0, as "
@@ -344,7 +352,7 @@ def test_nobody_decides_for_the_user(capsys: Capture) -> None:
     assert decode(capsys, "AMM5A23/65KJP1", "--from", "master", "02")[1]["alternatives"] == {}
     # Even the length of a word is unknown until then: 33 or 34 bits. A register does not depend on it.
     for frame in ("0x3c1", "0b" + "0" * 33, "0b" + "0" * 34, "0b0"):
-        message = refused(capsys, "ASC8525/SC1", frame)
+        message = refusal(capsys, "ASC8525/SC1", frame)
         assert message.startswith("'single_cycle_data' cannot be decoded until you decide. Constant 0 bit between ")
         assert "add --choose zero_bit=as_printed (Sent, " in message
         assert " or --choose zero_bit=left_out (Not sent, " in message
@@ -377,16 +385,16 @@ def test_an_undecided_frame_among_others(capsys: Capture, monkeypatch: pytest.Mo
     ],
 )
 def test_a_wrong_choice_is_told_the_right_ones(capsys: Capture, encoder: str, chosen: list[str], message: str) -> None:
-    options = [word for item in chosen for word in ("--choose", item)]
-    assert refused(capsys, encoder, *options, "02") == message
+    options = [word for choice in chosen for word in ("--choose", choice)]
+    assert refusal(capsys, encoder, *options, "02") == message
 
 
 def test_a_guess_at_a_mistake_reads_nothing_undecided(capsys: Capture) -> None:
     """The reply to a read without its first byte is recognised. Its data are shown, its address is not."""
     for more in ((), AS_PRINTED):
         why = decode(capsys, "AMM5A23/65KJP1", *more, reply(0xEA, 0x0A, 0x5A)[3:])[1]["why"]
-        (found,) = [item for item in why["explanations"] if item["kind"] == "first_byte_lost"]
-        assert found["reads"] == {"data": 0x5A}
+        (lost_byte,) = [explanation for explanation in why["explanations"] if explanation["kind"] == "first_byte_lost"]
+        assert lost_byte["reads"] == {"data": 0x5A}
 
 
 # ---------------------------------------------------------------------------------------------------- not as documented
@@ -403,12 +411,12 @@ def test_a_guess_at_a_mistake_reads_nothing_undecided(capsys: Capture) -> None:
     ],
 )
 def test_the_register_of_another_encoder(capsys: Capture, arguments: tuple[str, ...], message: str) -> None:
-    code, data = decode(capsys, "SMA21-SC1-0010", *arguments)
-    assert code == 1
+    exit_code, data = decode(capsys, "SMA21-SC1-0010", *arguments)
+    assert exit_code == 1
     assert data["problems"] == []
     assert data["differences"][0]["message"].endswith(message)
-    code, out = text(capsys, "SMA21-SC1-0010", *arguments)
-    assert code == 1
+    exit_code, out = text(capsys, "SMA21-SC1-0010", *arguments)
+    assert exit_code == 1
     assert message in out
     assert out.endswith("no other error evidence: manual")
 
@@ -417,37 +425,39 @@ def test_the_register_of_another_encoder(capsys: Capture, arguments: tuple[str, 
 def test_registers_of_another_encoder_beside_a_frame(capsys: Capture) -> None:
     """Profile IDs of SMA21: 2814h at 50 µm, manual 6.4, and 2816h at 10 µm."""
     frame = "0b" + "0" * 24 + "11" + CRCS["11"]
-    right = ("--register", "0x42=0x28", "--register", "0x43=0x14")
-    assert decode(capsys, "SMA21-SC1-0050", *right, frame)[0] == 0
-    code, data = decode(capsys, "SMA21-SC1-0010", *right, frame)
-    assert code == 1
+    registers = ("--register", "0x42=0x28", "--register", "0x43=0x14")
+    assert decode(capsys, "SMA21-SC1-0050", *registers, frame)[0] == 0
+    exit_code, data = decode(capsys, "SMA21-SC1-0010", *registers, frame)
+    assert exit_code == 1
     assert data["verdict"] == "usable"
-    assert [item["message"] for item in data["differences"]] == [
+    assert [difference["message"] for difference in data["differences"]] == [
         "profile_id: the register holds 0x2814, but SMA21-SC1-0010 has 0x2816"
     ]
-    _, data = decode(capsys, "SMA21-SC1-0010", *right[2:], frame)
-    assert [item["message"] for item in data["differences"]] == [
+    _, data = decode(capsys, "SMA21-SC1-0010", *registers[2:], frame)
+    assert [difference["message"] for difference in data["differences"]] == [
         "profile_id: the given part is ..14h, SMA21-SC1-0010 has ..16h"
     ]
-    assert "does not change how a frame is read" in refused(capsys, "SMA21-SC1-0010", "--register", "0x44=1", frame)
+    assert "does not change how a frame is read" in refusal(capsys, "SMA21-SC1-0010", "--register", "0x44=1", frame)
 
 
 def test_a_frame_with_another_id_is_decoded(capsys: Capture, tmp_path: Path) -> None:
-    made = (SPECS / "bits22.yaml").read_text(encoding="utf-8")
-    made = made.replace(
+    spec = (SPECS / "bits22.yaml").read_text(encoding="utf-8")
+    spec = spec.replace(
         "fields:\n", "fields:\n          - {name: kind, printed_name: KIND, bits: 8, equals: 0x23}\n", 1
     )
-    (tmp_path / "bits22.yaml").write_text(made, encoding="utf-8")
+    (tmp_path / "bits22.yaml").write_text(spec, encoding="utf-8")
     (tmp_path / "manufacturer.yaml").write_text(
         (SPECS / "manufacturer.yaml").read_text(encoding="utf-8"), encoding="utf-8"
     )
     for kind, differs in ((0x23, False), (0x17, True)):
         bits = f"{kind:08b}" + "0" * 21 + "1" + "11"
         arguments = ("T22SC", f"0b{bits}{crc(bits)}", "--specs", str(tmp_path))
-        code, data = decode(capsys, *arguments)
-        assert (code, data["verdict"], data["problems"]) == (0, "usable", [])
-        assert next(item["value"] for item in data["fields"] if item["name"] == "position") == 1
-        assert [item["message"] for item in data["differences"]] == ["KIND is 0x17, but the manual says 0x23"] * differs
+        exit_code, data = decode(capsys, *arguments)
+        assert (exit_code, data["verdict"], data["problems"]) == (0, "usable", [])
+        assert next(field["value"] for field in data["fields"] if field["name"] == "position") == 1
+        assert [difference["message"] for difference in data["differences"]] == [
+            "KIND is 0x17, but the manual says 0x23"
+        ] * differs
         assert (
             "not as documented: KIND is 0x17, but the manual says 0x23 no other error" in text(capsys, *arguments)[1]
         ) is differs
@@ -467,25 +477,25 @@ zz
 """
 
 
-def many(capsys: Capture, monkeypatch: pytest.MonkeyPatch, lines: str, *arguments: str) -> tuple[int, str, str]:
+def decode_lines(capsys: Capture, monkeypatch: pytest.MonkeyPatch, lines: str, *arguments: str) -> tuple[int, str, str]:
     monkeypatch.setattr("sys.stdin", io.StringIO(lines))
-    code = main(["decode", "AMM5A23/65KJP1", "-", *arguments])
+    exit_code = main(["decode", "AMM5A23/65KJP1", "-", *arguments])
     captured = capsys.readouterr()
-    return code, captured.out, captured.err
+    return exit_code, captured.out, captured.err
 
 
 def test_lines_are_numbered_and_bad_ones_named(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
-    code, out, err = many(capsys, monkeypatch, FRAMES)
-    assert code == 2
+    exit_code, out, err = decode_lines(capsys, monkeypatch, FRAMES)
+    assert exit_code == 2
     started = [line for line in out.splitlines() if "AMM5A23/65KJP1" in line]
     assert started == [f"line {number}: AMM5A23/65KJP1, RS-485, from the encoder" for number in (2, 4, 6, 8)]
     assert err.splitlines() == [
         "codewheel: line 5: '022' has an odd number of hex digits: one is missing or one too many",
         "codewheel: line 7: 'zz' is not hex. Write the bytes like 02 00 12 34 00 24",
     ]
-    code, out, _ = many(capsys, monkeypatch, FRAMES, "--json")
+    exit_code, out, _ = decode_lines(capsys, monkeypatch, FRAMES, "--json")
     rows = [json.loads(line) for line in out.splitlines()]
-    assert code == 2
+    assert exit_code == 2
     assert [(row["line"], row["verdict"]) for row in rows] == [
         (2, "usable"),
         (4, "not_usable"),
@@ -496,22 +506,22 @@ def test_lines_are_numbered_and_bad_ones_named(capsys: Capture, monkeypatch: pyt
 
 @pytest.mark.slow
 def test_the_worst_line_decides(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
-    fine, reports, fault, bad = "02 00 C7 D1 6A 7E\n", "02 20 C7 D1 6A 5E\n", "02 20 C7 D1 6A 5F\n", "x\n"
+    fine, reports, fault, unreadable = "02 00 C7 D1 6A 7E\n", "02 20 C7 D1 6A 5E\n", "02 20 C7 D1 6A 5F\n", "x\n"
     for lines, code in (
         ("", 0),
         (fine, 0),
         (fine + reports + fine, 3),
         (reports + fault + reports, 1),
-        (bad + fault + reports + fine, 2),
+        (unreadable + fault + reports + fine, 2),
     ):
-        assert many(capsys, monkeypatch, lines)[0] == code
+        assert decode_lines(capsys, monkeypatch, lines)[0] == code
 
 
 def test_a_long_token_is_visibly_cut(capsys: Capture, monkeypatch: pytest.MonkeyPatch) -> None:
-    _, _, err = many(capsys, monkeypatch, "02 " + "z" * 300 + "\n")
+    _, _, err = decode_lines(capsys, monkeypatch, "02 " + "z" * 300 + "\n")
     assert "zzz...' is not hex" in err
     assert len(err) < 200
-    _, _, err = many(capsys, monkeypatch, "02 z\x1b[2J\n")
+    _, _, err = decode_lines(capsys, monkeypatch, "02 z\x1b[2J\n")
     assert r"'z\x1b' is not hex" in err
 
 
@@ -555,8 +565,8 @@ def test_other_streams(tmp_path: Path) -> None:
     ],
 )
 def test_no_digit_is_guessed(capsys: Capture, typed: str, message: str) -> None:
-    assert refused(capsys, "AMM5A23/65KJP1", typed) == message
-    assert refused(capsys, "AMM5A21/65KSC1", "--as", "serial_number", typed) == message
+    assert refusal(capsys, "AMM5A23/65KJP1", typed) == message
+    assert refusal(capsys, "AMM5A21/65KSC1", "--as", "serial_number", typed) == message
 
 
 def test_bytes_in_pieces(capsys: Capture) -> None:
@@ -568,19 +578,19 @@ def test_bytes_in_pieces(capsys: Capture) -> None:
 def test_a_frame_of_bits_as_bytes(capsys: Capture) -> None:
     """Position 1,000,003 of the manual, in the bytes that a master passes on."""
     for typed in ("0F 42 43 D3", "00 00 0F 42 43 D3", "0x0F 0x42 0x43 0xD3", "0xF4243D3"):
-        code, data = decode(capsys, "AMM5A21/65KSC1", typed)
-        assert code == 0
+        exit_code, data = decode(capsys, "AMM5A21/65KSC1", typed)
+        assert exit_code == 0
         assert data["fields"][-1]["value"] == 1000003
     assert (
-        refused(capsys, "AMM5A21/65KSC1", "0F4243D3")
+        refusal(capsys, "AMM5A21/65KSC1", "0F4243D3")
         == "'0F4243D3' is not a frame of 45 bits. Write 0x0F4243D3 if it is hex"
     )
     assert (
-        refused(capsys, "AMM5A21/65KSC1", "101")
+        refusal(capsys, "AMM5A21/65KSC1", "101")
         == "'101' is not a frame of 45 bits. Write 0x65 if it is decimal, 0x101 if it is hex, 0b101 if it is bits"
     )
-    assert refused(capsys, "AMM5A21/65KSC1", "10 11") == "'10 11' could be bits or hex bytes. Prefix it with 0b or 0x"
-    assert "Write 0b and all 45 bits" in refused(capsys, "AMM5A21/65KSC1", "0F 42 4")
+    assert refusal(capsys, "AMM5A21/65KSC1", "10 11") == "'10 11' could be bits or hex bytes. Prefix it with 0b or 0x"
+    assert "Write 0b and all 45 bits" in refusal(capsys, "AMM5A21/65KSC1", "0F 42 4")
 
 
 @pytest.mark.slow
@@ -592,7 +602,7 @@ def test_degrees_and_micrometres(capsys: Capture) -> None:
 
 
 def test_one_byte_is_no_bytes(capsys: Capture) -> None:
-    message = refused(capsys, "AMM5A21/65KSC1", "--as", "command", "01 02")
+    message = refusal(capsys, "AMM5A21/65KSC1", "--as", "command", "01 02")
     assert message == "the register 'command' has 1 byte, but the text has 2 bytes"
     assert "Master → Encoder: CF, 1 byte " in text(capsys, "AMM5A23/65KJP1", "--from", "master", "02")[1]
 
@@ -600,21 +610,21 @@ def test_one_byte_is_no_bytes(capsys: Capture) -> None:
 def test_the_status_bits_of_biss_need_no_word(tmp_path: Path, capsys: Capture) -> None:
     """nE and nW are the error and warning bits of BiSS, 0 while active, even if a spec says no more about them."""
     specs = Path(__file__).parents[1] / "specs"
-    text = (specs / "bits22.yaml").read_text(encoding="utf-8")
-    assert text.count(", makes_position: ") == 2
+    spec = (specs / "bits22.yaml").read_text(encoding="utf-8")
+    assert spec.count(", makes_position: ") == 2
     for word in ("not_usable", "usable_with_warning"):
-        text = text.replace(f", makes_position: {word}", "")
-    (tmp_path / "bits22.yaml").write_text(text, encoding="utf-8")
+        spec = spec.replace(f", makes_position: {word}", "")
+    (tmp_path / "bits22.yaml").write_text(spec, encoding="utf-8")
     (tmp_path / "manufacturer.yaml").write_text(
         (specs / "manufacturer.yaml").read_text(encoding="utf-8"), encoding="utf-8"
     )
-    found = []
+    verdicts = []
     for folder in (specs, tmp_path):
         devices, report = load_library([folder / "bits22.yaml"])
         assert not report
-        layout = next(item for item in devices[0].interface("biss").layouts if item.sender == "encoder")
-        found.append([item.kind.makes_position for item in layout.fields if isinstance(item.kind, Flag)])
-    assert found == [[Verdict.NOT_USABLE, Verdict.USABLE_WITH_WARNING]] * 2
+        layout = next(layout for layout in devices[0].interface("biss").layouts if layout.sender == "encoder")
+        verdicts.append([field.kind.makes_position for field in layout.fields if isinstance(field.kind, Flag)])
+    assert verdicts == [[Verdict.NOT_USABLE, Verdict.USABLE_WITH_WARNING]] * 2
 
 
 @pytest.mark.slow
@@ -651,7 +661,7 @@ def test_the_place_of_a_field_in_bytes(byte_order: str, high: int, low: int, pla
 
 
 @pytest.mark.parametrize(
-    ("arguments", "others", "words"),
+    ("arguments", "other_layouts", "words"),
     [
         # Both replies consist of a number and two check bits.
         ("AMT212B AB61", ["turns_reply"], "this can also be another frame: turns_reply (choose with --layout)"),
@@ -686,24 +696,24 @@ def test_the_place_of_a_field_in_bytes(byte_order: str, high: int, low: int, pla
         ("TS5700N8401 02 00 12 34 00 24", [], ""),
     ],
 )
-def test_other_frames_that_it_can_be(capsys: Capture, arguments: str, others: list[str], words: str) -> None:
-    given = ("--specs", ENCODERS, *arguments.split())
-    assert decode(capsys, *given)[1]["other_layouts"] == others
-    said = text(capsys, *given)[1]
-    assert words in said
-    assert said.count("--layout") == bool(others)
+def test_other_frames_that_it_can_be(capsys: Capture, arguments: str, other_layouts: list[str], words: str) -> None:
+    options = ("--specs", ENCODERS, *arguments.split())
+    assert decode(capsys, *options)[1]["other_layouts"] == other_layouts
+    printed = text(capsys, *options)[1]
+    assert words in printed
+    assert printed.count("--layout") == bool(other_layouts)
 
 
 def test_a_line_without_an_end_is_one_line(monkeypatch: pytest.MonkeyPatch, capsys: Capture) -> None:
     """Its rest is skipped in pieces, so it does not fill the memory, and the next line has its number."""
     monkeypatch.setattr("sys.stdin", io.StringIO("0" * 1_000_000 + "\n0x5\n" + "1" * (1 << 16)))
     main(["decode", "--specs", ENCODERS, "MA732", "-"])
-    said = capsys.readouterr()
-    assert said.err.splitlines() == [
+    captured = capsys.readouterr()
+    assert captured.err.splitlines() == [
         "codewheel: line 1: the text is longer than any frame or register",
         "codewheel: line 3: the text is longer than any frame or register",
     ]
-    assert said.out.startswith("line 2: MA732")
+    assert captured.out.startswith("line 2: MA732")
 
 
 def test_another_frame_that_has_nothing_to_check(tmp_path: Path, capsys: Capture) -> None:
@@ -713,9 +723,9 @@ def test_another_frame_that_has_nothing_to_check(tmp_path: Path, capsys: Capture
     before, _, after = spec.read_text(encoding="utf-8").partition("          - {name: turns, bits: 14")
     turns = "          - {name: turns, bits: 16, signed: true, unit: revolutions, meaning: Number of revolutions}\n"
     spec.write_text(before + turns + after[after.index("\n# The example") :], encoding="utf-8")
-    said = text(capsys, "--specs", str(tmp_path), "AMT212B", "AB 62")[1]
-    assert "constant error: k0" in said
-    assert "this can be another frame: turns_reply (choose with --layout)" in said
+    printed = text(capsys, "--specs", str(tmp_path), "AMT212B", "AB 62")[1]
+    assert "constant error: k0" in printed
+    assert "this can be another frame: turns_reply (choose with --layout)" in printed
 
 
 def test_frames_of_bits_and_of_bytes_on_one_interface(tmp_path: Path, capsys: Capture) -> None:
@@ -736,14 +746,14 @@ def test_the_bits_of_a_long_frame(tmp_path: Path, capsys: Capture, separator: st
         shutil.copy(SPECS / name, tmp_path)
     bits = f"0b{5:032b}{separator}{1000:032b}{separator}{3:06b}"
     data = decode(capsys, "--specs", str(tmp_path), "LS", bits)[1]
-    values = {item["name"]: item["value"] for item in data["fields"]}
+    values = {field["name"]: field["value"] for field in data["fields"]}
     assert (data["problems"], values["multiturn"], values["singleturn"], values["status"]) == ([], 5, 1000, 3)
-    for wrong in (f"{bits}0", bits[:-1]):
-        said = refused(capsys, "--specs", str(tmp_path), "LS", wrong)
+    for wrong_length in (f"{bits}0", bits[:-1]):
+        message = refusal(capsys, "--specs", str(tmp_path), "LS", wrong_length)
         remedy = "Write 0b and all 70 bits in the order sent, or 9 hex bytes with zeros in front"
-        assert said.endswith(f"is not a frame of 70 bits. {remedy}")
+        assert message.endswith(f"is not a frame of 70 bits. {remedy}")
 
 
 def test_0b_are_hex_digits_over_rs_485(capsys: Capture) -> None:
-    said = text(capsys, "--specs", ENCODERS, "AMT212B", "0b01")[1]
-    assert "bytes 0.0-1.5 position 0x10b 267" in said
+    printed = text(capsys, "--specs", ENCODERS, "AMT212B", "0b01")[1]
+    assert "bytes 0.0-1.5 position 0x10b 267" in printed

@@ -31,16 +31,16 @@ def crc_6(data: int, bits: int) -> int:
 
 def test_the_verdict_of_the_warning_bit(devices: Mapping[str, Device]) -> None:
     device = devices["am36"]
-    layout = next(item for item in device.interface("biss").layouts if item.name == "single_cycle_data")
+    layout = next(layout for layout in device.interface("biss").layouts if layout.name == "single_cycle_data")
     assert [verdict_of(layout.field(name)) for name in ("error", "warning")] == [Verdict.NOT_USABLE, Verdict.UNKNOWN]
     assert judgement_of(codec_of(device, layout)).otherwise is Verdict.UNKNOWN
-    said = " ".join(BY_NAME.sentence(item) for item in said_of(device, layout.field("warning")))
-    assert "with the verdict unknown" in said
-    assert "with a warning" not in said
+    sentences = " ".join(BY_NAME.sentence(statement) for statement in said_of(device, layout.field("warning")))
+    assert "with the verdict unknown" in sentences
+    assert "with a warning" not in sentences
 
 
 def test_the_erratum_states_it(devices: Mapping[str, Device]) -> None:
-    erratum = next(item for item in devices["am36"].errata if item.name == "error_and_warning_unused")
+    erratum = next(erratum for erratum in devices["am36"].errata if erratum.name == "error_and_warning_unused")
     assert "not usable if nE is 0" in erratum.used
     assert "verdict is unknown" in erratum.used
     assert "with a warning" not in erratum.used

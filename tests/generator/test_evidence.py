@@ -20,31 +20,28 @@ FRAME = "0b" + "0" * 33 + "11" + "000000"
 
 @pytest.mark.slow
 def test_the_grade_decides_the_folder() -> None:
-    shipped, others = (load_library([ROOT / name])[0] for name in ("specs", "examples/encoders"))
-    assert {item.evidence.grade for item in shipped} == {"manual", "quoted"}
-    assert {item.evidence.grade for item in others}.isdisjoint({"manual", "quoted"})
+    shipped, public = (load_library([ROOT / name])[0] for name in ("specs", "examples/encoders"))
+    assert {device.evidence.grade for device in shipped} == {"manual", "quoted"}
+    assert {device.evidence.grade for device in public}.isdisjoint({"manual", "quoted"})
 
 
 def test_the_index_lists_each_encoder_with_its_grade() -> None:
     page = (ROOT / "docs" / "encoders.md").read_text(encoding="utf-8")
     devices, report = load_library([ROOT / "specs", ENCODERS])
     assert not report
-    assert {name: grade for grade, name in re.findall(r"\| ([a-z, ]+) \| \[(\w+)\]\(", page)} == {
-        item.name: item.evidence.grade for item in devices
-    }
+    listed_grades = {name: grade for grade, name in re.findall(r"\| ([a-z, ]+) \| \[(\w+)\]\(", page)}
+    assert listed_grades == {device.name: device.evidence.grade for device in devices}
 
 
 def test_it_is_in_every_output() -> None:
     devices, report = load_library([ENCODERS / "posital"])
     assert not report
     library = Library(devices)
-    files = {
-        path: text
-        for name in ("c", "python", "docs", "biss")
-        for path, text in files_of(load_target(name), library, {}).items()
-    }
+    texts = {}
+    for name in ("c", "python", "docs", "biss"):
+        for path, text in files_of(load_target(name), library, {}).items():
+            texts[path] = " ".join(str(text).replace("*", " ").split())
     grade = "Evidence: uncorroborated (the facts have a single source, so do not rely on them)."
-    texts = {path: " ".join(str(text).replace("*", " ").split()) for path, text in files.items()}
     assert grade in texts["c/include/posital/kcd_biss.h"]
     assert grade in texts["python/posital_encoders/kcd.py"]
     assert grade in texts["docs/kcd.md"]

@@ -5,7 +5,7 @@ from codewheel.model.expressions import Expression, ExpressionError
 
 
 @pytest.mark.parametrize(
-    ("text", "value", "shown"),
+    ("text", "value", "rendered"),
     [
         (24, 24, "24"),
         ("24", 24, "24"),
@@ -26,10 +26,10 @@ from codewheel.model.expressions import Expression, ExpressionError
         ("8 - multiturn_bits * singleturn_bits", -328, "8 - multiturn_bits * singleturn_bits"),
     ],
 )
-def test_values(text: int | str, value: int, shown: str) -> None:
+def test_values(text: int | str, value: int, rendered: str) -> None:
     expression = Expression.parse(text)
     assert expression.value({"singleturn_bits": 21, "multiturn_bits": 16}) == value
-    assert (expression + Expression(0)).render() == shown
+    assert (expression + Expression(0)).render() == rendered
 
 
 @pytest.mark.parametrize(
@@ -72,11 +72,11 @@ def test_a_product_has_no_numbers(text: str) -> None:
 
 
 def test_what_follows_from_a_product_keeps_its_name() -> None:
-    given = {"field": Expression.parse("value + spare"), "now": Expression.parse("value + spare * switch")}
-    rest = Expression.parse("field - now").substitute(given)
-    assert rest == Expression.parse("value + spare - now")
-    assert (rest + Expression.parse("now")).parameters == ("value", "spare")
-    assert given["now"].parameters == ("value", "spare", "switch")
+    expressions = {"field": Expression.parse("value + spare"), "now": Expression.parse("value + spare * switch")}
+    difference = Expression.parse("field - now").substitute(expressions)
+    assert difference == Expression.parse("value + spare - now")
+    assert (difference + Expression.parse("now")).parameters == ("value", "spare")
+    assert expressions["now"].parameters == ("value", "spare", "switch")
 
 
 def test_sums_cancel() -> None:

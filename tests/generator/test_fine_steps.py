@@ -57,8 +57,8 @@ def text(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
 def test_decode_and_show_give_the_exact_decimal(capsys: pytest.CaptureFixture[str]) -> None:
     assert "position: 148,995,148.05 µm CRC" in text(capsys, "decode", "RESOLUTE-LINEAR-32-050", CAPTURED)
     assert "position: 14,899,514.805 µm CRC" in text(capsys, "decode", "RESOLUTE-LINEAR-32-005", CAPTURED)
-    shown = text(capsys, "show", "LA1126bit")
-    assert "1,000,000 nm per 4,096 counts, 67,108,864 counts in total, 16,384.000 mm in total" in shown
+    printed = text(capsys, "show", "LA1126bit")
+    assert "1,000,000 nm per 4,096 counts, 67,108,864 counts in total, 16,384.000 mm in total" in printed
     assert "50 nm per count [" in text(capsys, "show", "RESOLUTE-LINEAR-32-050")
 
 
@@ -97,5 +97,5 @@ def test_python_and_c_convert_without_rounding(tmp_path: Path) -> None:
     (tmp_path / "main.c").write_text(IN_C, encoding="utf-8")
     flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", f"-I{tmp_path}/c/include"]
     subprocess.run(["gcc", *flags, str(tmp_path / "main.c"), "-o", str(tmp_path / "main")], check=True)
-    found = subprocess.run([str(tmp_path / "main")], capture_output=True, text=True, check=True).stdout
-    assert found == "1000000 732 -732 0.000244140625 148995148050 5.0000000000000002e-05"
+    printed = subprocess.run([str(tmp_path / "main")], capture_output=True, text=True, check=True).stdout
+    assert printed == "1000000 732 -732 0.000244140625 148995148050 5.0000000000000002e-05"

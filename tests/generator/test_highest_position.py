@@ -98,19 +98,21 @@ def run_c(folder: Path, program: str) -> str:
 
 @pytest.fixture(scope="module")
 def device() -> Device:
-    (found,), report = load_library(SPECS)
+    (ring,), report = load_library(SPECS)
     assert not report
-    return found
+    return ring
 
 
 @pytest.mark.parametrize("position", FRAMES)
 def test_the_reference_rejects_a_position_above_the_highest(device: Device, position: int) -> None:
     frame, is_valid = FRAMES[position]
     placed = device.layout("word").place(device.variant("R5760").parameters)
-    wrong = f"position is {position}, but the highest is 5759"
-    assert [item.message for item in codec.decode(device, placed, frame).problems] == ([] if is_valid else [wrong])
+    message = f"position is {position}, but the highest is 5759"
+    assert [problem.message for problem in codec.decode(device, placed, frame).problems] == (
+        [] if is_valid else [message]
+    )
     if not is_valid:
-        with pytest.raises(codec.EncodeError, match=wrong):
+        with pytest.raises(codec.EncodeError, match=message):
             codec.encode(device, placed, {"position": position, "error": False, "warning": False})
 
 
@@ -126,10 +128,10 @@ def test_parts_of_one_revolution_have_no_highest_value(tmp_path: Path) -> None:
     text = SPECS[1].read_text(encoding="utf-8").replace("{name: position, bits: position_bits}", split)
     text = text.replace("        fields:\n", "        join: {position: [upper, lower]}\n        fields:\n")
     (tmp_path / "ring.yaml").write_text(text, encoding="utf-8")
-    (found,), report = load_library([SPECS[0], tmp_path / "ring.yaml"])
+    (ring,), report = load_library([SPECS[0], tmp_path / "ring.yaml"])
     assert not report
-    placed = found.layout("word").place(found.variant("R5760").parameters)
-    assert not codec.decode(found, placed, FRAMES[5759][0]).problems
+    placed = ring.layout("word").place(ring.variant("R5760").parameters)
+    assert not codec.decode(ring, placed, FRAMES[5759][0]).problems
 
 
 def test_the_highest_position_of_equal_widths_depends_on_the_order_code(tmp_path: Path) -> None:
@@ -137,9 +139,9 @@ def test_the_highest_position_of_equal_widths_depends_on_the_order_code(tmp_path
     text = text.replace('  position_bits: {meaning: Bits of the position, unit: bits, source: "2"}\n', "")
     text = text.replace("position_bits: 13, ", "").replace("position_bits: 12, ", "")
     (tmp_path / "ring.yaml").write_text(text, encoding="utf-8")
-    (found,), report = load_library([SPECS[0], tmp_path / "ring.yaml"])
+    (ring,), report = load_library([SPECS[0], tmp_path / "ring.yaml"])
     assert not report
-    assert codec_of(found, found.layout("word")).depends
+    assert codec_of(ring, ring.layout("word")).depends
 
 
 @pytest.mark.parametrize(("bits", "accepted"), [(12, False), (13, True), (16, True)])
@@ -150,17 +152,19 @@ def test_a_position_of_fixed_width_may_begin_with_zeros(tmp_path: Path, bits: in
     text = re.sub(r"parameters:\n(  .*\n)+", "parameters: {}\n", re.sub(r"sets: \{.*?\}, ", "", text))
     (tmp_path / "ring.yaml").write_text(text, encoding="utf-8")
     devices, report = load_library([SPECS[0], tmp_path / "ring.yaml"])
-    wrong = f"5760 counts do not fit, because 'position' in 'word' has {bits} bits for R5760"
-    assert [item.message for item in report.problems] == ([] if accepted else [wrong])
-    for found in devices if accepted else ():
-        placed = found.layout("word").place(found.variant("R5760").parameters)
+    message = f"5760 counts do not fit, because 'position' in 'word' has {bits} bits for R5760"
+    assert [problem.message for problem in report.problems] == ([] if accepted else [message])
+    for ring in devices if accepted else ():
+        placed = ring.layout("word").place(ring.variant("R5760").parameters)
         frames = {position: ring_frame(position) for position in (5759, 5760, (1 << bits) - 1)}
-        valid = [item for item, frame in frames.items() if not codec.decode(found, placed, frame).problems]
+        valid = [position for position, frame in frames.items() if not codec.decode(ring, placed, frame).problems]
         assert valid == [5759]
 
 
 def test_decode_gives_the_reason(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["decode", "R5760", "0x1680C7", *[item for path in SPECS for item in ("--specs", str(path))]]) == 1
+    assert (
+        main(["decode", "R5760", "0x1680C7", *[argument for path in SPECS for argument in ("--specs", str(path))]]) == 1
+    )
     assert "range error: position is 5760, but the highest is 5759" in capsys.readouterr().out
 
 
@@ -195,7 +199,7 @@ def ring_frames(code: str) -> dict[int, bool]:
     counts, turns, bits = RINGS[code]
     highest = counts * turns - 1
     positions = {0, 1, highest // 2, highest, min(highest + 1, (1 << bits) - 1), (1 << bits) - 1}
-    return {ring_frame(item): item <= highest for item in sorted(positions)}
+    return {ring_frame(position): position <= highest for position in sorted(positions)}
 
 
 def test_frames_of_rings_have_the_right_crc() -> None:
@@ -209,25 +213,24 @@ def test_a_product_that_depends_on_the_order_code(formula: str, tmp_path: Path) 
     counts, turns, codes = FORMULAS[formula]
     text = SPECS[1].with_name("ring_turns.yaml").read_text(encoding="utf-8")
     text = text.replace("counts_per_turn: counts, turns: turns,", f"counts_per_turn: {counts}, turns: {turns},")
-    kept = {value for code in codes for value in code[:-1].split("x")}
-    text = VALUE.sub(lambda line: line[0] if line[1] in kept else "", text)
+    listed = {value for code in codes for value in code[:-1].split("x")}
+    text = VALUE.sub(lambda line: line[0] if line[1] in listed else "", text)
     spec = tmp_path / "ring_turns.yaml"
     spec.write_text(text, encoding="utf-8")
-    (found,), report = load_library([SPECS[0], spec])
+    (ring,), report = load_library([SPECS[0], spec])
     assert not report
     for code in codes:
-        placed = found.layout("word").place(found.variant(code).parameters)
-        answers = {item: not codec.decode(found, placed, item).problems for item in ring_frames(code)}
+        placed = ring.layout("word").place(ring.variant(code).parameters)
+        answers = {frame: not codec.decode(ring, placed, frame).problems for frame in ring_frames(code)}
         assert answers == ring_frames(code)
     assert main(["generate", str(SPECS[0]), str(spec), "-o", str(tmp_path), "--target", "c", "--target", "python"]) == 0
     cases = [(code, RINGS[code][2] + 8, ring_frames(code)) for code in codes]
     run_python(tmp_path, RINGS_IN_PYTHON.format(cases=cases))
-    lines = [
-        f"    ok &= (test_ring_turns_biss_decode(&TEST_RING_TURNS_BISS_{code.upper()}, {frame}U, &frame)"
-        f" == {'CW_OK' if is_valid else 'CW_FAULT_RANGE'});"
-        for code, _, frames in cases
-        for frame, is_valid in frames.items()
-    ]
+    lines = []
+    for code, _, frames in cases:
+        for frame, is_valid in frames.items():
+            call = f"test_ring_turns_biss_decode(&TEST_RING_TURNS_BISS_{code.upper()}, {frame}U, &frame)"
+            lines.append(f"    ok &= ({call} == {'CW_OK' if is_valid else 'CW_FAULT_RANGE'});")
     assert run_c(tmp_path, RINGS_IN_C % "\n".join(lines)) == "1"
 
 
@@ -235,5 +238,5 @@ def test_a_product_that_depends_on_the_order_code(formula: str, tmp_path: Path) 
 def test_python_columns_and_c_reject_it(tmp_path: Path) -> None:
     assert main(["generate", *map(str, SPECS), "-o", str(tmp_path), "--target", "c", "--target", "python"]) == 0
     run_python(tmp_path, IN_PYTHON)
-    found = run_c(tmp_path, IN_C)
-    assert found == "0 0 1 1 1 1"
+    printed = run_c(tmp_path, IN_C)
+    assert printed == "0 0 1 1 1 1"

@@ -19,21 +19,22 @@ PRINTED = {0x0: 0x02, 0x1: 0x8A, 0x2: 0x92, 0x3: 0x1A, 0x7: 0xBA, 0x8: 0xC2, 0xC
 
 def test_each_kind_is_built_by_a_spec(devices: Mapping[str, Device]) -> None:
     """No other test would cover a kind that is in no spec."""
-    others, report = load_library([Path(__file__).parents[1] / "specs"])
+    fictional, report = load_library([Path(__file__).parents[1] / "specs"])
     assert not report
-    layouts = [
-        layout
-        for device in (*devices.values(), *others)
-        for layout in (*(layout for _, layout in device.layouts()), *(item.layout for item in device.registers))
-    ]
+    layouts: list[Layout] = []
+    for device in (*devices.values(), *fictional):
+        layouts += [layout for _, layout in device.layouts()]
+        layouts += [register.layout for register in device.registers]
     assert {type(field.kind) for layout in layouts for field in layout.fields} == set(get_args(Kind))
 
 
 def with_odd_parity(layout: Layout) -> Layout:
-    fields = (
-        replace(item, kind=replace(item.kind, odd=True)) if isinstance(item.kind, Parity) else item
-        for item in layout.fields
-    )
+    fields = []
+    for field in layout.fields:
+        if isinstance(field.kind, Parity):
+            fields.append(replace(field, kind=replace(field.kind, odd=True)))
+        else:
+            fields.append(field)
     return replace(layout, fields=tuple(fields))
 
 
@@ -41,10 +42,10 @@ def with_odd_parity(layout: Layout) -> Layout:
 def test_parity_has_a_sense(devices: Mapping[str, Device], is_odd: bool) -> None:
     device = devices["amm5"]
     layout = next(layout for _, layout in device.layouts() if layout.name == "data_request")
-    made = with_odd_parity(layout) if is_odd else layout
-    placed = made.place(device.variants[0].parameters)
+    tested_layout = with_odd_parity(layout) if is_odd else layout
+    placed = tested_layout.place(device.variants[0].parameters)
     for data_id, even in PRINTED.items():
-        right, wrong = (even ^ 0x80, even) if is_odd else (even, even ^ 0x80)
-        assert codec.encode(device, placed, {"data_id": data_id}) == right
-        assert not codec.decode(device, placed, right).problems
-        assert [item.fault for item in codec.decode(device, placed, wrong).problems] == [Fault.CONSTANT]
+        valid, invalid = (even ^ 0x80, even) if is_odd else (even, even ^ 0x80)
+        assert codec.encode(device, placed, {"data_id": data_id}) == valid
+        assert not codec.decode(device, placed, valid).problems
+        assert [problem.fault for problem in codec.decode(device, placed, invalid).problems] == [Fault.CONSTANT]

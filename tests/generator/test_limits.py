@@ -20,34 +20,33 @@ SPECS = Path(__file__).resolve().parents[1] / "c" / "specs"
 def test_what_zero_stands_for_can_be_written() -> None:
     devices, _ = load_library([SPECS / "shapes.yaml"])
     register = devices[0].register("scale")
-    variant = next(item for item in devices[0].variants if item.interface == register.interface)
+    variant = next(variant for variant in devices[0].variants if variant.interface == register.interface)
     placed = register.layout.place(variant.parameters)
     assert bounds(register, placed, (register.min, register.max), variant.parameters) == (1, 256)
 
 
-def resolution(device: Device, information: int, revolutions: int, position: int) -> dict[int, int]:
+def registers_after_resolution(device: Device, information: int, revolutions: int, position: int) -> dict[int, int]:
     """Return the registers after AM36's set_resolution, by address."""
-    given = {
+    values = {
         "information_per_revolution": information,
         "number_of_revolutions": revolutions,
         "position": position,
     }
     variant = find(device, "AM3616/4096-I7").variant
-    return {
-        item.address: item.value for item in register_writes(device, device.procedure("set_resolution"), variant, given)
-    }
+    writes = register_writes(device, device.procedure("set_resolution"), variant, values)
+    return {write.address: write.value for write in writes}
 
 
 def test_what_a_step_writes_holds_for_the_limits_of_later_steps(devices: Mapping[str, Device]) -> None:
     """AM36 manual, 6.5 p.29: a preset is at most information per revolution times revolutions, less 1."""
-    held = resolution(devices["am36"], 1024, 16, 16383)
-    assert [held[address] for address in range(0x50, 0x55)] == [0, 0, 0, 0x3F, 0xFF]
+    registers = registers_after_resolution(devices["am36"], 1024, 16, 16383)
+    assert [registers[address] for address in range(0x50, 0x55)] == [0, 0, 0, 0x3F, 0xFF]
     for information, revolutions, position in ((1024, 16, 16384), (1, 1, 1), (2, 1, 2), (1 << 20, 1, 1 << 20)):
         with pytest.raises(EncodeError, match=f"outside 0 to {information * revolutions - 1}$"):
-            resolution(devices["am36"], information, revolutions, position)
-    assert resolution(devices["am36"], 1, 1, 0)[0x54] == 0
+            registers_after_resolution(devices["am36"], information, revolutions, position)
+    assert registers_after_resolution(devices["am36"], 1, 1, 0)[0x54] == 0
     # 16 bits hold 65,536 revolutions as 0, and the limit takes that into account.
-    assert resolution(devices["am36"], 1 << 20, 65536, (1 << 36) - 1)[0x50] == 0x0F
+    assert registers_after_resolution(devices["am36"], 1 << 20, 65536, (1 << 36) - 1)[0x50] == 0x0F
 
 
 def test_a_preset_alone_keeps_to_what_the_registers_hold(devices: Mapping[str, Device]) -> None:

@@ -37,7 +37,7 @@ def test_commands_find_the_longer_code(specs: Path, label: str, capsys: pytest.C
 def test_the_package_finds_the_longer_code(specs: Path, tmp_path: Path) -> None:
     assert main(["generate", str(specs), "-o", str(tmp_path), "--target", "python"]) == 0
     code = f"from example_encoders import lookup\nfor label in {list(LABELS)}: print(lookup(label).code)"
-    found = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "-c", code],
         cwd=tmp_path / "python",
         env={"PYTHONPATH": "runtime"},
@@ -45,4 +45,4 @@ def test_the_package_finds_the_longer_code(specs: Path, tmp_path: Path) -> None:
         text=True,
         check=True,
     )
-    assert found.stdout.split() == [code for _, code in LABELS.values()]
+    assert completed.stdout.split() == [code for _, code in LABELS.values()]

@@ -62,31 +62,31 @@ ELSEWHERE = {
 @pytest.mark.parametrize("kind", sorted(PARTS_BY_CLASS))
 def test_every_member_of_the_model_is_in_the_table(kind: str) -> None:
     """A new member must have a rule, or none for a reason."""
-    names = {item.name for item in fields(getattr(model, kind))} - {"source"}
+    names = {member.name for member in fields(getattr(model, kind))} - {"source"}
     assert names <= set(PARTS_BY_CLASS[kind].by_attribute)
 
 
 def test_the_table_names_rules_and_classes_of_facts_that_exist() -> None:
-    members = [item for part in PARTS for item in part.members]
-    assert {item.rule for item in members} - {""} <= set(RULES)
-    assert {item.read for item in members} - {""} <= {sort.value for sort in Sort}
+    members = [member for part in PARTS for member in part.members]
+    assert {member.rule for member in members} - {""} <= set(RULES)
+    assert {member.read for member in members} - {""} <= {sort.value for sort in Sort}
 
 
 def parts_of_records() -> Iterator[tuple[str, Part]]:
-    known = {part.name: part for part in PARTS}
+    parts_by_name = {part.name: part for part in PARTS}
     for record in records.records().members:
         name = RECORDS.get(record) or re.sub(r"(?<=[a-z])(?=[A-Z])", "_", record).lower()
-        if name in known and name != "interface":
-            yield record, known[name]
+        if name in parts_by_name and name != "interface":
+            yield record, parts_by_name[name]
 
 
 @pytest.mark.parametrize(
-    ("record", "part"), list(parts_of_records()), ids=lambda item: item if isinstance(item, str) else ""
+    ("record", "part"), list(parts_of_records()), ids=lambda value: value if isinstance(value, str) else ""
 )
 def test_records_of_python_have_the_members(record: str, part: Part) -> None:
     """A member of the data that the class of a record lacks would be missing from the Python package."""
-    there = {item.name for item in records.records().members[record]} | set(ELSEWHERE.get(record, "").split())
-    assert {item.name for item in part.members if item.shape and item.attribute not in there} - there == set()
+    names = {member.name for member in records.records().members[record]} | set(ELSEWHERE.get(record, "").split())
+    assert {member.name for member in part.members if member.shape and member.attribute not in names} - names == set()
 
 
 NEW = Member("needs_restart", "boolean=false", "True if it needs a restart.", "register-rule", read="behaviour")
@@ -104,11 +104,11 @@ def property_(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
     by_class: Mapping[str, Part] = {**PARTS_BY_CLASS, "Register": part}
     for module in (plain, changes, stated):
         monkeypatch.setattr(module, "PARTS_BY_CLASS", by_class)
-    monkeypatch.setattr(schema, "PARTS", tuple(part if item is old else item for item in PARTS))
-    known = records.records()
-    members = (*known.members["Register"], records.RecordMember("needs_restart", frozenset(), False))
-    made = replace(known, members={**known.members, "Register": members})
-    monkeypatch.setattr(records, "records", lambda: made)
+    monkeypatch.setattr(schema, "PARTS", tuple(part if candidate is old else candidate for candidate in PARTS))
+    original_records = records.records()
+    members = (*original_records.members["Register"], records.RecordMember("needs_restart", frozenset(), False))
+    extended_records = replace(original_records, members={**original_records.members, "Register": members})
+    monkeypatch.setattr(records, "records", lambda: extended_records)
     schema.show_schema.cache_clear()
     schema_text.cache_clear()
     yield
@@ -118,12 +118,10 @@ def property_(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
 
 def with_property(device: Device, value: bool) -> Device:
     """Return the device, with this value of the property in its first register."""
-    registers = [
-        NEW_REGISTER(
-            **{item.name: getattr(register, item.name) for item in fields(Register)}, needs_restart=value and not index
-        )
-        for index, register in enumerate(device.registers)
-    ]
+    registers = []
+    for index, register in enumerate(device.registers):
+        members = {member.name: getattr(register, member.name) for member in fields(Register)}
+        registers.append(NEW_REGISTER(**members, needs_restart=value and not index))
     return replace(device, registers=tuple(registers))
 
 
@@ -133,7 +131,7 @@ def test_a_documented_property_reaches_every_output_diff_and_the_second_reading(
     old, new = with_property(amm5, False), with_property(amm5, True)
     name = new.registers[0].name
     dump = plain.device_dump(new)
-    assert [item["name"] for item in dump["registers"] if item["needs_restart"]] == [name]
+    assert [register["name"] for register in dump["registers"] if register["needs_restart"]] == [name]
     assert 'needs_restart="true"' in to_xml(dump)
     assert 'name="needs_restart"' in schema_text()
     assert schema.show_schema()["$defs"]["register"]["properties"]["needs_restart"]["type"] == "boolean"

@@ -60,23 +60,27 @@ def test_a_change_of_an_edition_without_a_reason_or_source(
     key = line.split(":")[0].strip()
     assert main([*command, str(spec)]) == 1
     done = capsys.readouterr()
-    (said,) = [line for line in (done.out + done.err).splitlines() if line.startswith(f"{spec}:")]
-    assert said.startswith(f"{spec}:{place}:9: missing-key: '{key}' is missing")
+    (problem_line,) = [line for line in (done.out + done.err).splitlines() if line.startswith(f"{spec}:")]
+    assert problem_line.startswith(f"{spec}:{place}:9: missing-key: '{key}' is missing")
 
 
 def _places(value: Any, path: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
-    items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
-    for key, inside in items:
+    if not isinstance(value, dict | list):
+        return
+    for key, inside in value.items() if isinstance(value, dict) else enumerate(value):
         yield (*path, key)
         yield from _places(inside, (*path, key))
 
 
 def _without(value: Any, path: tuple[str | int, ...]) -> Any:
     """Return a copy of the value without the part at the path."""
-    first, rest = path[0], path[1:]
-    items = value.items() if isinstance(value, dict) else enumerate(value)
-    kept = {key: _without(item, rest) if key == first else item for key, item in items if rest or key != first}
-    return kept if isinstance(value, dict) else list(kept.values())
+    first, inner_path = path[0], path[1:]
+    changed = value.copy()
+    if inner_path:
+        changed[first] = _without(value[first], inner_path)
+    else:
+        del changed[first]
+    return changed
 
 
 def _data(file: Path) -> dict[str, Any]:

@@ -44,8 +44,8 @@ def test_the_other_targets_are_generated(tmp_path: Path) -> None:
         0,
         "codewheel: the target 'biss' needs the Python package 'lxml', which is missing; this target is skipped\n",
     )
-    made = {path.name for path in (tmp_path / "out").iterdir() if path.is_dir()}
-    assert made == {"python", "c", "docs", "browser", "masters"}
+    folders = {path.name for path in (tmp_path / "out").iterdir() if path.is_dir()}
+    assert folders == {"python", "c", "docs", "browser", "masters"}
 
 
 def test_the_target_asked_for_is_an_error(tmp_path: Path) -> None:

@@ -22,17 +22,15 @@ ROOT = Path(__file__).resolve().parents[2]
 @pytest.mark.slow
 def test_it_passes_check_and_decodes(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["new", "my_encoder", "-o", str(tmp_path)]) == 0
-    assert capsys.readouterr().out == "".join(
-        f"written    {tmp_path}/{name}\n"
-        for name in ("my_encoder.yaml", "manufacturer.yaml", "device.schema.json", "manufacturer.schema.json")
-    )
-    found, report = load_for([tmp_path], targets_named())
+    names = ("my_encoder.yaml", "manufacturer.yaml", "device.schema.json", "manufacturer.schema.json")
+    assert capsys.readouterr().out == "".join(f"written    {tmp_path}/{name}\n" for name in names)
+    devices, report = load_for([tmp_path], targets_named())
     assert not report.problems
-    (device,) = found
-    assert [item.code for item in device.variants] == ["MY-ENCODER-13-SC", "MY-ENCODER-17-SC"]
+    (device,) = devices
+    assert [variant.code for variant in device.variants] == ["MY-ENCODER-13-SC", "MY-ENCODER-17-SC"]
     assert device.layout("single_cycle_data").place(device.variants[1].parameters).bits == 17 + 1 + 1 + 6
-    assert "docs/my_encoder.md" in generate_docs(Library(found))
-    assert "biss/example-my_encoder.xml" in generate_biss(Library(found))
+    assert "docs/my_encoder.md" in generate_docs(Library(devices))
+    assert "biss/example-my_encoder.xml" in generate_biss(Library(devices))
     # 13 bits of 1000, error and warning bit high (not active), and the inverted remainder of the division of
     # these 15 bits by x^6 + x + 1.
     assert main(["decode", "MY-ENCODER-13-SC", "0b0001111101000_1_1_011010", "--specs", str(tmp_path)]) == 0
@@ -52,7 +50,7 @@ STARTS = {
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("kind", "code", "frame", "position"), [(kind, *item) for kind, item in STARTS.items()])
+@pytest.mark.parametrize(("kind", "code", "frame", "position"), [(kind, *row) for kind, row in STARTS.items()])
 def test_each_start_passes_check_and_decodes(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], kind: str, code: str, frame: str, position: int
 ) -> None:
@@ -63,9 +61,9 @@ def test_each_start_passes_check_and_decodes(
     assert "@" not in text
     capsys.readouterr()
     assert main(["decode", code, frame, "--json", "--specs", str(tmp_path)]) == 0
-    found = json.loads(capsys.readouterr().out)
-    assert {item["name"]: item["value"] for item in found["fields"]}["position"] == position
-    assert found["problems"] == []
+    decoded = json.loads(capsys.readouterr().out)
+    assert {field["name"]: field["value"] for field in decoded["fields"]}["position"] == position
+    assert decoded["problems"] == []
 
 
 def modeline(path: Path) -> str:
@@ -119,7 +117,7 @@ def test_nothing_is_overwritten(tmp_path: Path, capsys: pytest.CaptureFixture[st
     (tmp_path / "demo.yaml").write_text("mine", encoding="utf-8")
     assert main(["new", "demo", "-o", str(tmp_path)]) == 1
     assert capsys.readouterr().err == f"codewheel: {tmp_path}/demo.yaml already exists and is not overwritten\n"
-    assert sorted(item.name for item in tmp_path.iterdir()) == ["demo.yaml"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["demo.yaml"]
     assert (tmp_path / "demo.yaml").read_text(encoding="utf-8") == "mine"
 
 

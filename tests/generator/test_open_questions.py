@@ -49,6 +49,7 @@ OPEN: Mapping[tuple[str, str], tuple[str, ...]] = {
     ("sma21", "rs485_position_width"): ("4.10 p.18",),
 }  # fmt: skip
 
+MANUAL = re.compile(r"manual, (English|Italian) edition")
 #: Settled errata that cite the manual of another family, although their own manual is enough.
 SETTLED_BESIDE_A_SISTER = {
     ("am36", "cable_impedance"),
@@ -59,29 +60,30 @@ SETTLED_BESIDE_A_SISTER = {
 
 
 def erratum(device: Device, name: str) -> Erratum:
-    return next(item for item in device.errata if item.name == name)
+    return next(erratum for erratum in device.errata if erratum.name == name)
 
 
 @pytest.mark.parametrize(("family", "name"), OPEN)
 def test_it_is_open_and_cites_its_evidence(devices: Mapping[str, Device], family: str, name: str) -> None:
-    item = erratum(devices[family], name)
-    told = " ".join((cite(item.source), item.printed, item.used, item.why))
-    assert item.status == "open"
-    assert [words for words in OPEN[family, name] if words not in told] == []
-    assert item.affects
+    open_erratum = erratum(devices[family], name)
+    evidence = " ".join((cite(open_erratum.source), open_erratum.printed, open_erratum.used, open_erratum.why))
+    assert open_erratum.status == "open"
+    assert [words for words in OPEN[family, name] if words not in evidence] == []
+    assert open_erratum.affects
 
 
 def test_nothing_is_settled_by_the_manual_of_another_family(devices: Mapping[str, Device]) -> None:
-    found = set()
+    settled = set()
     for device in devices.values():
-        manuals = {item.key for item in device.documents if re.search(r"manual, (English|Italian) edition", item.title)}
+        manuals = [document.key for document in device.documents if MANUAL.search(document.title)]
         sisters = {key for key in manuals if not key.startswith(device.name)}
-        for item in device.errata:
-            if item.status == "settled":
-                assert "of the same maker" not in item.why, item.name
-                assert "infer" not in item.why, item.name
-                found |= {(device.name, item.name)} if sisters & {source.document for source in item.source} else set()
-    assert found == SETTLED_BESIDE_A_SISTER
+        for erratum in device.errata:
+            if erratum.status == "settled":
+                assert "of the same maker" not in erratum.why, erratum.name
+                assert "infer" not in erratum.why, erratum.name
+                if not sisters.isdisjoint(source.document for source in erratum.source):
+                    settled.add((device.name, erratum.name))
+    assert settled == SETTLED_BESIDE_A_SISTER
 
 
 def cited(sources: Sources) -> str:
@@ -109,20 +111,17 @@ def test_the_voltages_of_the_inputs(devices: Mapping[str, Device]) -> None:
 
 @pytest.mark.parametrize("family", ["am36", "asc85"])
 def test_a_pause_of_exactly_12_us_is_said_to_be_no_margin(devices: Mapping[str, Device], family: str) -> None:
-    pause = next(item for item in devices[family].interface("ssi").timings if item.name == "pause")
+    pause = next(timing for timing in devices[family].interface("ssi").timings if timing.name == "pause")
     assert pause.at_least_us == 12
     assert "Tp > 12 µs" in pause.meaning
 
 
 def test_a_reset_is_sent_ten_times_in_succession(devices: Mapping[str, Device]) -> None:
     """AMM5 7.4.2 p.45, SMA21 7.3.3.2 p.41."""
-    sends = [
-        step
-        for device in devices.values()
-        for item in device.procedures
-        for step in item.steps
-        if isinstance(step, SendStep)
-    ]
+    sends: list[SendStep] = []
+    for device in devices.values():
+        for procedure in device.procedures:
+            sends += [step for step in procedure.steps if isinstance(step, SendStep)]
     assert len(sends) == 5
     assert all(step.times == 10 and step.in_succession for step in sends)
 
@@ -154,9 +153,9 @@ FACTS = [
 def test_facts_with_their_sources(
     devices: Mapping[str, Device], family: str, name: str, words: str, place: str
 ) -> None:
-    item = next(item for item in devices[family].characteristics if item.name == name)
-    assert words in item.value
-    assert place in cited(item.source)
+    (characteristic,) = [fact for fact in devices[family].characteristics if fact.name == name]
+    assert words in characteristic.value
+    assert place in cited(characteristic.source)
 
 
 def test_what_the_line_carries_round_a_byte_is_said(devices: Mapping[str, Device]) -> None:
@@ -171,7 +170,7 @@ def test_what_the_line_carries_round_a_byte_is_said(devices: Mapping[str, Device
 
 def test_the_registers_of_the_maker(devices: Mapping[str, Device]) -> None:
     """ASC85 6.4 p.26: configuration registers 00h to 2Dh, not available to users."""
-    table = next(item for item in devices["asc85"].tables if item.name == "reserved_registers")
+    table = next(table for table in devices["asc85"].tables if table.name == "reserved_registers")
     assert table.rows[0][:2] == ("00h", "2Dh")
     assert cited(table.source) == "6.4 p.26"
 

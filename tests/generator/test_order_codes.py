@@ -42,7 +42,7 @@ def test_what_a_code_decides(amm5: Device) -> None:
     variant = find(amm5, "AMM5A23/65KSC1").variant
     assert variant.interface == "biss"
     # No code decides an open question of the manual. Until the user does, the first answer applies.
-    open_ = {item.name for item in amm5.parameters if item.alternative}
+    open_ = {parameter.name for parameter in amm5.parameters if parameter.alternative}
     assert {name: variant.parameters[name] for name in open_} == {
         "eeprom_address_bit": 1,
         "mem_busy_bit": 0,
@@ -170,9 +170,9 @@ def test_a_label_without_end_is_refused_at_once(amm5: Device, label: str, capsys
     assert time.process_time() - begin < 0.5
     assert len(str(caught.value)) < 200
     assert main(["show", label]) == 2
-    shown = capsys.readouterr().err
-    assert shown.startswith(f"codewheel: '{label[:20]}...' is not an order code: it has {len(label)} characters")
-    assert len(shown) < 200
+    message = capsys.readouterr().err
+    assert message.startswith(f"codewheel: '{label[:20]}...' is not an order code: it has {len(label)} characters")
+    assert len(message) < 200
 
 
 def test_many_gaps_in_a_pattern_share_the_text_in_one_way() -> None:

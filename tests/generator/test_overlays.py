@@ -22,25 +22,25 @@ HEAD = "codewheel: 1\noverlay: mine\nof: amm5\ntitle: Measured here\nchanges:\n"
 OWN = '    why: Measured.\n    source: "6.4"\n'
 
 
-def laid(tmp_path: Path, *texts: str, shown: bool = False) -> tuple[Sequence[Device], list[str], Report]:
+def load_with_overlays(tmp_path: Path, *texts: str) -> tuple[Sequence[Device], list[str], Report]:
     """Return AMM5 with overlays, and each problem as ``line:column: rule: message``."""
     paths = [SPECS / "amm5.yaml"]
     for number, text in enumerate(texts):
         paths.append(tmp_path / f"o{number}.yaml")
         paths[-1].write_text(text, encoding="utf-8")
     devices, report = load_library(paths)
-    said = [item.format().splitlines()[0].removeprefix(f"{tmp_path}/") for item in report.problems]
-    return devices, said, report
+    messages = [problem.format().splitlines()[0].removeprefix(f"{tmp_path}/") for problem in report.problems]
+    return devices, messages, report
 
 
-def one(tmp_path: Path, changes: str) -> list[str]:
-    return laid(tmp_path, HEAD + changes)[1]
+def messages_of_change(tmp_path: Path, changes: str) -> list[str]:
+    return load_with_overlays(tmp_path, HEAD + changes)[1]
 
 
 def test_a_correction_takes_the_place_of_the_value(tmp_path: Path) -> None:
     change = "  - set: registers.manufacturer_id.meaning\n    to: The maker\n" + OWN
-    (device,), said, _ = laid(tmp_path, HEAD + change)
-    assert said == []
+    (device,), messages, _ = load_with_overlays(tmp_path, HEAD + change)
+    assert messages == []
     assert (device.name, device.base) == ("amm5", "")
     assert device.register("manufacturer_id").meaning == "The maker"
     erratum = device.errata[-1]
@@ -62,23 +62,23 @@ def test_items_are_added_and_removed(tmp_path: Path) -> None:
         + "  - remove: [examples.serial_number, registers.serial_number]\n"
         + OWN
     )
-    (device,), said, _ = laid(tmp_path, HEAD + changes)
-    assert said == []
+    (device,), messages, _ = load_with_overlays(tmp_path, HEAD + changes)
+    assert messages == []
     assert device.timings[-1].at_most_us == 900_000
     assert device.register("manufacturer_id").note == "Never written."
-    assert "serial_number" not in {item.name for item in device.registers}
+    assert "serial_number" not in {register.name for register in device.registers}
     # An erratum no longer refers to removed parts.
-    order = next(item for item in device.errata if item.name == "serial_number_order")
+    order = next(erratum for erratum in device.errata if erratum.name == "serial_number_order")
     assert order.affects == ()
-    assert [item.used for item in device.errata if item.overlay][-2:] == ["left out", "left out"]
+    assert [erratum.used for erratum in device.errata if erratum.overlay][-2:] == ["left out", "left out"]
 
 
 def test_what_is_unknown_is_taken_away_and_said_to_be_unknown(tmp_path: Path) -> None:
     changes = "  - unknown: [registers.serial_number, examples.serial_number]\n" + OWN
-    (device,), said, _ = laid(tmp_path, HEAD + changes)
-    assert said == []
-    assert all(item.name != "serial_number" for item in device.registers)
-    assert [(item.printed, item.used, item.status) for item in device.errata if item.overlay] == [
+    (device,), messages, _ = load_with_overlays(tmp_path, HEAD + changes)
+    assert messages == []
+    assert all(register.name != "serial_number" for register in device.registers)
+    assert [(erratum.printed, erratum.used, erratum.status) for erratum in device.errata if erratum.overlay] == [
         ("serial_number", "not known", "open"),
         ("examples.serial_number", "not known", "open"),
     ]
@@ -165,29 +165,25 @@ def test_what_is_unknown_is_taken_away_and_said_to_be_unknown(tmp_path: Path) ->
             "o0.yaml:8:13: undefined-reference: there is no edition or document 'ti'",
         ),
     ],
-    ids=lambda item: item.strip().splitlines()[0][:30],
+    ids=lambda text: text.strip().splitlines()[0][:30],
 )
 def test_what_is_wrong_with_a_change_is_said_where_it_stands(changes: str, message: str, tmp_path: Path) -> None:
-    assert one(tmp_path, changes)[0] == message
+    assert messages_of_change(tmp_path, changes)[0] == message
 
 
 def test_a_wrong_value_is_told_in_the_overlay(tmp_path: Path) -> None:
-    said = one(tmp_path, "  - set: registers.command.access\n    to: sometimes\n" + OWN)
-    assert said[0] == (
+    messages = messages_of_change(tmp_path, "  - set: registers.command.access\n    to: sometimes\n" + OWN)
+    assert messages[0] == (
         "o0.yaml:7:9: not-allowed: 'access' cannot be 'sometimes'; use one of: read_only, read_write, write_only"
     )
-    said = one(tmp_path, "  - set: crcs.biss_6.poly\n    to: 0x143\n" + OWN)
-    assert said[0].startswith("o0.yaml:7:9: crc-impossible: the polynomial 0x143 does not fit into 6 bits")
+    messages = messages_of_change(tmp_path, "  - set: crcs.biss_6.poly\n    to: 0x143\n" + OWN)
+    assert messages[0].startswith("o0.yaml:7:9: crc-impossible: the polynomial 0x143 does not fit into 6 bits")
 
 
 def test_what_the_spec_lacks_under_an_overlay_is_told_in_the_overlay(tmp_path: Path) -> None:
-    said = one(tmp_path, "  - remove: registers.serial_number\n" + OWN)
-    line = next(
-        number
-        for number, text in enumerate((SPECS / "amm5.yaml").read_text(encoding="utf-8").splitlines(), 1)
-        if text == "    register: serial_number"
-    )
-    assert said == [
+    messages = messages_of_change(tmp_path, "  - remove: registers.serial_number\n" + OWN)
+    line = (SPECS / "amm5.yaml").read_text(encoding="utf-8").splitlines().index("    register: serial_number") + 1
+    assert messages == [
         (
             f"o0.yaml:2:10: undefined-reference: with this overlay, amm5.yaml:{line}, "
             "examples.serial_number.register: there is no register 'serial_number'; known: preset, "
@@ -198,27 +194,29 @@ def test_what_the_spec_lacks_under_an_overlay_is_told_in_the_overlay(tmp_path: P
 
 def test_two_overlays_may_not_set_one_place(tmp_path: Path) -> None:
     text = HEAD + "  - set: registers.command.note\n    to: A\n" + OWN
-    other = text.replace("mine", "theirs").replace("to: A", "to: B")
-    assert laid(tmp_path, text, other)[1] == [
+    theirs = text.replace("mine", "theirs").replace("to: A", "to: B")
+    assert load_with_overlays(tmp_path, text, theirs)[1] == [
         "o1.yaml:6:10: overlay-conflict: o0.yaml:6 changes the same location; keep one of the two"
     ]
-    assert laid(tmp_path, text, text)[1][0] == "o1.yaml:2:10: duplicate-name: o0.yaml is also called 'mine'"
+    assert (
+        load_with_overlays(tmp_path, text, text)[1][0] == "o1.yaml:2:10: duplicate-name: o0.yaml is also called 'mine'"
+    )
 
 
 def test_an_overlay_names_a_family_that_was_read_and_never_a_file(tmp_path: Path) -> None:
     text = HEAD + "  - remove: leds\n" + OWN
-    assert laid(tmp_path, text.replace("of: amm5", "of: am36"))[1] == [
+    assert load_with_overlays(tmp_path, text.replace("of: amm5", "of: am36"))[1] == [
         "o0.yaml:3:5: undefined-reference: there is no family 'am36' among the specs that were read; known: amm5"
     ]
-    assert laid(tmp_path, text.replace("of: amm5", "of: ../amm5.yaml"))[1][0].startswith(
+    assert load_with_overlays(tmp_path, text.replace("of: amm5", "of: ../amm5.yaml"))[1][0].startswith(
         "o0.yaml:3:5: bad-pattern: 'of' cannot be '../amm5.yaml': a name begins with a lowercase letter"
     )
 
 
 def test_order_codes_of_a_special_model_exist(tmp_path: Path) -> None:
     text = HEAD.replace("changes:", "applies_to: {special: S007, order_codes: [AMM5A21/65KSC2]}\nchanges:")
-    said = laid(tmp_path, text + "  - set: registers.command.note\n    to: A\n" + OWN)[1]
-    assert said == ["o0.yaml:5:43: undefined-reference: 'AMM5A21/65KSC2' is not a listed order code of the family"]
+    messages = load_with_overlays(tmp_path, text + "  - set: registers.command.note\n    to: A\n" + OWN)[1]
+    assert messages == ["o0.yaml:5:43: undefined-reference: 'AMM5A21/65KSC2' is not a listed order code of the family"]
 
 
 def test_a_faulty_special_model_takes_nothing_from_the_family(tmp_path: Path) -> None:
@@ -226,18 +224,20 @@ def test_a_faulty_special_model_takes_nothing_from_the_family(tmp_path: Path) ->
     path = tmp_path / "o.yaml"
     path.write_text(text, encoding="utf-8")
     devices, report = load_sound([SPECS / "amm5.yaml", path])
-    assert [item.name for item in devices] == ["amm5"]
+    assert [device.name for device in devices] == ["amm5"]
     assert len(report) == 1
 
 
 def test_a_special_model_is_a_family_beside_its_own(tmp_path: Path) -> None:
     text = HEAD.replace("changes:", "applies_to: {special: S007, order_codes: [AMM5A21/65KSC1]}\nchanges:")
-    (plain, special), said, _ = laid(tmp_path, text + "  - set: registers.command.note\n    to: Slow.\n" + OWN)
-    assert said == []
+    (plain, special), messages, _ = load_with_overlays(
+        tmp_path, text + "  - set: registers.command.note\n    to: Slow.\n" + OWN
+    )
+    assert messages == []
     assert (plain.name, special.name, special.base) == ("amm5", "amm5_s007", "amm5")
     assert plain.register("command").note != "Slow." == special.register("command").note
-    assert [item.code for item in special.variants] == ["AMM5A21/65KSC1"]
-    assert [item.name for item in special.interfaces] == ["biss"]
+    assert [variant.code for variant in special.variants] == ["AMM5A21/65KSC1"]
+    assert [interface.name for interface in special.interfaces] == ["biss"]
     assert from_xml(to_xml(device_dump(special)).encode()) == device_dump(special)
 
 

@@ -34,13 +34,12 @@ def test_check_lists_each_with_its_line(new_spec: Path, capsys: pytest.CaptureFi
     assert main(["check", str(new_spec)]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert "16 values are still the template's (each has the word TODO):" in lines
-    assert [line for line in lines if f"{new_spec}:" in line and line.startswith("  ")] == [
-        f"  {new_spec}:{line}: {name}" for line, name in FACTS.items()
-    ]
+    expected = [f"  {new_spec}:{line}: {name}" for line, name in FACTS.items()]
+    assert [line for line in lines if f"{new_spec}:" in line and line.startswith("  ")] == expected
     assert f"  {new_spec.with_name('manufacturer.yaml')}:4: title" in lines
     assert main(["check", "--json", str(new_spec)]) == 0
     listed = json.loads(capsys.readouterr().out)["placeholders"]
-    assert {item["line"]: item["name"] for item in listed if item["file"] == str(new_spec)} == FACTS
+    assert {place["line"]: place["name"] for place in listed if place["file"] == str(new_spec)} == FACTS
 
 
 @pytest.mark.slow
@@ -69,8 +68,8 @@ def test_generate_and_every_output_say_so(new_spec: Path, tmp_path: Path, capsys
 def test_decode_says_so(new_spec: Path, capsys: pytest.CaptureFixture[str]) -> None:
     frame = "0b0001111101000_1_1_011010"
     assert main(["decode", "MY-ENCODER-13-SC", frame, "--specs", str(new_spec.parent)]) == 0
-    told = " ".join(capsys.readouterr().out.split())
-    assert "evidence: uncorroborated 16 values are still the template's" in told
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "evidence: uncorroborated 16 values are still the template's" in printed
 
 
 def test_a_manufacturer_that_is_still_the_template_s_allows_only_the_lowest_grade(new_spec: Path) -> None:

@@ -19,20 +19,20 @@ RUST = Target(
 )
 
 
-class Entry:
+class EntryPoint:
     """Stands for an entry point."""
 
-    def __init__(self, made: object, fails: bool = False) -> None:
-        self.made, self.fails, self.dist, self.value = made, fails, None, "somewhere:TARGET"
+    def __init__(self, target: object, fails: bool = False) -> None:
+        self.target, self.fails, self.dist, self.value = target, fails, None, "somewhere:TARGET"
 
     def load(self) -> object:
         if self.fails:
             raise ImportError("no such module")
-        return self.made
+        return self.target
 
 
-def register(monkeypatch: pytest.MonkeyPatch, **entries: Entry) -> None:
-    monkeypatch.setattr(registry, "_registered", lambda: {name: [entry] for name, entry in entries.items()})
+def register(monkeypatch: pytest.MonkeyPatch, **entries: EntryPoint) -> None:
+    monkeypatch.setattr(registry, "_registered", lambda: {name: [entry_point] for name, entry_point in entries.items()})
 
 
 def fails(*_: object) -> Any:
@@ -45,36 +45,43 @@ def mine(files: Callable[..., Any]) -> Target:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("entry", "message"),
+    ("entry_point", "message"),
     [
-        (Entry(mine(fails)), "the target 'mine' fails: KeyError: 'a\\nb' ("),
-        (Entry(None, fails=True), "the target 'mine' cannot be loaded: ImportError: no such module ("),
-        (Entry(None), "the target 'mine' must be a codewheel.targets.Target; this is nothing"),
-        (Entry(fails), "the target 'mine' must be a codewheel.targets.Target; this is function"),
-        (Entry(RUST), "the target 'mine' calls itself 'rust'; both names must be the same"),
-        (Entry(mine(lambda *_: None)), "the target 'mine' must return text by path; this is nothing"),
-        (Entry(mine(lambda *_: b"x")), "the target 'mine' must return text by path; this is bytes"),
-        (Entry(mine(lambda *_: ["mine/x"])), "the target 'mine' must return text by path; this is list"),
-        (Entry(mine(lambda *_: {"mine/x": b"x"})), "the target 'mine' must return text by path; 'mine/x' is bytes"),
-        (Entry(mine(lambda *_: {1: "x"})), "the target 'mine' must return text by path; 1 is not a path"),
+        (EntryPoint(mine(fails)), "the target 'mine' fails: KeyError: 'a\\nb' ("),
+        (EntryPoint(None, fails=True), "the target 'mine' cannot be loaded: ImportError: no such module ("),
+        (EntryPoint(None), "the target 'mine' must be a codewheel.targets.Target; this is nothing"),
+        (EntryPoint(fails), "the target 'mine' must be a codewheel.targets.Target; this is function"),
+        (EntryPoint(RUST), "the target 'mine' calls itself 'rust'; both names must be the same"),
+        (EntryPoint(mine(lambda *_: None)), "the target 'mine' must return text by path; this is nothing"),
+        (EntryPoint(mine(lambda *_: b"x")), "the target 'mine' must return text by path; this is bytes"),
+        (EntryPoint(mine(lambda *_: ["mine/x"])), "the target 'mine' must return text by path; this is list"),
         (
-            Entry(mine(lambda *_: {"mine/x": "\ud800"})),
+            EntryPoint(mine(lambda *_: {"mine/x": b"x"})),
+            "the target 'mine' must return text by path; 'mine/x' is bytes",
+        ),
+        (EntryPoint(mine(lambda *_: {1: "x"})), "the target 'mine' must return text by path; 1 is not a path"),
+        (
+            EntryPoint(mine(lambda *_: {"mine/x": "\ud800"})),
             "the target 'mine' must return text by path; 'mine/x' contains U+D800, which is not a character",
         ),
         (
-            Entry(Target("mine", "mine", lambda *_: {}, problems=fails)),
+            EntryPoint(Target("mine", "mine", lambda *_: {}, problems=fails)),
             "the target 'mine' fails: KeyError: 'a\\nb' (",
         ),
         (
-            Entry(Target("mine", "mine", lambda *_: {}, problems=lambda _: ["x"])),  # type: ignore[list-item]
+            EntryPoint(Target("mine", "mine", lambda *_: {}, problems=lambda _: ["x"])),  # type: ignore[list-item]
             "the target 'mine' must return problems as TargetProblem; this is str",
         ),
     ],
 )
 def test_its_faults_are_one_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], entry: Entry, message: str
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    entry_point: EntryPoint,
+    message: str,
 ) -> None:
-    register(monkeypatch, mine=entry)
+    register(monkeypatch, mine=entry_point)
     assert main(["generate", "-o", str(tmp_path / "out"), "--target", "mine"]) == 1
     err = capsys.readouterr().err
     assert err.startswith(f"codewheel: {message}")
@@ -97,7 +104,7 @@ def test_ours_run_behind_the_same_guard(
 def test_it_is_known_by_name_and_runs_when_asked_for(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    register(monkeypatch, rust=Entry(RUST))
+    register(monkeypatch, rust=EntryPoint(RUST))
     assert main(["generate", "-o", str(tmp_path), "--target", "ruts"]) == 2
     assert capsys.readouterr().err == "codewheel: there is no target 'ruts'; did you mean 'rust'?\n"
     assert main(["generate", "-o", str(tmp_path), "--target", "cobol"]) == 2
@@ -106,14 +113,14 @@ def test_it_is_known_by_name_and_runs_when_asked_for(
     monkeypatch.chdir(tmp_path)
     assert main(["new", "demo"]) == 0
     assert main(["generate", "demo.yaml", "-o", "out"]) == 0
-    made = sorted(path.name for path in Path("out").iterdir())
-    assert made == ["biss", "browser", "c", "docs", "masters", "python"]
+    folders = sorted(path.name for path in Path("out").iterdir())
+    assert folders == ["biss", "browser", "c", "docs", "masters", "python"]
     assert main(["generate", "demo.yaml", "-o", "out", "--target", "rust"]) == 0
     assert Path("out/rust/x.rs").read_text() == "edition=2021 crate=acme"
 
 
 def test_two_packages_with_one_target(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr(registry, "_registered", lambda: {"rust": [Entry(RUST), Entry(RUST)]})
+    monkeypatch.setattr(registry, "_registered", lambda: {"rust": [EntryPoint(RUST), EntryPoint(RUST)]})
     assert main(["generate", "--target", "rust"]) == 1
     err = capsys.readouterr().err
     assert err == "codewheel: the target 'rust' is registered by somewhere:TARGET and by somewhere:TARGET; remove one\n"
@@ -123,15 +130,15 @@ def test_two_packages_with_one_target(monkeypatch: pytest.MonkeyPatch, capsys: p
 def test_help_lists_all_targets_and_options(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], command: str
 ) -> None:
-    register(monkeypatch, rust=Entry(RUST), broken=Entry(None, fails=True))
+    register(monkeypatch, rust=EntryPoint(RUST), broken=EntryPoint(None, fails=True))
     assert main([command, "--help"]) == 0
     out = capsys.readouterr().out
-    shown = " ".join(out.split())
-    assert "python an installable, typed package" in shown
-    assert "c headers for C99" in shown
-    assert "rust a crate --option rust.edition=2018|2021: of the language (default: 2021)" in shown
-    assert "--option rust.crate=VALUE: its name (default: acme)" in shown
-    assert "broken the target 'broken' cannot be loaded: ImportError: no such module" in shown
+    printed = " ".join(out.split())
+    assert "python an installable, typed package" in printed
+    assert "c headers for C99" in printed
+    assert "rust a crate --option rust.edition=2018|2021: of the language (default: 2021)" in printed
+    assert "--option rust.crate=VALUE: its name (default: acme)" in printed
+    assert "broken the target 'broken' cannot be loaded: ImportError: no such module" in printed
     listed = out[out.index("targets (python") :].splitlines()
     assert max(map(len, (line for line in listed if "/" not in line))) <= 79
 
@@ -153,7 +160,7 @@ def test_help_lists_all_targets_and_options(
 def test_a_wrong_option_is_one_line(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], setting: str, message: str
 ) -> None:
-    register(monkeypatch, rust=Entry(RUST))
+    register(monkeypatch, rust=EntryPoint(RUST))
     command = ["generate", "-o", str(tmp_path / "out"), "--target", "rust", "--target", "docs", "--option", setting]
     assert main(command) == 2
     assert capsys.readouterr().err == f"codewheel: {message}\n"
@@ -164,7 +171,7 @@ def test_a_wrong_option_is_one_line(
 def test_options_reach_it_and_the_command_that_mends(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    register(monkeypatch, rust=Entry(RUST))
+    register(monkeypatch, rust=EntryPoint(RUST))
     command = ["generate", "-o", str(tmp_path), "--target", "rust", "--option", "rust.edition=2018"]
     again = "generate -o {} --target rust --option rust.crate=a=b --option rust.edition=2018\n"
     assert main(command) == 0
@@ -174,7 +181,7 @@ def test_options_reach_it_and_the_command_that_mends(
     assert capsys.readouterr().err.endswith(again.format(tmp_path))
 
 
-def of_amm5(library: Library) -> Iterable[TargetProblem]:
+def problem_in_amm5(library: Library) -> Iterable[TargetProblem]:
     """Yield a problem of one register, with a second place, or nothing without that family."""
     for device in library.devices:
         if device.name == "amm5":
@@ -184,7 +191,7 @@ def of_amm5(library: Library) -> Iterable[TargetProblem]:
 
 @pytest.mark.slow
 def test_its_problems_have_places(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    register(monkeypatch, rust=Entry(Target("rust", "a crate", lambda *_: {}, of_amm5)))
+    register(monkeypatch, rust=EntryPoint(Target("rust", "a crate", lambda *_: {}, problem_in_amm5)))
     spec = (ROOT / "specs/lika/amm5.yaml").read_text(encoding="utf-8").splitlines()
     preset = next(index for index, line in enumerate(spec) if line.strip() == "- name: preset")
     line, length = next((index, text) for index, text in enumerate(spec) if index > preset and "length:" in text)
@@ -193,27 +200,27 @@ def test_its_problems_have_places(monkeypatch: pytest.MonkeyPatch, capsys: pytes
     monkeypatch.chdir(ROOT)
     for command in ("check", "generate"):
         assert main([command, "specs/lika", "--target", "rust"]) == 1
-        shown = "".join(capsys.readouterr())
-        assert f"specs/lika/amm5.yaml:{line + 1}:{column}: rust-size: too long; see line {serial + 1}\n" in shown
+        printed = "".join(capsys.readouterr())
+        assert f"specs/lika/amm5.yaml:{line + 1}:{column}: rust-size: too long; see line {serial + 1}\n" in printed
     assert main(["check", "specs/lika"]) == 0
 
 
 def test_it_is_not_asked_of_a_family_with_problems(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    seen: list[str] = []
+    checked: list[str] = []
 
     def problems(library: Library) -> list[TargetProblem]:
-        seen.extend(device.name for device in library.devices)
+        checked.extend(device.name for device in library.devices)
         return []
 
-    register(monkeypatch, rust=Entry(Target("rust", "a crate", lambda *_: {}, problems)))
+    register(monkeypatch, rust=EntryPoint(Target("rust", "a crate", lambda *_: {}, problems)))
     assert main(["new", "sound", "-o", str(tmp_path / "sound.yaml")]) == 0
     text = (tmp_path / "sound.yaml").read_text(encoding="utf-8").replace("sound", "broken").replace("SOUND", "BROKEN")
     (tmp_path / "broken.yaml").write_text(text.replace("revision:", "revison:"), encoding="utf-8")
     assert main(["check", str(tmp_path), "--target", "rust"]) == 1
     assert "revison" in capsys.readouterr().out
-    assert seen == ["sound"]
+    assert checked == ["sound"]
 
 
 @pytest.mark.parametrize("name", ["", "Rust", "a.b", "a/b", "-x", "a=b", "\ud800"])
@@ -231,12 +238,12 @@ def test_a_target_error_is_its_message(
     def files(library: Library, options: Options) -> dict[str, str]:
         raise TargetError("the crate cannot be called 'a b'")
 
-    register(monkeypatch, rust=Entry(Target("rust", "a crate", files)))
+    register(monkeypatch, rust=EntryPoint(Target("rust", "a crate", files)))
     assert main(["generate", "-o", str(tmp_path), "--target", "rust"]) == 1
     assert capsys.readouterr().err == "codewheel: the crate cannot be called 'a b'\n"
 
 
 def test_only_some_built_in_targets_have_problems() -> None:
     default = Target("x", "", lambda library, options: {}).problems
-    found = [name for name in registry.BUILT_IN if registry.load_target(name).problems is not default]
-    assert tuple(found) == registry.WITH_PROBLEMS
+    with_problems = [name for name in registry.BUILT_IN if registry.load_target(name).problems is not default]
+    assert tuple(with_problems) == registry.WITH_PROBLEMS

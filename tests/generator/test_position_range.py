@@ -54,19 +54,18 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_each_reply_has_its_range(sma21: Device) -> None:
-    over = sma21.interface("rs485")
-    found = {
-        layout.name: (item.never_wraps, item.measurement.total)
-        for item in position_ranges(sma21, over)
-        for layout in item.layouts
-    }
+    interface = sma21.interface("rs485")
+    ranges = {}
+    for position_range in position_ranges(sma21, interface):
+        for layout in position_range.layouts:
+            ranges[layout.name] = (position_range.never_wraps, position_range.measurement.total)
     bits = sma21.variant(CODE).parameters
-    assert {name: never for name, (never, _) in found.items()} == {
+    assert {name: never for name, (never, _) in ranges.items()} == {
         "position_reply": False,
         "identification_reply": False,
         "wide_position_reply": True,
     }
-    totals = {name: total.value(bits) if total is not None else None for name, (_, total) in found.items()}
+    totals = {name: total.value(bits) if total is not None else None for name, (_, total) in ranges.items()}
     assert totals == {"position_reply": 2**24, "identification_reply": 2**24, "wide_position_reply": None}
     assert len(position_ranges(sma21, sma21.interface("ssi"))) == 1
 
@@ -99,9 +98,9 @@ def test_c_has_a_distance_for_each_reply(generated: Path) -> None:
     calls = []
     for name, moves in (("wide_position", WIDE), ("position", NARROW), ("identification", NARROW)):
         for now, before, moved in moves:
-            given = f"INT64_C({now}), INT64_C({before})" if name == "wide_position" else f"{now}U, {before}U"
-            found = f"lika_sma21_rs485_{name}_reply_position_difference(encoder, {given})"
-            calls.append(f"    is({found}, INT64_C({moved}), __LINE__);")
+            positions = f"INT64_C({now}), INT64_C({before})" if name == "wide_position" else f"{now}U, {before}U"
+            call = f"lika_sma21_rs485_{name}_reply_position_difference(encoder, {positions})"
+            calls.append(f"    is({call}, INT64_C({moved}), __LINE__);")
     program = IN_C.replace("/* CALLS */", "\n".join(calls))
     assert build(generated, program).returncode == 0
     done = subprocess.run([str(generated / "main")], capture_output=True, text=True, check=False)
@@ -111,9 +110,9 @@ def test_c_has_a_distance_for_each_reply(generated: Path) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["modulus", "position_difference"])
 def test_c_has_no_function_that_mixes_replies(generated: Path, name: str) -> None:
-    given = "encoder" if name == "modulus" else "encoder, 10000000, 0"
-    wrong = f"is((int64_t)lika_sma21_rs485_{name}({given}), 0, 0);"
-    done = build(generated, IN_C.replace("/* CALLS */", wrong))
+    arguments = "encoder" if name == "modulus" else "encoder, 10000000, 0"
+    call = f"is((int64_t)lika_sma21_rs485_{name}({arguments}), 0, 0);"
+    done = build(generated, IN_C.replace("/* CALLS */", call))
     assert done.returncode != 0
     assert f"lika_sma21_rs485_{name}" in done.stderr
 
@@ -186,9 +185,9 @@ def test_python_unwraps_by_reply(generated: Path) -> None:
 def test_the_virtual_encoder_sends_each_position_in_its_range(sma21: Device) -> None:
     """10 m before zero, the 24-bit replies are 16,777,216 counts higher."""
     encoder = VirtualEncoder(CODE, -10_000_000, specs=SPECS)
-    layouts = {item.name: item for item in encoder.layouts("encoder")}
-    sent = {name: encoder.parts_now(item)["position"] for name, item in layouts.items()}
-    assert sent == {
+    layouts = {layout.name: layout for layout in encoder.layouts("encoder")}
+    positions = {name: encoder.parts_now(layout)["position"] for name, layout in layouts.items()}
+    assert positions == {
         "position_reply": 16_777_216 - 10_000_000,
         "identification_reply": 16_777_216 - 10_000_000,
         "wide_position_reply": 2**48 - 10_000_000,
@@ -201,9 +200,9 @@ def test_the_virtual_encoder_sends_each_position_in_its_range(sma21: Device) -> 
 
 def test_show_states_the_range_of_the_reply(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["show", CODE, "--specs", str(SPECS[1])]) == 0
-    shown = " ".join(capsys.readouterr().out.split())
-    assert "in wide_position_reply never wraps around [7.2 p.37, 7.3.3 p.39]" in shown
-    assert "16,777,216 counts in total" in shown
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "in wide_position_reply never wraps around [7.2 p.37, 7.3.3 p.39]" in printed
+    assert "16,777,216 counts in total" in printed
 
 
 def _in_folder(folder: Path, *changes: tuple[str, str]) -> Path:
@@ -218,20 +217,20 @@ def _in_folder(folder: Path, *changes: tuple[str, str]) -> Path:
 
 
 def test_diff_reports_another_range(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    own = "position_range: {wraps: false}"
-    before = _in_folder(tmp_path / "before", (own, "position_range: {modulus: 2^48}"))
+    no_wrap = "position_range: {wraps: false}"
+    before = _in_folder(tmp_path / "before", (no_wrap, "position_range: {modulus: 2^48}"))
     main(["diff", str(before), str(_in_folder(tmp_path / "after"))])
-    shown = " ".join(capsys.readouterr().out.split())
-    assert f"frame wide_position_reply: position range: modulus {2**48} → none" in shown
-    assert "frame wide_position_reply: position range: wraps yes → no" in shown
+    printed = " ".join(capsys.readouterr().out.split())
+    assert f"frame wide_position_reply: position range: modulus {2**48} → none" in printed
+    assert "frame wide_position_reply: position range: wraps yes → no" in printed
 
 
 def test_diff_reports_a_new_range(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The functions of C for the interface are replaced by functions for each reply, so the change is breaking."""
     layout = "        when: {data_id: [4, 11, 15]}\n"
-    own = "        position_range: {modulus: 2^rs485_position_bits}\n"
+    position_range = "        position_range: {modulus: 2^rs485_position_bits}\n"
     before = _in_folder(tmp_path / "before")
-    after = _in_folder(tmp_path / "after", (layout, layout + own))
+    after = _in_folder(tmp_path / "after", (layout, layout + position_range))
     main(["diff", str(before), str(after)])
-    shown = " ".join(capsys.readouterr().out.split())
-    assert "breaking frame position_reply: position range is new" in shown
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "breaking frame position_reply: position range is new" in printed

@@ -54,40 +54,40 @@ assert {name: str(int(getattr(found, name))) for name in values} == values, foun
 
 
 @pytest.fixture(scope="module")
-def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     out = tmp_path_factory.mktemp("encoders")
     assert main(["generate", str(ENCODERS), "-o", str(out), "--target", "c", "--target", "python"]) == 0
     return out
 
 
-def test_their_self_tests_in_c_pass(made: Path, tmp_path: Path) -> None:
-    sources = sorted(map(str, (made / "c" / "selftest").glob("*.c")))
+def test_their_self_tests_in_c_pass(generated: Path, tmp_path: Path) -> None:
+    sources = sorted(map(str, (generated / "c" / "selftest").glob("*.c")))
     flags = ["-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Werror", "-O1", "-shared", "-fPIC"]
     library = tmp_path / "selftest.so"
-    subprocess.run(["gcc", *flags, f"-I{made / 'c' / 'include'}", *sources, "-o", str(library)], check=True)
+    subprocess.run(["gcc", *flags, f"-I{generated / 'c' / 'include'}", *sources, "-o", str(library)], check=True)
     tests = ctypes.CDLL(str(library))
     assert {name: getattr(tests, f"{prefix}_selftest")() for name, prefix in TESTED.items()} == dict.fromkeys(TESTED, 0)
     makers = [path.name for path in ENCODERS.iterdir() if path.is_dir()]
     assert {name: getattr(tests, f"{name}_selftest")() for name in makers} == dict.fromkeys(makers, 0)
 
 
-def test_python_decodes_their_frames(made: Path) -> None:
+def test_python_decodes_their_frames(generated: Path) -> None:
     devices, report = load_library([ENCODERS])
     assert not report
     path = [
-        str(made / "python"),
-        *map(str, (made / "python").glob("*")),
+        str(generated / "python"),
+        *map(str, (generated / "python").glob("*")),
         str(ENCODERS.parents[1] / "runtime" / "python"),
     ]
     frames = 0
     for device in devices:
-        vectors = [item for item in device.examples if item.name in device.evidence.vectors]
-        for item in vectors[:: max(1, len(vectors) // 3)]:
-            if isinstance(item, FrameExample):
-                code = item.order_code or device.variants[0].code
-                frame = f"0b{item.bits}" if item.bits else item.bytes.hex()
-                expected = [f"{name}={int(value)}" for name, value in item.values.items()]
-                kind = OTHER.get((device.name, item.layout), "")
+        vectors = [example for example in device.examples if example.name in device.evidence.vectors]
+        for example in vectors[:: max(1, len(vectors) // 3)]:
+            if isinstance(example, FrameExample):
+                code = example.order_code or device.variants[0].code
+                frame = f"0b{example.bits}" if example.bits else example.bytes.hex()
+                expected = [f"{name}={int(value)}" for name, value in example.values.items()]
+                kind = OTHER.get((device.name, example.layout), "")
                 arguments = [f"{device.manufacturer.name}_encoders", code, kind, frame, *expected]
                 subprocess.run(
                     [sys.executable, "-c", DECODE, *arguments], env={"PYTHONPATH": ":".join(path)}, check=True
@@ -99,13 +99,13 @@ def test_python_decodes_their_frames(made: Path) -> None:
 def test_the_registers_of_an_ic_mhm_select_its_frame() -> None:
     """The example of iC-Haus for its library reads 12 + 1 + 1 + 6 bits. The data sheet has 20 bits in a field of 24."""
     devices, _ = load_library([ENCODERS])
-    device = next(item for item in devices if item.name == "icmhm")
+    device = next(device for device in devices if device.name == "icmhm")
     (variant,) = device.variants
     (layout,) = device.interface("biss").layouts
 
-    def widths(held: dict[int, int]) -> dict[str, int]:
-        placed = layout.place(with_registers(device, variant, held).parameters)
-        return {item.name: item.width for item in placed.fields}
+    def widths(register_values: dict[int, int]) -> dict[str, int]:
+        placed = layout.place(with_registers(device, variant, register_values).parameters)
+        return {field.name: field.width for field in placed.fields}
 
     assert sum(widths({0x01: 0x40}).values()) == 20
     code_6 = {"singleturn": 10, "zeros_below": 2, "error": 1, "warning": 1, "crc": 6}
@@ -118,7 +118,7 @@ def test_the_registers_of_an_ic_mhm_select_its_frame() -> None:
 def test_each_grade_names_vectors_that_exist() -> None:
     """All published vectors are found: of replies, frames, an EEPROM, a table, check bits, and a capture."""
     devices, _ = load_library([ENCODERS, ENCODERS.parents[1] / "specs" / "ichaus"])
-    counts = {item.name: len(item.evidence.vectors) for item in devices}
+    counts = {device.name: len(device.evidence.vectors) for device in devices}
     assert counts == {
         "aksim2": 1, "amt21": 0, "amt22": 1, "as38": 0, "as5047p": 0, "as5048a": 0, "as5147": 0,
         "icmhm": 0, "icmu": 3, "kcd": 0, "la11": 0, "ma732": 3, "mlx90363": 4, "mt6701": 0, "mt6835": 0,

@@ -13,7 +13,7 @@ from codewheel.targets import Library
 Decorator = Callable[..., Callable[[type], Any]]
 
 
-def made(decorator: Decorator) -> Any:
+def class_with_members(decorator: Decorator) -> Any:
     """Return a class with every kind of member, and a base class."""
 
     @decorator(frozen=True, slots=True)
@@ -31,7 +31,7 @@ def made(decorator: Decorator) -> Any:
     return Derived
 
 
-OURS, THEIRS = made(dataclass), made(dataclasses.dataclass)
+OURS, THEIRS = class_with_members(dataclass), class_with_members(dataclasses.dataclass)
 ARGUMENTS: tuple[tuple[tuple[Any, ...], dict[str, Any]], ...] = (
     ((1,), {"fourth": 4}),
     ((1, "2", [3]), {"fourth": 4, "fifth": "5"}),
@@ -44,7 +44,7 @@ ARGUMENTS: tuple[tuple[tuple[Any, ...], dict[str, Any]], ...] = (
 )
 
 
-def result(kind: Any, *values: Any, **named: Any) -> str:
+def result_of(kind: Any, *values: Any, **named: Any) -> str:
     try:
         return repr(kind(*values, **named))
     except TypeError:
@@ -53,15 +53,16 @@ def result(kind: Any, *values: Any, **named: Any) -> str:
 
 @pytest.mark.parametrize(("values", "named"), ARGUMENTS)
 def test_arguments_are_those_of_the_standard_library(values: tuple[Any, ...], named: dict[str, Any]) -> None:
-    expected = result(THEIRS, *values, **named)
+    expected = result_of(THEIRS, *values, **named)
     # The first object compiles the method, and the second one uses it.
-    assert [result(made(dataclass), *values, **named), result(OURS, *values, **named)] == [expected] * 2
+    assert result_of(class_with_members(dataclass), *values, **named) == expected
+    assert result_of(OURS, *values, **named) == expected
 
 
 def test_each_object_has_its_own_default() -> None:
-    one, two = OURS(1, fourth=4), OURS(1, fourth=4)
-    assert one == two
-    assert one.third is not two.third
+    first, second = OURS(1, fourth=4), OURS(1, fourth=4)
+    assert first == second
+    assert first.third is not second.third
 
 
 def test_members_that_are_not_compared_make_no_difference() -> None:
@@ -74,14 +75,14 @@ def test_a_copy_can_differ() -> None:
 
 
 def test_objects_cannot_be_changed() -> None:
-    item = OURS(1, fourth=4)
+    instance = OURS(1, fourth=4)
     with pytest.raises(dataclasses.FrozenInstanceError, match="'first'"):
-        item.first = 2
+        instance.first = 2
     with pytest.raises(dataclasses.FrozenInstanceError, match="'first'"):
-        del item.first
+        del instance.first
     with pytest.raises(dataclasses.FrozenInstanceError):
-        item.other = 2
-    assert item.first == 1
+        instance.other = 2
+    assert instance.first == 1
 
 
 def test_the_range_of_a_position_is_found_again_only_for_layouts_of_the_device(library: Library) -> None:

@@ -29,15 +29,15 @@ def test_a_reserved_value_is_named_and_the_position_counts(tmp_path: Path, is_re
     # Position 1000, no error, no warning, status 3. The CRC is that of the bits before it.
     number = 0b00_0000_0011_1110_1000_11_11_000000
     number |= codec.compute(device.crcs[0], placed, number)
-    found = codec.decode(device, placed, number)
-    status = next(item for item in found.fields if item.name == "status")
+    decoded = codec.decode(device, placed, number)
+    status = next(field for field in decoded.fields if field.name == "status")
     if is_reserved:
-        assert not found.problems
+        assert not decoded.problems
         assert (status.value, status.meaning) == ("reserved_3", "Reserved: the manual does not say what it means")
-        assert findings(device, variant, found).verdict is Verdict.USABLE
+        assert findings(device, variant, decoded).verdict is Verdict.USABLE
     else:
-        assert [item.message for item in found.problems] == ["status has no value 0x3"]
-    kind = next(item.field.kind for item in placed.fields if item.name == "status")
+        assert [problem.message for problem in decoded.problems] == ["status has no value 0x3"]
+    kind = next(placed_field.field.kind for placed_field in placed.fields if placed_field.name == "status")
     assert isinstance(kind, Choice)
     listed = ["normal", "weak", "reserved_1", "reserved_3"] if is_reserved else ["normal", "weak"]
     assert [value.name for value in kind.values] == listed

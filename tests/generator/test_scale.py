@@ -104,26 +104,27 @@ def test_formulas_read_as_manuals_print_them(scale: Scale, printed: str) -> None
 def test_python_agrees_with_the_model_and_both_are_bounded() -> None:
     """At the limits of the schema too, a quantity fits in the 38 digits of a decimal in Arrow, and in 64 bits in C."""
     shape = load_schema("device")["$defs"]["scale"]["properties"]
-    most, offset = shape["numerator"]["maximum"], shape["offset"]["maximum"]
-    assert (shape["denominator"]["maximum"], shape["offset"]["minimum"]) == (most, -offset)
-    assert (most << WIDEST) + offset < 1 << 63
+    highest, offset = shape["numerator"]["maximum"], shape["offset"]["maximum"]
+    assert (shape["denominator"]["maximum"], shape["offset"]["minimum"]) == (highest, -offset)
+    assert (highest << WIDEST) + offset < 1 << 63
     random_ = random.Random("scale")
     numbers = [0, 1, -1, (1 << WIDEST) - 1, -(1 << WIDEST - 1)]
-    scales = [Scale(*pair, shift, "V") for pair in ((1, most), (most, 1), (most, most - 1)) for shift in (0, -offset)]
+    ratios = ((1, highest), (highest, 1), (highest, highest - 1))
+    scales = [Scale(*ratio, shift, "V") for ratio in ratios for shift in (0, -offset)]
     for _ in range(2_000):
         limit = 10 ** random_.randrange(1, 8)
-        pair = (random_.randint(1, min(limit, most)), random_.randint(1, min(limit, most)))
+        pair = (random_.randint(1, min(limit, highest)), random_.randint(1, min(limit, highest)))
         scales.append(Scale(*pair, random_.randint(-limit, limit), "V"))
     for scale in scales:
-        other = in_python(scale)
-        assert other.places == scale.places <= 24
+        python_scale = in_python(scale)
+        assert python_scale.places == scale.places <= 24
         for number in (*numbers, random_.randint(-100_000, 100_000)):
             text = scale.decimal(number)
-            assert f"{other.decimal(number):f}" == text
+            assert f"{python_scale.decimal(number):f}" == text
             assert len(text.replace("-", "").replace(".", "")) <= 38
             error = abs(Fraction(text) - scale.quantity(number))
             assert (error == 0) == scale.is_exact(number)
-            assert other.quantity(number) == scale.quantity(number)
+            assert python_scale.quantity(number) == scale.quantity(number)
             assert error * 20 <= Fraction(scale.numerator, scale.denominator)
 
 
@@ -143,7 +144,7 @@ def test_decode_shows_the_quantity_beside_the_number(capsys: pytest.CaptureFixtu
     exact = {"numerator": 10_000, "denominator": 347}
     assert field["quantity"] == {"decimal": "28.82", "exact": False, **exact, "unit": "°C"}
     fields = json.loads(decode(capsys, *frame, "--json"))["fields"]
-    quantities = {item["name"]: item["quantity"] for item in fields}
+    quantities = {field["name"]: field["quantity"] for field in fields}
     assert quantities["position"] is None
     assert quantities["temperature"]["decimal"] == "-273.2"
     assert quantities["temperature"]["exact"] is True

@@ -48,8 +48,8 @@ def frame_of(position: int) -> int:
 def positions(code: str) -> list[int]:
     """Return positions in 25 bits, those at the ends of the range and one beyond them."""
     lowest, highest = RANGES[code]
-    found = {lowest - 1, lowest, -2, -1, 0, 1, highest, highest + 1, -(1 << 24), (1 << 24) - 1}
-    return sorted(item for item in found if -(1 << 24) <= item < 1 << 24)
+    candidates = {lowest - 1, lowest, -2, -1, 0, 1, highest, highest + 1, -(1 << 24), (1 << 24) - 1}
+    return sorted(position for position in candidates if -(1 << 24) <= position < 1 << 24)
 
 
 def is_valid(code: str, position: int) -> bool:
@@ -65,9 +65,9 @@ def test_the_frames_of_this_test() -> None:
 
 @pytest.fixture(scope="module")
 def device() -> Device:
-    (found,), report = load_library(SPECS)
+    (scale,), report = load_library(SPECS)
     assert not report
-    return found
+    return scale
 
 
 @pytest.fixture(scope="module")
@@ -101,15 +101,15 @@ def test_the_reference_rejects_other_positions(code: str, device: Device) -> Non
     placed = device.layout("word").place(device.variant(code).parameters)
     lowest, highest = RANGES[code]
     for position in positions(code):
-        found = codec.decode(device, placed, frame_of(position))
-        wrong = f"position {position} is outside {lowest} to {highest}"
-        assert found.values["position"] == position
-        assert [item.message for item in found.problems] == ([] if is_valid(code, position) else [wrong])
+        decoded = codec.decode(device, placed, frame_of(position))
+        message = f"position {position} is outside {lowest} to {highest}"
+        assert decoded.values["position"] == position
+        assert [problem.message for problem in decoded.problems] == ([] if is_valid(code, position) else [message])
         values = {"position": position, "error": False, "warning": False}
         if is_valid(code, position):
             assert codec.encode(device, placed, values) == frame_of(position)
         else:
-            with pytest.raises(codec.EncodeError, match=wrong):
+            with pytest.raises(codec.EncodeError, match=message):
                 codec.encode(device, placed, values)
 
 
@@ -146,7 +146,10 @@ for code, (lowest, highest), frames in {cases}:
 
 @pytest.mark.slow
 def test_python_rejects_them(generated: Path) -> None:
-    cases = [(code, ends, {item: frame_of(item) for item in positions(code)}) for code, ends in RANGES.items()]
+    cases = []
+    for code, ends in RANGES.items():
+        frames = {position: frame_of(position) for position in positions(code)}
+        cases.append((code, ends, frames))
     run_python(generated, IN_PYTHON.format(cases=cases))
 
 
@@ -215,13 +218,13 @@ int main(void)
 
 @pytest.mark.slow
 def test_c_rejects_them_and_continues_across_the_wrap(generated: Path) -> None:
-    lines = [f"    moved({now}, {before}, {way});" for now, before, way in MOVES]
+    lines = [f"    moved({now}, {before}, {distance});" for now, before, distance in MOVES]
     for code in RANGES:
-        for item in positions(code):
-            encoder, result = f"&TEST_SCALE_BISS_{code}", "CW_OK" if is_valid(code, item) else "CW_FAULT_RANGE"
-            calls = f"test_scale_biss_decode({encoder}, {frame_of(item)}U, &frame)"
+        for position in positions(code):
+            encoder, result = f"&TEST_SCALE_BISS_{code}", "CW_OK" if is_valid(code, position) else "CW_FAULT_RANGE"
+            calls = f"test_scale_biss_decode({encoder}, {frame_of(position)}U, &frame)"
             lines.append(f"    is((int64_t){calls}, (int64_t){result}, __LINE__);")
-            lines.append(f"    frame.position = {item};")
+            lines.append(f"    frame.position = {position};")
             calls = f"test_scale_biss_encode({encoder}, &frame, &word)"
             lines.append(f"    is((int64_t){calls}, (int64_t){result}, __LINE__);")
     assert run_c(generated, IN_C.replace("/* CALLS */", "\n".join(lines))) == (0, "")
@@ -248,9 +251,9 @@ def test_the_c_readme_and_examples_handle_negative_positions(generated: Path) ->
     program = README.replace("EXAMPLE", declared).replace("FRAME", str(frame_of(-5)))
     assert run_c(generated, program) == (0, "1 -5")
     programs = sorted((generated / "c" / "examples").glob("*.c"))
-    assert "scale_biss_dma.c" in {item.name for item in programs}
-    for item in programs:
-        assert run_c(generated, item.read_text(encoding="utf-8"), run=False) == (0, "")
+    assert "scale_biss_dma.c" in {path.name for path in programs}
+    for path in programs:
+        assert run_c(generated, path.read_text(encoding="utf-8"), run=False) == (0, "")
 
 
 @pytest.mark.slow
@@ -270,18 +273,20 @@ def test_the_input_of_a_crc_over_bits_is_not_called_reflected(
 ) -> None:
     """The frame has 27 data bits. These are not bytes whose bits could be reversed, so ``refin`` has no effect."""
     text = SPECS[1].read_text(encoding="utf-8")
-    given = f"refin: {str(refin).lower()}, refout: {str(refout).lower()}"
+    reflection = f"refin: {str(refin).lower()}, refout: {str(refout).lower()}"
     keys = ", ".join(f"crcs.biss_6.{key}" for key, value in (("refin", refin), ("refout", refout)) if value)
     erratum = (
         'errata:\n  - {name: reflected, source: "1", printed: Reflected, used: The same, why: No encoder does this.,'
         f" status: settled, severity: wording, affects: [{keys}]}}\n"
     )
-    (tmp_path / "scale.yaml").write_text(text.replace("refin: false, refout: false", given) + erratum, encoding="utf-8")
-    (found,), report = load_library([SPECS[0], tmp_path / "scale.yaml"])
+    (tmp_path / "scale.yaml").write_text(
+        text.replace("refin: false, refout: false", reflection) + erratum, encoding="utf-8"
+    )
+    (scale,), report = load_library([SPECS[0], tmp_path / "scale.yaml"])
     assert not report, report.problems
-    assert parameters(found, found.crcs[0]) == f"x^6 + x + 1, start value 0{words}, sent inverted"
-    placed = found.layout("word").place(found.variant("AB").parameters)
-    frame = codec.encode(found, placed, {"position": -5, "error": False, "warning": False})
+    assert parameters(scale, scale.crcs[0]) == f"x^6 + x + 1, start value 0{words}, sent inverted"
+    placed = scale.layout("word").place(scale.variant("AB").parameters)
+    frame = codec.encode(scale, placed, {"position": -5, "error": False, "warning": False})
     crc = frame_of(-5) & 0x3F
     assert frame & 0x3F == (int(f"{crc:06b}"[::-1], 2) if refout else crc)
 
@@ -291,7 +296,7 @@ def test_the_input_of_a_crc_over_bits_is_not_called_reflected(
 def test_the_simulated_encoder_sends_twos_complement(code: str, position: int) -> None:
     lowest, highest = RANGES[code]
     encoder = VirtualEncoder(code, position, specs=SPECS)
-    sent = position
-    while sent > highest or sent < lowest:
-        sent += (highest - lowest + 1) * (-1 if sent > highest else 1)
-    assert encoder.frame(encoder.layouts("encoder")[0]) == frame_of(sent)
+    expected = position
+    while expected > highest or expected < lowest:
+        expected += (highest - lowest + 1) * (-1 if expected > highest else 1)
+    assert encoder.frame(encoder.layouts("encoder")[0]) == frame_of(expected)

@@ -43,9 +43,9 @@ SPECS = {
 def read(folder: Path) -> tuple[set[str], set[str]]:
     report = Report()
     read_specs([folder], report)
-    return {Path(name).relative_to(folder).as_posix() for name in report.files}, {
-        Path(name).relative_to(folder).as_posix() for name in report.passed_over
-    }
+    files = {Path(name).relative_to(folder).as_posix() for name in report.files}
+    passed_over = {Path(name).relative_to(folder).as_posix() for name in report.passed_over}
+    return files, passed_over
 
 
 def test_specs_are_told_from_the_yaml_of_others(tmp_path: Path) -> None:
@@ -86,8 +86,8 @@ def test_a_folder_of_other_yaml_files_holds_no_spec(tmp_path: Path) -> None:
 
 def test_folders_without_specs_of_the_user_are_left_out(tmp_path: Path) -> None:
     hidden = (".git/a.yaml", "venv/lib/b.yaml", "out/c/top.yaml", "out/c/x/c.yaml", "build/lib/specs/d.yaml")
-    others = ("node_modules/x/e.yaml", "x.egg-info/f.yaml", "target/debug/g.yaml", "vendor/specs/h.yaml")
-    for name in (*hidden, *others, "specs/i.yaml"):
+    excluded = ("node_modules/x/e.yaml", "x.egg-info/f.yaml", "target/debug/g.yaml", "vendor/specs/h.yaml")
+    for name in (*hidden, *excluded, "specs/i.yaml"):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text("device: x\n")
     (tmp_path / "venv/pyvenv.cfg").write_text("")

@@ -16,13 +16,13 @@ COMMANDS = list(EXAMPLES)
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:
     capsys.readouterr()
-    code = main(arguments)
+    exit_code = main(arguments)
     captured = capsys.readouterr()
-    return code, captured.out, captured.err
+    return exit_code, captured.out, captured.err
 
 
 @pytest.fixture
-def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def own_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """The current folder, with the specs that ``new`` writes."""
     monkeypatch.chdir(tmp_path)
     assert main(["new", "my_encoder"]) == 0
@@ -41,8 +41,8 @@ def test_help_fits_a_terminal_and_has_examples(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, command: tuple[str, ...]
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")
-    code, out, _ = run(capsys, *command, "--help")
-    assert code == 0
+    exit_code, out, _ = run(capsys, *command, "--help")
+    assert exit_code == 0
     assert max(map(len, out.splitlines())) <= 80
     if command:
         assert all(f"\n  {line}\n" in out for line in EXAMPLES[command[0]])
@@ -52,17 +52,17 @@ def test_help_fits_a_terminal_and_has_examples(
 
 @pytest.mark.slow
 @pytest.mark.parametrize("command", [name for name in COMMANDS if name not in ("new", "simulate")])
-def test_the_examples_work(capsys: pytest.CaptureFixture[str], own: Path, command: str) -> None:
+def test_the_examples_work(capsys: pytest.CaptureFixture[str], own_folder: Path, command: str) -> None:
     assert main(["generate"]) == 0
     if command == "diff":
-        (own / "old").mkdir()
+        (own_folder / "old").mkdir()
         for name in ("my_encoder.yaml", "manufacturer.yaml"):
-            shutil.copy(own / name, own / "old")
+            shutil.copy(own_folder / name, own_folder / "old")
     for edition in ("1.0", "1.1"):
-        (own / f"manual-{edition}.txt").write_text("1 - Resolution\n\n13 bits\n", encoding="utf-8")
+        (own_folder / f"manual-{edition}.txt").write_text("1 - Resolution\n\n13 bits\n", encoding="utf-8")
     for line in EXAMPLES[command]:
-        code, _, err = run(capsys, *shlex.split(line)[1:])
-        assert (code, err) == (0, ""), line
+        exit_code, _, err = run(capsys, *shlex.split(line)[1:])
+        assert (exit_code, err) == (0, ""), line
 
 
 def test_the_examples_of_new_work(
@@ -75,8 +75,8 @@ def test_the_examples_of_new_work(
 
 
 def test_version(capsys: pytest.CaptureFixture[str]) -> None:
-    code, out, _ = run(capsys, "--version")
-    assert code == 0
+    exit_code, out, _ = run(capsys, "--version")
+    assert exit_code == 0
     assert out.startswith("codewheel 0.")
 
 
@@ -116,8 +116,8 @@ def test_wrong_usage_shows_the_commands_own_usage(
     error: str,
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    code, out, err = run(capsys, *arguments)
-    assert (code, out) == (2, "")
+    exit_code, out, err = run(capsys, *arguments)
+    assert (exit_code, out) == (2, "")
     assert err.startswith(f"usage: {usage} [")
     assert err.endswith(f": error: {error}\n")
     assert not list(tmp_path.iterdir())
@@ -143,8 +143,8 @@ def test_a_missing_file_is_wrong_usage(
     (tmp_path / "x.yaml").write_text("device: x\n")
     if arguments[0] == "diff":
         arguments = ["diff", "nowhere.yaml"]
-    code, out, err = run(capsys, *arguments, "nowhere.yaml")
-    assert (code, out, err) == (2, "", "codewheel: no such file or folder: nowhere.yaml\n")
+    exit_code, out, err = run(capsys, *arguments, "nowhere.yaml")
+    assert (exit_code, out, err) == (2, "", "codewheel: no such file or folder: nowhere.yaml\n")
 
 
 @pytest.mark.slow
@@ -158,10 +158,10 @@ def test_codes_are_near_only_where_something_is_near(capsys: pytest.CaptureFixtu
     assert "the nearest are AMM5A21/" in run(capsys, "show", "AMM5A21")[2]
 
 
-def test_a_family_is_no_order_code(capsys: pytest.CaptureFixture[str], own: Path) -> None:
+def test_a_family_is_no_order_code(capsys: pytest.CaptureFixture[str], own_folder: Path) -> None:
     for command in (["decode", "--specs", ".", "MY_ENCODER", "0x1"], ["master", "--specs", ".", "MY_ENCODER"]):
-        code, _, err = run(capsys, *command)
-        assert code == 2
+        exit_code, _, err = run(capsys, *command)
+        assert exit_code == 2
         assert err == (
             "codewheel: 'MY_ENCODER' is a family; give an order code, such as MY-ENCODER-13-SC "
             "(codewheel show my_encoder explains them)\n"
@@ -173,15 +173,15 @@ def test_a_family_is_no_order_code(capsys: pytest.CaptureFixture[str], own: Path
 
 @pytest.mark.slow
 def test_without_arguments_the_specs_of_the_folder_are_read_and_named(
-    capsys: pytest.CaptureFixture[str], own: Path
+    capsys: pytest.CaptureFixture[str], own_folder: Path
 ) -> None:
-    (own / "ci.yml").write_text("jobs: {}\n")
+    (own_folder / "ci.yml").write_text("jobs: {}\n")
     for command in ("check", "generate"):
-        code, out, _ = run(capsys, command)
-        assert code == 0
+        exit_code, out, _ = run(capsys, command)
+        assert exit_code == 0
         assert "read 2 specs: manufacturer.yaml, my_encoder.yaml\n" in out
-    assert not list(own.rglob("amm5*"))
-    assert (own / "generated/docs/my_encoder.md").is_file()
+    assert not list(own_folder.rglob("amm5*"))
+    assert (own_folder / "generated/docs/my_encoder.md").is_file()
     _, out, _ = run(capsys, "check", "--json")
     data = json.loads(out)
     assert {place["file"] for place in data.pop("placeholders")} == {"manufacturer.yaml", "my_encoder.yaml"}
@@ -199,38 +199,42 @@ def test_without_specs_in_the_folder_those_that_ship_are_read(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    code, _, err = run(capsys, "show", "AMM5A21/65KSC1")
-    assert (code, err) == (0, "")
+    exit_code, _, err = run(capsys, "show", "AMM5A21/65KSC1")
+    assert (exit_code, err) == (0, "")
 
 
-def test_a_spec_that_is_given_as_an_order_code(capsys: pytest.CaptureFixture[str], own: Path) -> None:
-    code, _, err = run(capsys, "show", "my_encoder.yaml")
-    assert code == 2
+def test_a_spec_that_is_given_as_an_order_code(capsys: pytest.CaptureFixture[str], own_folder: Path) -> None:
+    exit_code, _, err = run(capsys, "show", "my_encoder.yaml")
+    assert exit_code == 2
     assert err.endswith("codewheel: 'my_encoder.yaml' is not an order code; give a spec as --specs my_encoder.yaml\n")
 
 
 @pytest.mark.slow
-def test_one_broken_spec_does_not_keep_the_others_from_use(capsys: pytest.CaptureFixture[str], own: Path) -> None:
-    add_broken(own)
+def test_one_broken_spec_does_not_keep_the_others_from_use(
+    capsys: pytest.CaptureFixture[str], own_folder: Path
+) -> None:
+    add_broken(own_folder)
     for command in (
         ["decode", "MY-ENCODER-13-SC", "0b0001111101000_1_1_011010"],
         ["show", "my_encoder"],
         ["show", "MY-ENCODER-13-SC"],
         ["master", "MY-ENCODER-13-SC"],
     ):
-        code, out, err = run(capsys, *command, "--specs", ".")
-        assert code == 0
+        exit_code, out, err = run(capsys, *command, "--specs", ".")
+        assert exit_code == 0
         assert out
         # Another family cannot have that name, but the broken one could have the order code.
         is_named = "my_encoder" in command
         assert ("codewheel: skipped, with " in err) != is_named
         assert (": bad.yaml; run codewheel check\n" in err) != is_named
-    code, out, _ = run(capsys, "decode", "MY-ENCODER-13-SC", "0b0001111101000_1_1_011010", "--specs", ".", "--json")
-    assert code == 0
+    exit_code, out, _ = run(
+        capsys, "decode", "MY-ENCODER-13-SC", "0b0001111101000_1_1_011010", "--specs", ".", "--json"
+    )
+    assert exit_code == 0
     assert json.loads(out)["problems"] == []
     # The requested family may be in the broken file.
-    code, out, err = run(capsys, "show", "bad", "--specs", ".")
-    assert code == 1
+    exit_code, out, err = run(capsys, "show", "bad", "--specs", ".")
+    assert exit_code == 1
     assert not out
     assert "bad.yaml:1:1: missing-key: " in err
     for command in (["list", "--specs", "."], ["generate", "."]):
@@ -239,16 +243,16 @@ def test_one_broken_spec_does_not_keep_the_others_from_use(capsys: pytest.Captur
 
 @pytest.mark.parametrize("shared", ["device", "maker"])
 def test_a_spec_that_cannot_be_told_from_a_broken_one_is_not_used(
-    capsys: pytest.CaptureFixture[str], own: Path, shared: str
+    capsys: pytest.CaptureFixture[str], own_folder: Path, shared: str
 ) -> None:
-    text = (own / "my_encoder.yaml").read_text()
+    text = (own_folder / "my_encoder.yaml").read_text()
     if shared == "device":
-        (own / "other.yaml").write_text(text.replace("device: my_encoder", "device: other"))
+        (own_folder / "other.yaml").write_text(text.replace("device: my_encoder", "device: other"))
     else:
-        maker = own / "manufacturer.yaml"
+        maker = own_folder / "manufacturer.yaml"
         maker.write_text(maker.read_text().replace("codewheel: 1", "codewheel: 1\nunknown: 1"))
-    code, out, err = run(capsys, "show", "MY-ENCODER-13-SC", "--specs", ".")
-    assert code == 1
+    exit_code, out, err = run(capsys, "show", "MY-ENCODER-13-SC", "--specs", ".")
+    assert exit_code == 1
     assert not out
     assert "order-code-ambiguous" in err or "unknown-key" in err
 
@@ -257,21 +261,21 @@ def test_a_spec_that_cannot_be_told_from_a_broken_one_is_not_used(
 
 
 @pytest.mark.slow
-def test_files_in_the_way_need_force(capsys: pytest.CaptureFixture[str], own: Path) -> None:
-    (own / "docs").mkdir()
-    (own / "docs/README.md").write_text("my own text")
-    code, _, err = run(capsys, "generate", "-o", ".")
-    assert code == 1
+def test_files_in_the_way_need_force(capsys: pytest.CaptureFixture[str], own_folder: Path) -> None:
+    (own_folder / "docs").mkdir()
+    (own_folder / "docs/README.md").write_text("my own text")
+    exit_code, _, err = run(capsys, "generate", "-o", ".")
+    assert exit_code == 1
     assert err.startswith("codewheel: in the way and not written by codewheel; nothing has changed; ")
     assert "\n  docs/README.md\n" in err
-    assert (own / "docs/README.md").read_text() == "my own text"
-    assert not (own / "python").exists()
+    assert (own_folder / "docs/README.md").read_text() == "my own text"
+    assert not (own_folder / "python").exists()
     assert run(capsys, "generate", "-o", ".", "--force")[0] == 0
-    assert (own / "docs/README.md").read_text() != "my own text"
+    assert (own_folder / "docs/README.md").read_text() != "my own text"
 
 
 @pytest.mark.slow
-def test_check_says_how_to_bring_the_files_up_to_date(capsys: pytest.CaptureFixture[str], own: Path) -> None:
-    code, _, err = run(capsys, "generate", "my_encoder.yaml", "-o", "an out", "--check")
-    assert code == 1
+def test_check_says_how_to_bring_the_files_up_to_date(capsys: pytest.CaptureFixture[str], own_folder: Path) -> None:
+    exit_code, _, err = run(capsys, "generate", "my_encoder.yaml", "-o", "an out", "--check")
+    assert exit_code == 1
     assert err.endswith("run: codewheel generate my_encoder.yaml -o 'an out'\n")

@@ -41,7 +41,7 @@ def in_utf_8(*arguments: str) -> str:
 @pytest.mark.parametrize(
     "arguments",
     [DECODE, ["show", "amm5"], ["show", "sma21"], ["master", "SMA21-SC4-0050"]],
-    ids=lambda item: item[0] + item[1],
+    ids=lambda arguments: arguments[0] + arguments[1],
 )
 def test_text_in_any_encoding(encoding: str, arguments: list[str]) -> None:
     done, whole = run(*arguments, PYTHONIOENCODING=encoding), in_utf_8(*arguments)
@@ -56,9 +56,8 @@ def test_text_in_any_encoding(encoding: str, arguments: list[str]) -> None:
 
 def test_every_character_of_our_specs_has_a_stand_in() -> None:
     specs = Path(__file__).parents[2] / "specs"
-    lacking = {
-        character for path in specs.rglob("*.yaml") for character in path.read_text(encoding="utf-8") if character > "~"
-    }
+    text = "".join(path.read_text(encoding="utf-8") for path in specs.rglob("*.yaml"))
+    lacking = {character for character in text if character > "~"}
     assert "µ" in lacking
     assert "−" in lacking
     for character in lacking:

@@ -73,9 +73,9 @@ class Unknown:
 
 
 def target_of(output: str) -> Target:
-    found = importlib.import_module(OUTPUTS[output][1]).TARGET
-    assert isinstance(found, Target)
-    return found
+    target = importlib.import_module(OUTPUTS[output][1]).TARGET
+    assert isinstance(target, Target)
+    return target
 
 
 @cache
@@ -86,22 +86,22 @@ def library(spec: str) -> Library:
     return Library(devices)
 
 
-def rendered(output: str) -> None:
+def render(output: str) -> None:
     target = target_of(output)
-    options = {item.name: item.default for item in target.options}
+    options = {option.name: option.default for option in target.options}
     for spec in SPECS:
         # Targets remember their results for a family, so each rendering needs its own families.
         assert target.files(Library(tuple(map(replace, library(spec).devices))), options)
 
 
-def patched(monkeypatch: pytest.MonkeyPatch, output: str, meant: Callable[[Field, Place], object]) -> None:
+def replace_meaning_of(monkeypatch: pytest.MonkeyPatch, output: str, meant: Callable[[Field, Place], object]) -> None:
     """Replace ``meaning_of`` everywhere. ``meant`` also gets the module and the function of the output that calls it.
 
     Calls from other packages get the true operation.
     """
     package = OUTPUTS[output][0]
 
-    def replaced(field: Field) -> object:
+    def meaning_by_caller(field: Field) -> object:
         frame = sys._getframe(1)
         # Comprehensions and the property ``meaning`` of the plan belong to the function that contains them.
         while frame.f_code.co_name.startswith("<") or frame.f_code.co_name == "meaning":
@@ -114,7 +114,7 @@ def patched(monkeypatch: pytest.MonkeyPatch, output: str, meant: Callable[[Field
 
     for module in list(sys.modules.values()):
         if getattr(module, "meaning_of", None) is TRUE:
-            monkeypatch.setattr(module, "meaning_of", replaced)
+            monkeypatch.setattr(module, "meaning_of", meaning_by_caller)
 
 
 @pytest.mark.slow
@@ -124,18 +124,20 @@ def test_an_unknown_operation_is_refused(output: str, monkeypatch: pytest.Monkey
     places: set[Place] = set()
     with monkeypatch.context() as patch:
 
-        def noted(field: Field, place: Place) -> object:
+        def note_place(field: Field, place: Place) -> object:
             places.add(place)
             return TRUE(field)
 
-        patched(patch, output, noted)
-        rendered(output)
+        replace_meaning_of(patch, output, note_place)
+        render(output)
     assert places > ASKING[output]
     for chosen in sorted(places - ASKING[output]):
         with monkeypatch.context() as patch:
-            patched(patch, output, lambda field, place, chosen=chosen: Unknown() if place == chosen else TRUE(field))
+            replace_meaning_of(
+                patch, output, lambda field, place, chosen=chosen: Unknown() if place == chosen else TRUE(field)
+            )
             with pytest.raises(AssertionError, match="no case for Unknown"):
-                rendered(output)
+                render(output)
 
 
 @dataclass(frozen=True)
@@ -149,25 +151,25 @@ class UnknownCheck:
 
 @pytest.mark.parametrize("output", ["c", "rust"])
 def test_an_unknown_check_is_refused(output: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    def unknown(layout: Layout) -> Iterator[UnknownCheck]:
+    def unknown_checks(layout: Layout) -> Iterator[UnknownCheck]:
         yield from (UnknownCheck(field, bits_of(layout, field)) for field in layout.data_fields)
 
-    monkeypatch.setattr("codewheel.plan.codec._ranges", unknown)
+    monkeypatch.setattr("codewheel.plan.codec._ranges", unknown_checks)
     with pytest.raises(AssertionError, match="no case for UnknownCheck"):
-        rendered(output)
+        render(output)
 
 
 @pytest.mark.parametrize("output", ["c", "rust"])
 def test_an_unknown_refusal_is_refused(output: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """By the code that prints it. A limit that depends on the order code is refused earlier, by the plan."""
 
-    def unknown(layout: Layout, field: Field) -> Iterator[UnknownCheck]:
+    def unknown_checks(layout: Layout, field: Field) -> Iterator[UnknownCheck]:
         yield UnknownCheck(field, bits_of(layout, field))
 
-    monkeypatch.setattr("codewheel.plan.refusals._of_field", unknown)
+    monkeypatch.setattr("codewheel.plan.refusals._of_field", unknown_checks)
     monkeypatch.setattr("codewheel.targets.c.codec.depends", lambda _: False)
     with pytest.raises(AssertionError, match="no case for UnknownCheck"):
-        rendered(output)
+        render(output)
 
 
 #: Decisions about a field that depend on its kind.
@@ -213,23 +215,25 @@ _KINDS = {kind.__name__ for kind in get_args(Kind)} | {"Kind", "kinds"}
 _MODEL = re.compile(r"(codewheel|\.*)\.?model(\.kinds)?")
 
 
-def imported(path: Path) -> set[str]:
+def names_from_model(path: Path) -> set[str]:
     """Return the names that a module imports from the model."""
-    found = (node for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))) if isinstance(node, ast.ImportFrom))
-    return {
-        item.name for node in found if _MODEL.fullmatch(f"{'.' * node.level}{node.module or ''}") for item in node.names
-    }
+    names: set[str] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and _MODEL.fullmatch(f"{'.' * node.level}{node.module or ''}"):
+            names |= {alias.name for alias in node.names}
+    return names
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("output", WITHOUT_KINDS)
 def test_no_output_looks_at_kinds(output: str) -> None:
     source, templates = (ROOT / folder for folder in WITHOUT_KINDS[output])
-    modules = {path: imported(path) for path in source.rglob("*.py")}
+    modules = {path: names_from_model(path) for path in source.rglob("*.py")}
     assert "Device" in set().union(*modules.values())
     assert {path.name: names & _KINDS for path, names in modules.items() if names & _KINDS} == {}
     tests = (re.sub(r"(?<=[a-z])(?=[A-Z])", "_", name).lower() for name in _KINDS)
     looks = r"\bfield\.kind\b|\.kind\.|\.number\.(signed|zero_means)\b"
     asks = rf"\bis (not )?({'|'.join(tests)})\b|{looks}"
     files = {**dict.fromkeys(source.rglob("*.py"), looks), **dict.fromkeys(templates.glob("*.jinja"), asks)}
-    assert {path.name for path, asked in files.items() if re.search(asked, path.read_text(encoding="utf-8"))} == set()
+    texts = {path: path.read_text(encoding="utf-8") for path in files}
+    assert [path.name for path, pattern in files.items() if re.search(pattern, texts[path])] == []

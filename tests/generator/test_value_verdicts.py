@@ -35,7 +35,7 @@ TESTS = Path(__file__).resolve().parents[1]
 MT6701 = TESTS.parent / "examples" / "encoders" / "magntek" / "mt6701.yaml"
 SCRIPT = TESTS.parent / "docs" / "example" / "decode_from_xml.py"
 SIGNS = TESTS / "specs" / "signs.yaml"
-VERDICTS = [item.value for item in Verdict]
+VERDICTS = [verdict.value for verdict in Verdict]
 NOT_USABLE, WARNING, USABLE = "not_usable", "usable_with_warning", "usable"
 #: A frame: a number, or bytes. A result: the verdict, and the names of the reports.
 Frame = int | bytes
@@ -103,13 +103,13 @@ def gray_words() -> Iterator[tuple[Frame, Result]]:
     for _ in range(4096):
         whole, is_cold = numbers.randrange(1 << 15), bool(numbers.randrange(2))
         quality, is_moving = whole >> 1 & 3, bool(whole & 1)
-        found = {
+        conditions = {
             "quality_none": quality == 3,
             "fair_while_moving": quality == 1 and is_moving and not is_cold,
             "quality_poor": quality == 2,
             "cold_standstill": not is_moving and is_cold,
         }
-        reports = frozenset(name for name, is_active in found.items() if is_active)
+        reports = frozenset(name for name, is_active in conditions.items() if is_active)
         verdict = WARNING if reports else USABLE
         verdict = NOT_USABLE if reports & {"quality_none", "fair_while_moving"} else verdict
         data = (whole ^ whole >> 1) << 1 | (not is_cold)
@@ -126,17 +126,17 @@ def replies(reply_id: int) -> Iterator[tuple[Frame, Result]]:
         for mode in (0, 9, 15):
             light, is_hot, has_no_supply = status & 3, bool(status & 4), not status & 8
             is_worn, is_summed = bool(status & 64), bool(status & 128)
-            found = {"light_weak": light == 1, "light_dark": light == 3, "worn": is_worn, "summed": is_summed}
-            found["spare"] = status >> 4 & 3 != 1
+            conditions = {"light_weak": light == 1, "light_dark": light == 3, "worn": is_worn, "summed": is_summed}
+            conditions["spare"] = status >> 4 & 3 != 1
             worst = {"light_dark"} | (set() if is_worn else {"summed"})
             if reply_id == 1:
-                found["hot_in_test"] = is_hot and mode == 9
-                found["weak_without_supply"] = light == 1 and has_no_supply and mode == 15
-                found["reserved_and_hot"] = light == 2 and is_hot
+                conditions["hot_in_test"] = is_hot and mode == 9
+                conditions["weak_without_supply"] = light == 1 and has_no_supply and mode == 15
+                conditions["reserved_and_hot"] = light == 2 and is_hot
                 worst |= {"hot_in_test", "weak_without_supply"}
             else:
-                found["mode_test"] = mode == 9
-            reports = frozenset(name for name, is_active in found.items() if is_active)
+                conditions["mode_test"] = mode == 9
+            reports = frozenset(name for name, is_active in conditions.items() if is_active)
             verdict = WARNING if reports - {"summed"} else USABLE
             verdict = NOT_USABLE if reports & worst else verdict
             low_first = bytes([reply_id, status, 0x34, mode << 4 | 0x2])
@@ -162,19 +162,19 @@ def device_of(path: Path) -> Device:
     return device
 
 
-def reference(device: Device, code: str, layout: str, frames: Sequence[Frame], *_: object) -> list[Result]:
-    variant = next(item for item in device.variants if item.code == code)
+def decode_by_reference(device: Device, code: str, layout: str, frames: Sequence[Frame], *_: object) -> list[Result]:
+    variant = next(variant for variant in device.variants if variant.code == code)
     placed = device.layout(layout).place(variant.parameters)
     results = []
     for frame in frames:
         number = number_from_bytes(placed.layout, frame) if isinstance(frame, bytes) else frame
-        found = findings(device, variant, codec.decode(device, placed, number))
-        assert found.verdict is not None
-        results.append((found.verdict.value, frozenset(item.field for item in found.reports)))
+        frame_findings = findings(device, variant, codec.decode(device, placed, number))
+        assert frame_findings.verdict is not None
+        results.append((frame_findings.verdict.value, frozenset(report.field for report in frame_findings.reports)))
     return results
 
 
-def python(
+def decode_in_python(
     device: Device, code: str, layout: str, frames: Sequence[Frame], import_generated: Import, _: Path
 ) -> list[Result]:
     package = device.manufacturer.python_package
@@ -184,11 +184,11 @@ def python(
     for frame in decoded:
         is_usable = frame.verdict.value != NOT_USABLE
         assert (frame.usable_position is not None) is is_usable
-        results.append((frame.verdict.value, frozenset(item.name for item in frame.reports)))
+        results.append((frame.verdict.value, frozenset(report.name for report in frame.reports)))
     return results
 
 
-def columns(
+def decode_in_columns(
     device: Device, code: str, layout: str, frames: Sequence[Frame], import_generated: Import, _: Path
 ) -> list[Result]:
     np: Any = pytest.importorskip("numpy")
@@ -201,17 +201,20 @@ def columns(
         table = encoder.decode_many(np.array(frames, np.uint64))
     assert table.ok.all()
     named = {name: column.tolist() for name, column in table.reports.items()}
-    return [
-        (VERDICTS[verdict], frozenset(name for name, column in named.items() if column[row]))
-        for row, verdict in enumerate(table.verdict.tolist())
-    ]
+    results = []
+    for row, verdict in enumerate(table.verdict.tolist()):
+        reports = frozenset(name for name, column in named.items() if column[row])
+        results.append((VERDICTS[verdict], reports))
+    return results
 
 
-def compiled(device: Device, code: str, layout: str, frames: Sequence[Frame], _: Import, folder: Path) -> list[Result]:
+def decode_in_c(
+    device: Device, code: str, layout: str, frames: Sequence[Frame], _: Import, folder: Path
+) -> list[Result]:
     compile_programs([*GCC, "-Wall", "-Wextra", "-Werror"], device, folder, write(folder, (device,)))
-    variant = next(item for item in device.variants if item.code == code)
-    view = next(item for item in by_interface(device) if item.interfaces[0].name == variant.interface)
-    names = {1 << item.number: item.name for item in reports_of(view)}
+    variant = next(variant for variant in device.variants if variant.code == code)
+    view = next(view for view in by_interface(device) if view.interfaces[0].name == variant.interface)
+    names = {1 << report.number: report.name for report in reports_of(view)}
     texts = [frame.hex().upper() if isinstance(frame, bytes) else f"{frame:X}" for frame in frames]
     answers = runner_over(device, folder)([f"{code} tells {layout} {text}" for text in texts])
     results = []
@@ -240,23 +243,31 @@ console.log(JSON.stringify(results));
 """
 
 
-def browser(device: Device, code: str, layout: str, frames: Sequence[Frame], _: Import, folder: Path) -> list[Result]:
+def decode_in_browser(
+    device: Device, code: str, layout: str, frames: Sequence[Frame], _: Import, folder: Path
+) -> list[Result]:
     node = shutil.which("node") or shutil.which("nodejs")
     if node is None:
         pytest.skip("needs node")
     (folder / "decode.js").write_text(generate_page(Library((device,)))["browser/decode.js"], encoding="utf-8")
-    given = [list(frame) if isinstance(frame, bytes) else f"0x{frame:X}" for frame in frames]
-    (folder / "frames.json").write_text(json.dumps([code, layout, given]), encoding="utf-8")
+    frame_data = [list(frame) if isinstance(frame, bytes) else f"0x{frame:X}" for frame in frames]
+    (folder / "frames.json").write_text(json.dumps([code, layout, frame_data]), encoding="utf-8")
     done = subprocess.run([node, "-e", _SCRIPT], cwd=folder, capture_output=True, text=True, check=True)
-    found: Iterable[tuple[int, str, list[str]]] = json.loads(done.stdout)
+    decoded: Iterable[tuple[int, str, list[str]]] = json.loads(done.stdout)
     results = []
-    for problems, verdict, reports in found:
+    for problems, verdict, reports in decoded:
         assert not problems
         results.append((verdict, frozenset(reports)))
     return results
 
 
-ENGINES = {"reference": reference, "python": python, "columns": columns, "c": compiled, "browser": browser}
+ENGINES = {
+    "reference": decode_by_reference,
+    "python": decode_in_python,
+    "columns": decode_in_columns,
+    "c": decode_in_c,
+    "browser": decode_in_browser,
+}
 
 
 @pytest.mark.parametrize("engine", ENGINES)
@@ -267,9 +278,10 @@ def test_every_engine_decides_as_the_table_does(
     path, code, layout, pairs = FRAMES[name]
     frames = [frame for frame, _ in pairs]
     results = ENGINES[engine](device_of(path), code, layout, frames, import_generated, tmp_path)
-    differing = [
-        (frame, wanted, found) for (frame, wanted), found in zip(pairs, results, strict=True) if wanted != found
-    ]
+    differing = []
+    for (frame, wanted), result in zip(pairs, results, strict=True):
+        if wanted != result:
+            differing.append((frame, wanted, result))
     assert differing == []
     assert {verdict for _, (verdict, _) in pairs} == {NOT_USABLE, WARNING, USABLE}
 

@@ -74,20 +74,20 @@ def test_the_frame_with_both_levels_at_1_is_the_one_in_the_readme() -> None:
 def test_the_reference(amm5: Device, levels: tuple[int, int], answer: str) -> None:
     variant = with_answers(amm5, find(amm5, MULTITURN).variant, {"warning_cause": answer})
     placed = amm5.layout("single_cycle_data").place(variant.parameters)
-    said = findings(amm5, variant, codec.decode(amm5, placed, frame(levels, 37)))
-    assert said.verdict is not None
-    assert said.verdict.value == WANTED[levels][answer]
-    own = {report.field: report.makes_position for report in said.reports}
-    if "warning" in own:
-        worth = own["warning"]
-        assert worth is not None
-        assert worth.value == WANTED[1, 0][answer]
+    frame_findings = findings(amm5, variant, codec.decode(amm5, placed, frame(levels, 37)))
+    assert frame_findings.verdict is not None
+    assert frame_findings.verdict.value == WANTED[levels][answer]
+    verdicts = {report.field: report.makes_position for report in frame_findings.reports}
+    if "warning" in verdicts:
+        warning_verdict = verdicts["warning"]
+        assert warning_verdict is not None
+        assert warning_verdict.value == WANTED[1, 0][answer]
 
 
 def test_every_frame_is_decoded_without_a_choice(amm5: Device) -> None:
     variant, layout = find(amm5, MULTITURN).variant, amm5.layout("single_cycle_data")
     assert amm5.alternatives_of(layout) == ()
-    assert [item.name for item in amm5.verdict_alternatives(layout)] == ["warning_cause"]
+    assert [alternative.name for alternative in amm5.verdict_alternatives(layout)] == ["warning_cause"]
     for levels, wanted in WANTED.items():
         decoded = codec.decode(amm5, layout.place(variant.parameters), frame(levels, 37))
         verdict = findings(amm5, variant, decoded).verdict
@@ -104,10 +104,10 @@ def decode(capsys: pytest.CaptureFixture[str], code: str, number: int, *more: st
 def test_decode(capsys: pytest.CaptureFixture[str], levels: tuple[int, int], answer: str) -> None:
     chosen = ("--choose", f"warning_cause={answer}")
     status, out = decode(capsys, MULTITURN, frame(levels, 37), *chosen, "--json")
-    found = json.loads(out)
-    assert found["verdict"] == WANTED[levels][answer]
-    assert status == (3 if found["verdict"] == "not_usable" else 0)
-    assert found["alternatives"] == ({} if levels[1] else {"warning_cause": answer})
+    decoded = json.loads(out)
+    assert decoded["verdict"] == WANTED[levels][answer]
+    assert status == (3 if decoded["verdict"] == "not_usable" else 0)
+    assert decoded["alternatives"] == ({} if levels[1] else {"warning_cause": answer})
 
 
 def test_decode_says_which_reading_applies(capsys: pytest.CaptureFixture[str]) -> None:
@@ -126,8 +126,8 @@ def test_decode_says_which_reading_applies(capsys: pytest.CaptureFixture[str]) -
 def test_a_singleturn_encoder_has_nothing_to_choose(capsys: pytest.CaptureFixture[str]) -> None:
     for levels, wanted in WANTED_WITHOUT_BATTERY.items():
         _, out = decode(capsys, SINGLETURN, frame(levels, 21), "--json")
-        found = json.loads(out)
-        assert (found["verdict"], found["alternatives"]) == (wanted, {})
+        decoded = json.loads(out)
+        assert (decoded["verdict"], decoded["alternatives"]) == (wanted, {})
     assert main(["decode", SINGLETURN, "0", "--choose", "warning_cause=low_battery"]) == 2
     assert f"{SINGLETURN} has nothing to choose" in capsys.readouterr().err
 
@@ -144,18 +144,19 @@ def test_python(generated_python: tuple[Path, ModuleType], code: str, bits: int)
     for answer in package.amm5.WarningCause:
         encoder = first.with_answers(warning_cause=answer)
         decoded = [encoder.decode(number) for number in frames]
-        assert [item.verdict.value for item in decoded] == wanted_of(bits, answer.name.lower())
-        assert [order[index] for index in encoder.decode_many(frames).verdict] == [item.verdict for item in decoded]
-        for item in decoded:
-            assert (item.usable_position is None) == (item.verdict is package.Verdict.NOT_USABLE)
-            worst = min((report.makes_position for report in item.reports), key=order.index, default=order[-1])
-            assert worst is item.verdict
-    assert [first.decode(number).verdict.value for number in frames] == wanted_of(bits, EITHER)
+        verdicts = [decoded_frame.verdict for decoded_frame in decoded]
+        assert [verdict.value for verdict in verdicts] == expected_verdicts(bits, answer.name.lower())
+        assert [order[index] for index in encoder.decode_many(frames).verdict] == verdicts
+        for decoded_frame in decoded:
+            assert (decoded_frame.usable_position is None) == (decoded_frame.verdict is package.Verdict.NOT_USABLE)
+            worst = min((report.makes_position for report in decoded_frame.reports), key=order.index, default=order[-1])
+            assert worst is decoded_frame.verdict
+    assert [first.decode(number).verdict.value for number in frames] == expected_verdicts(bits, EITHER)
     with pytest.raises(TypeError, match=r"expected WarningCause\.EITHER_CAUSE or WarningCause\.LOW_BATTERY"):
         first.with_answers(warning_cause="low_battery")
 
 
-def wanted_of(bits: int, answer: str) -> list[str]:
+def expected_verdicts(bits: int, answer: str) -> list[str]:
     return [WANTED[levels][answer] if bits == 37 else WANTED_WITHOUT_BATTERY[levels] for levels in WANTED]
 
 
@@ -196,26 +197,23 @@ def test_c(amm5: Device, tmp_path: Path, code: str, bits: int) -> None:
     build = ["gcc", "-std=c99", "-Wall", "-Wextra", "-Werror", f"-I{tmp_path / 'c' / 'include'}", str(source), "-o"]
     subprocess.run([*build, str(tmp_path / "program")], check=True)
     done = subprocess.run([str(tmp_path / "program")], capture_output=True, text=True, check=True)
-    wanted = [verdict for answer in (EITHER, BATTERY) for verdict in wanted_of(bits, answer)]
-    shown = [f"{IN_C.index(verdict)} {5 if verdict == 'not_usable' else POSITION}" for verdict in wanted]
-    assert done.stdout.splitlines() == shown
+    wanted = [verdict for answer in (EITHER, BATTERY) for verdict in expected_verdicts(bits, answer)]
+    lines = [f"{IN_C.index(verdict)} {5 if verdict == 'not_usable' else POSITION}" for verdict in wanted]
+    assert done.stdout.splitlines() == lines
 
 
 @pytest.mark.slow
 def test_the_browser(amm5: Device, tmp_path: Path) -> None:
     node = Asker(tmp_path, browser_files(Library((amm5,)))["browser/decode.js"], program("node"))
-    items = [
-        {
-            "code": MULTITURN,
-            "sender": "encoder",
-            "text": f"{frame(levels, 37):#x}",
-            "answers": {"warning_cause": answer},
-        }
-        for levels, answer in CASES
-    ]
-    assert [found["verdict"] for found in node("values", items)] == [WANTED[levels][answer] for levels, answer in CASES]
-    items = [{**item, "answers": {}} for item in items]
-    assert [found["verdict"] for found in node("values", items)] == [WANTED[levels][EITHER] for levels, _ in CASES]
+    requests: list[dict[str, object]] = []
+    for levels, answer in CASES:
+        request = {"code": MULTITURN, "sender": "encoder", "text": f"{frame(levels, 37):#x}"}
+        requests.append({**request, "answers": {"warning_cause": answer}})
+    verdicts = [decoded["verdict"] for decoded in node("values", requests)]
+    assert verdicts == [WANTED[levels][answer] for levels, answer in CASES]
+    unanswered = [{**request, "answers": {}} for request in requests]
+    verdicts = [decoded["verdict"] for decoded in node("values", unanswered)]
+    assert verdicts == [WANTED[levels][EITHER] for levels, _ in CASES]
 
 
 def test_the_pages_state_the_question_and_both_answers(library: Library) -> None:
@@ -250,5 +248,5 @@ def test_a_second_reading_with_the_verdicts_exchanged_is_reported(
     assert text.count(stated) == 1
     second.write_text(text.replace(stated, exchanged), encoding="utf-8")
     assert main(["check", str(tmp_path)]) == 1
-    said = " ".join(capsys.readouterr().out.split())
-    assert "readings-disagree: verdict with the other answer of " in said
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "readings-disagree: verdict with the other answer of " in printed

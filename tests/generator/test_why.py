@@ -20,7 +20,19 @@ from codewheel.model import Device
 from codewheel.order_codes.labels import find
 from codewheel.why.mistakes import BitText, Why, explain_bits
 from codewheel.why.tries import MISTAKES as KINDS
-from planted import BYTE_CODES, ENCODERS, MISTAKES, Encoder, Maker, Plant, as_hex, byte_mistakes, crc, noise, sound
+from planted import (
+    BYTE_CODES,
+    ENCODERS,
+    MISTAKES,
+    Encoder,
+    Maker,
+    Plant,
+    as_hex,
+    byte_mistakes,
+    crc,
+    random_bits,
+    valid_frame,
+)
 
 SPECS = Path(__file__).parents[1] / "specs"
 Run = Callable[..., tuple[int, dict[str, Any]]]
@@ -31,23 +43,24 @@ def decode(capsys: pytest.CaptureFixture[str]) -> Run:
     """``codewheel decode --json`` on one frame: exit code and data."""
 
     def run(code: str, *frame: str) -> tuple[int, dict[str, Any]]:
-        done = main(["decode", code, *frame, "--json"])
-        return done, json.loads(capsys.readouterr().out)
+        exit_code = main(["decode", code, *frame, "--json"])
+        return exit_code, json.loads(capsys.readouterr().out)
 
     return run
 
 
-def why(device: Device, code: str, text: str) -> Why | None:
+def why_of_text(device: Device, code: str, text: str) -> Why | None:
     variant = find(device, code).variant
     return why_text(device, variant, "encoder", text, decode_text(device, variant, "encoder", text))
 
 
-def seen(device: Device, plant: Plant) -> list[str] | None:
+def explanation_lines(device: Device, plant: Plant) -> list[str] | None:
     """Return ``kind: text`` of every explanation of a planted frame, or None if the frame is valid by chance."""
-    found = why(device, plant.code, plant.text)
-    return (
-        None if found is None else [f"{item.kind}: {item.text} {' '.join(item.codes)}" for item in found.explanations]
-    )
+    explained = why_of_text(device, plant.code, plant.text)
+    if explained is None:
+        return None
+    explanations = explained.explanations
+    return [f"{explanation.kind}: {explanation.text} {' '.join(explanation.codes)}" for explanation in explanations]
 
 
 def is_planted(plant: Plant) -> Callable[[str], bool]:
@@ -56,13 +69,8 @@ def is_planted(plant: Plant) -> Callable[[str], bool]:
 
 def family(devices: Mapping[str, Device], code: str) -> Device:
     """By the first letters of the code, as the manuals print them."""
-    return devices[
-        next(
-            name
-            for start, name in (("AMM5", "amm5"), ("ASC85", "asc85"), ("SMA21", "sma21"), ("AM", "am36"))
-            if code.startswith(start)
-        )
-    ]
+    families = {"AMM5": "amm5", "ASC85": "asc85", "SMA21": "sma21", "AM": "am36"}
+    return devices[next(name for start, name in families.items() if code.startswith(start))]
 
 
 def test_the_division_is_right() -> None:
@@ -77,7 +85,7 @@ def test_the_division_is_right() -> None:
 def test_sound_frames_need_no_explanation(devices: Mapping[str, Device]) -> None:
     source = random.Random(1)
     for encoder in ENCODERS:
-        assert why(family(devices, encoder.code), encoder.code, "0b" + sound(encoder, source)) is None
+        assert why_of_text(family(devices, encoder.code), encoder.code, "0b" + valid_frame(encoder, source)) is None
 
 
 #: Least fraction of the planted frames whose mistake is listed first.
@@ -97,18 +105,18 @@ FIRST = {
 @pytest.mark.parametrize("maker", MISTAKES, ids=lambda maker: maker.__name__)
 def test_what_was_planted_is_listed_and_mostly_first(maker: Maker, devices: Mapping[str, Device]) -> None:
     source = random.Random(maker.__name__)
-    asked = first = 0
+    explained = listed_first = 0
     for _ in range(4):
         for encoder in ENCODERS:
             for plant in maker(encoder, source):
-                lines = seen(family(devices, encoder.code), plant)
+                lines = explanation_lines(family(devices, encoder.code), plant)
                 if lines is None:
                     continue  # 1 frame in 64 is valid by chance
                 assert any(map(is_planted(plant), lines)), (plant, lines)
-                asked += 1
-                first += is_planted(plant)(lines[0])
-    assert asked >= 40
-    assert first >= FIRST.get(maker.__name__, 0.75) * asked
+                explained += 1
+                listed_first += is_planted(plant)(lines[0])
+    assert explained >= 40
+    assert listed_first >= FIRST.get(maker.__name__, 0.75) * explained
 
 
 @pytest.mark.slow
@@ -117,7 +125,7 @@ def test_a_number_without_its_leading_zeros_is_no_obstacle(devices: Mapping[str,
     for encoder in ENCODERS:
         for maker in MISTAKES[:9]:
             for plant in map(as_hex, maker(encoder, source)):
-                lines = seen(family(devices, encoder.code), plant)
+                lines = explanation_lines(family(devices, encoder.code), plant)
                 if (
                     maker.__name__ in ("not_inverted", "status_left_out", "status_turned", "read_late", "read_early")
                     and lines is not None
@@ -129,26 +137,25 @@ def test_a_number_without_its_leading_zeros_is_no_obstacle(devices: Mapping[str,
 @pytest.mark.parametrize("code", BYTE_CODES)
 def test_mistakes_with_bytes(code: str, devices: Mapping[str, Device]) -> None:
     source = random.Random(4)
-    asked = first = 0
+    explained = listed_first = 0
     for _ in range(20):
         for plant in byte_mistakes(code, source):
-            lines = seen(family(devices, code), plant)
+            lines = explanation_lines(family(devices, code), plant)
             if lines is not None:
                 assert any(map(is_planted(plant), lines)), (plant, lines)
-                asked, first = asked + 1, first + is_planted(plant)(lines[0])
-    assert asked > 150
-    assert first > 0.95 * asked
+                explained, listed_first = explained + 1, listed_first + is_planted(plant)(lines[0])
+    assert explained > 150
+    assert listed_first > 0.95 * explained
+
+
+CODES_OF_EACH_FAMILY = ("AMM5A21/65KSC1", "SMA21-SC4-0050", "AM3616/4096-I7", "ASC8525/SC2", "ASC8525/SC1")
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "encoder",
-    [
-        item
-        for item in ENCODERS
-        if item.code in ("AMM5A21/65KSC1", "SMA21-SC4-0050", "AM3616/4096-I7", "ASC8525/SC2", "ASC8525/SC1")
-    ],
-    ids=lambda item: item.code,
+    [encoder for encoder in ENCODERS if encoder.code in CODES_OF_EACH_FAMILY],
+    ids=lambda encoder: encoder.code,
 )
 def test_the_command_line_lists_them(
     encoder: Encoder, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -169,8 +176,10 @@ def test_the_command_line_lists_them(
         if data["why"] is None:
             assert data["problems"] == []
             continue
-        kinds = [(item["kind"], item["text"] + " ".join(item["order_codes"])) for item in data["why"]["explanations"]]
-        assert any(kind == plant.kind and plant.words in text for kind, text in kinds), (plant, kinds)
+        explanations = data["why"]["explanations"]
+        of_kind = [explanation for explanation in explanations if explanation["kind"] == plant.kind]
+        texts = [explanation["text"] + " ".join(explanation["order_codes"]) for explanation in of_kind]
+        assert any(plant.words in text for text in texts), (plant, explanations)
 
 
 @pytest.mark.slow
@@ -182,11 +191,11 @@ def test_the_words_fit_a_terminal(devices: Mapping[str, Device]) -> None:
         for maker in MISTAKES:
             for plant in maker(encoder, source):
                 decoded = decode_text(device, match.variant, "encoder", plant.text)
-                found = why_text(device, match.variant, "encoder", plant.text, decoded)
-                text = explain(device, match, "encoder", decoded, why=found)
+                explained = why_text(device, match.variant, "encoder", plant.text, decoded)
+                text = explain(device, match, "encoder", decoded, why=explained)
                 assert [line for line in text.splitlines() if len(line) > 80] == []
                 assert (
-                    found is None
+                    explained is None
                     or "matches by chance in 1 of" in text
                     or "fewer than 1 of" in text
                     or "No common mistake" in text
@@ -201,9 +210,9 @@ def test_a_frame_worked_out_on_paper(decode: Run) -> None:
     """
     frame = "0" * 16 + "1" + "11"
     assert decode("AMM5A17/1SC1", f"0b{frame}110110")[1]["why"] is None
-    code, data = decode("AMM5A17/1SC1", f"0b{frame}001001")
+    exit_code, data = decode("AMM5A17/1SC1", f"0b{frame}001001")
     best = data["why"]["explanations"][0]
-    assert code == 1
+    assert exit_code == 1
     assert (best["kind"], best["one_in"], best["twice"], best["reads"]) == (
         "crc_not_inverted",
         64,
@@ -216,8 +225,9 @@ def test_what_the_frame_would_read(decode: Run) -> None:
     """The frame above, started one clock late. Its first bit was a 0, so the position is 1."""
     frame = "0" * 16 + "1" + "11" + "110110"
     _, data = decode("AMM5A17/1SC1", f"0b{frame[1:]}0")
-    best = next(item for item in data["why"]["explanations"] if item["kind"] == "first_bit_missing")
-    assert best["reads"] == {"singleturn": 1}
+    explanations = data["why"]["explanations"]
+    missing_bits = [explanation for explanation in explanations if explanation["kind"] == "first_bit_missing"]
+    assert missing_bits[0]["reads"] == {"singleturn": 1}
     _, data = decode("AMM5A23/1SC1", "0b" + frame)
     best = data["why"]["explanations"][0]
     assert best["order_codes"] == ["AMM5A17/1SC1", "AMM5B17/1SC1"]
@@ -229,46 +239,46 @@ def test_what_follows_a_shorter_frame_is_0(decode: Run) -> None:
     Stop bit and SLI are 0, so other bits cannot follow a shorter frame."""
     frame = "0" * 16 + "1" + "11" + "110110"
     for behind, expected in (("0000", True), ("0100", False), ("0001", False)):
-        found = decode("AMM5A21/1SC1", f"0b{frame}{behind}")[1]["why"]["explanations"]
-        assert ("AMM5A17/1SC1" in [code for item in found for code in item["order_codes"]]) is expected
+        explanations = decode("AMM5A21/1SC1", f"0b{frame}{behind}")[1]["why"]["explanations"]
+        assert (
+            "AMM5A17/1SC1" in [code for explanation in explanations for code in explanation["order_codes"]]
+        ) is expected
 
 
 def test_the_0_bit_of_asc85_may_be_missing(decode: Run) -> None:
     """33 bits as a public driver reads them, 25 + nE + nW + 6.
     Position 1: remainder of 111b * x^6 is 001001b, as above, sent inverted."""
     as_printed = ("--choose", "zero_bit=as_printed")
-    code, data = decode("ASC8525/SC1", "0b" + "0" * 24 + "1" + "11" + "110110", *as_printed)
+    exit_code, data = decode("ASC8525/SC1", "0b" + "0" * 24 + "1" + "11" + "110110", *as_printed)
     best = data["why"]["explanations"][0]
-    assert code == 1
+    assert exit_code == 1
     assert best["kind"] == "other_answer"
     assert best["reads"] == {"position": 1}
     assert best["text"] == "33 bits, as with --choose zero_bit=left_out"
     # The same with one more clock, since the manual has 34, and without leading zeros,
     # whose number 0x does not show.
     for frame in ("0b" + "0" * 24 + "1" + "11" + "110110" + "0", "0x1f6"):
-        assert ("other_answer", {"position": 1}) in [
-            (item["kind"], item["reads"])
-            for item in decode("ASC8525/SC1", frame, *as_printed)[1]["why"]["explanations"]
-        ]
+        explanations = decode("ASC8525/SC1", frame, *as_printed)[1]["why"]["explanations"]
+        readings = [(explanation["kind"], explanation["reads"]) for explanation in explanations]
+        assert ("other_answer", {"position": 1}) in readings
     # And vice versa: the 0 bit is there, and must be 0.
     for zero, expected in (("0", True), ("1", False)):
         data = "0" * 24 + "1" + zero + "11"
         frame = "0b" + data + crc(data)
-        found = decode("ASC8525/SC1", frame, "--choose", "zero_bit=left_out")[1]["why"]["explanations"]
-        assert (("other_answer", {"position": 1}) in [(item["kind"], item["reads"]) for item in found]) is expected
+        explanations = decode("ASC8525/SC1", frame, "--choose", "zero_bit=left_out")[1]["why"]["explanations"]
+        readings = [(explanation["kind"], explanation["reads"]) for explanation in explanations]
+        assert (("other_answer", {"position": 1}) in readings) is expected
     # Without an open question there is nothing to try: AM36's constant bits are those for error and warning.
     frame = "0b" + "0" * 24 + "1" + "11" + "110110"
-    assert all(
-        item["kind"] != "other_answer"
-        for item in decode("AM3616/4096-I7", frame.ljust(45, "0"))[1]["why"]["explanations"]
-    )
+    explanations = decode("AM3616/4096-I7", frame.ljust(45, "0"))[1]["why"]["explanations"]
+    assert all(explanation["kind"] != "other_answer" for explanation in explanations)
 
 
 def test_an_echo_of_the_request(decode: Run) -> None:
     # The published reply, TexasInstruments/motor-control-sdk, Tamagawa_UART_output.PNG, after its request.
-    code, data = decode("AMM5A23/65KJP1", "02 02 20 C7 D1 6A 5E")
+    exit_code, data = decode("AMM5A23/65KJP1", "02 02 20 C7 D1 6A 5E")
     (best,) = data["why"]["explanations"]
-    assert code == 1
+    assert exit_code == 1
     assert best["kind"] == "bytes_in_front"
     assert best["reads"] == {"singleturn": 7000519}
 
@@ -279,18 +289,18 @@ def test_a_line_that_does_not_move_comes_first(decode: Run) -> None:
         ("AMM5A17/1SC1", "0b" + "1" * 25),
         ("AMM5A23/65KJP1", "FF FF FF FF FF FF"),
     ):
-        found = decode(code, frame)[1]["why"]["explanations"]
+        explanations = decode(code, frame)[1]["why"]["explanations"]
         # There is no other explanation.
-        assert [item["kind"] for item in found] == ["line_stuck"]
+        assert [explanation["kind"] for explanation in explanations] == ["line_stuck"]
 
 
 @pytest.mark.slow
 def test_a_dead_line_without_a_crc_is_named_too(decode: Run, capsys: pytest.CaptureFixture[str]) -> None:
     """Position 0 is valid, but SSI has no CRC to distinguish it from a dead line."""
     for frame, level in (("0x0", 0), ("0b" + "1" * 39, 1)):
-        code, data = decode("AMM5A23/65KBG1", frame)
-        assert code == 0
-        assert [item["kind"] for item in data["why"]["explanations"]] == ["line_stuck"]
+        exit_code, data = decode("AMM5A23/65KBG1", frame)
+        assert exit_code == 0
+        assert [explanation["kind"] for explanation in data["why"]["explanations"]] == ["line_stuck"]
         assert main(["decode", "AMM5A23/65KBG1", frame]) == 0
         out = " ".join(capsys.readouterr().out.split())
         assert f"Every bit is {level}. A dead line looks the same, and there is no CRC to distinguish it." in out
@@ -300,8 +310,8 @@ def test_a_dead_line_without_a_crc_is_named_too(decode: Run, capsys: pytest.Capt
 @pytest.mark.slow
 def test_a_disturbed_bit_comes_first(decode: Run, capsys: pytest.CaptureFixture[str]) -> None:
     """The frame 0xF4243D3 of AMM5's example position 1,000,003 with its last bit inverted, and a reply in bytes."""
-    code, data = decode("AMM5A21/65KSC1", "0xF4243D2")
-    assert (code, data["why"]["disturbed"]) == (1, [0])
+    exit_code, data = decode("AMM5A21/65KSC1", "0xF4243D2")
+    assert (exit_code, data["why"]["disturbed"]) == (1, [0])
     assert main(["decode", "AMM5A21/65KSC1", "0xF4243D2"]) == 1
     out = " ".join(capsys.readouterr().out.split())
     first = "one bit may have been disturbed on the line: the CRC matches with bit 0 inverted"
@@ -324,7 +334,8 @@ def test_published_frames_with_active_high_status(
         bits = row["frame_hex_or_bits"]
         turned = bits[:22] + bits[22:24].translate(str.maketrans("01", "10")) + bits[24:]
         assert main(["decode", "T22SC", "0b" + turned, "--specs", str(SPECS), "--json"]) == 1
-        assert "status_turned" in [item["kind"] for item in json.loads(capsys.readouterr().out)["why"]["explanations"]]
+        explanations = json.loads(capsys.readouterr().out)["why"]["explanations"]
+        assert "status_turned" in [explanation["kind"] for explanation in explanations]
 
 
 def test_the_published_word_with_a_wrong_crc(
@@ -354,9 +365,9 @@ def test_the_published_word_with_a_wrong_crc(
     assert data["crc"] == {"received": 9, "computed": 11, "ok": False}
     # On paper: including the start bit, a leading 1 adds x^15 = 1 to the remainder.
     # Bh xor 1 is Ah, not 9, so this is not an explanation.
-    assert not [item for item in data["why"]["explanations"] if item["kind"] == "crc_not_inverted"]
+    assert not [explanation for explanation in data["why"]["explanations"] if explanation["kind"] == "crc_not_inverted"]
     assert crc("1" + "10001100000", 0x13) == f"{11 ^ 1:04b}"
-    assert all("the start bit, or" not in item["text"] for item in data["why"]["explanations"])
+    assert all("the start bit, or" not in explanation["text"] for explanation in data["why"]["explanations"])
     assert data["why"]["coincidence"] > 0.5
 
 
@@ -365,55 +376,62 @@ def test_a_crc_is_blind_for_what_is_said(devices: Mapping[str, Device], decode: 
     """With start value 0, leading zeros are not detected: AMM5A17/1SC1's frame as a number passes as AMM5A23/1SC1's.
     And an XOR does not detect swapped bytes."""
     narrow = Encoder("AMM5A17/1SC1", 0, 17)
-    frame = sound(narrow, random.Random(5))
+    frame = valid_frame(narrow, random.Random(5))
     assert decode("AMM5A23/1SC1", hex(int(frame, 2)))[0] == 0
     assert any("zeros" in text for text in decode("AMM5A23/1SC1", "0x1")[1]["why"]["cannot_see"])
     swapped, sane = decode("AMM5A23/65KJP1", "02 20 6A D1 C7 5E"), decode("AMM5A23/65KJP1", "02 20 C7 D1 6A 5E")
     assert swapped[1]["crc"] == sane[1]["crc"]
     assert swapped[1]["crc"]["ok"] is True
     assert swapped[1]["fields"] != sane[1]["fields"]
-    assert any(
-        "swapped bytes" in text for text in decode("AMM5A23/65KJP1", "02 20 C7 D1 6A 5F")[1]["why"]["cannot_see"]
-    )
+    limits = decode("AMM5A23/65KJP1", "02 20 C7 D1 6A 5F")[1]["why"]["cannot_see"]
+    assert any("swapped bytes" in text for text in limits)
 
 
-def outcomes(device: Device, code: str, frames: int) -> Iterator[Why]:
+def explain_noise(device: Device, code: str, frames: int) -> Iterator[Why]:
     source = random.Random(code)
     variant = find(device, code).variant
     placed = device.layout("single_cycle_data").place(variant.parameters)
     for _ in range(frames):
-        found = explain_bits(device, variant, placed, BitText(int(noise(source, placed.bits), 2), placed.bits, True))
-        assert found is not None
-        yield found
+        explained = explain_bits(
+            device, variant, placed, BitText(int(random_bits(source, placed.bits), 2), placed.bits, True)
+        )
+        assert explained is not None
+        yield explained
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("code", ["AMM5A21/65KSC1", "ASC8523/SC1", "SMA21-SC4-0001", "AM3616/4096-I7"])
 def test_the_stated_coincidence_is_what_noise_shows(code: str, devices: Mapping[str, Device]) -> None:
     """The stated number of random frames has an explanation, within the spread of 600 frames and of related tries."""
-    found = list(outcomes(family(devices, code), code, 600))
-    single = [item for item in found if item.explanations and not item.explanations[0].twice]
-    others = [item for item in found if item not in single]
+    outcomes_of_noise = list(explain_noise(family(devices, code), code, 600))
+    single = [outcome for outcome in outcomes_of_noise if outcome.explanations and not outcome.explanations[0].twice]
+    doubled = [outcome for outcome in outcomes_of_noise if outcome not in single]
     assert single
-    assert others
-    assert abs(len(single) / len(found) - single[0].coincidence) < 0.08
-    assert abs(sum(bool(item.explanations) for item in found) / len(found) - others[0].coincidence) < 0.12
-    assert all(item.twice for why in others for item in why.explanations)
-    assert all(why.tried > single[0].tried for why in others)
+    assert doubled
+    assert abs(len(single) / len(outcomes_of_noise) - single[0].coincidence) < 0.08
+    assert (
+        abs(
+            sum(bool(outcome.explanations) for outcome in outcomes_of_noise) / len(outcomes_of_noise)
+            - doubled[0].coincidence
+        )
+        < 0.12
+    )
+    assert all(explanation.twice for outcome in doubled for explanation in outcome.explanations)
+    assert all(outcome.tried > single[0].tried for outcome in doubled)
 
 
 @pytest.mark.slow
 def test_likeliest_first_and_every_kind_weighed(devices: Mapping[str, Device]) -> None:
-    for found in outcomes(devices["amm5"], "AMM5A21/65KSC1", 60):
-        scores = [item.score for item in found.explanations]
+    for explained in explain_noise(devices["amm5"], "AMM5A21/65KSC1", 60):
+        scores = [explanation.score for explanation in explained.explanations]
         assert scores == sorted(scores, reverse=True)
-        assert all(item.kind in KINDS and item.one_in >= 8 for item in found.explanations)
+        assert all(explanation.kind in KINDS and explanation.one_in >= 8 for explanation in explained.explanations)
     assert all(weight > 0 for weight in KINDS.values())
 
 
 def test_no_crc_no_explanation(decode: Run) -> None:
-    code, data = decode("AMM5A17/1BG1", "0b101")
-    assert code == 1
+    exit_code, data = decode("AMM5A17/1BG1", "0b101")
+    assert exit_code == 1
     assert data["why"] is None
     assert decode("AMM5A23/65KJP1", "--from", "master", "1A")[1]["why"] is None
 
@@ -434,16 +452,16 @@ def test_frames_far_off_are_no_burden(decode: Run) -> None:
 
 def test_one_frame_takes_far_less_than_a_second(devices: Mapping[str, Device]) -> None:
     before = time.process_time()
-    list(outcomes(devices["am36"], "AM3616/4096-I7", 10))
+    list(explain_noise(devices["am36"], "AM3616/4096-I7", 10))
     assert (time.process_time() - before) / 10 < 0.5
 
 
 def test_the_page_shows_what_the_command_prints(capsys: pytest.CaptureFixture[str]) -> None:
     page = (Path(__file__).parents[2] / "docs" / "why-a-crc-fails.md").read_text(encoding="utf-8")
-    command, *shown = page.split("```")[1].strip().splitlines()
+    command, *page_lines = page.split("```")[1].strip().splitlines()
     assert main(command.split()[2:]) == 1
     printed = capsys.readouterr().out.splitlines()
-    places = [printed.index(line) for line in shown if line not in ("...", "")]
+    places = [printed.index(line) for line in page_lines if line not in ("...", "")]
     assert len(places) > 5
     assert places == sorted(places)
     assert all(f"`{kind}`" in page for kind in KINDS)
@@ -467,10 +485,10 @@ def test_a_crc_of_any_width(width: int, tmp_path: Path, capsys: pytest.CaptureFi
     source = random.Random(width)
     for extra in (-2, -1, 0, 0, 0, 1, 2):
         assert main(
-            ["decode", "T22SC", f"0b{noise(source, 24 + width + extra)}", "--specs", str(tmp_path), "--json"]
+            ["decode", "T22SC", f"0b{random_bits(source, 24 + width + extra)}", "--specs", str(tmp_path), "--json"]
         ) in (0, 1)
-        found = json.loads(capsys.readouterr().out)["why"]
-        assert found is None or all(item["one_in"] >= 8 for item in found["explanations"])
+        explained = json.loads(capsys.readouterr().out)["why"]
+        assert explained is None or all(explanation["one_in"] >= 8 for explanation in explained["explanations"])
 
 
 @pytest.mark.slow
@@ -479,7 +497,7 @@ def test_made_up_layouts_break_nothing() -> None:
     devices, report = load_library([SPECS])
     assert not report
     source = random.Random(9)
-    asked = 0
+    explained_frames = 0
     for device in devices:
         for variant in device.variants:
             for layout in device.interface(variant.interface).layouts:
@@ -488,20 +506,20 @@ def test_made_up_layouts_break_nothing() -> None:
                 for extra in (-1, 0, 1):
                     bits = layout.place(variant.parameters).bits
                     text = (
-                        noise(source, bits + extra)
+                        random_bits(source, bits + extra)
                         if layout.carried_as == "bits"
                         else "".join(f"{source.getrandbits(8):02x}" for _ in range(bits // 8 + extra))
                     )
                     text = "0b" + text if layout.carried_as == "bits" else text
                     decoded = decode_text(device, variant, layout.sender, text, layout.name)
                     why_text(device, variant, layout.sender, text, decoded)
-                    asked += 1
-    assert asked > 10
+                    explained_frames += 1
+    assert explained_frames > 10
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("code", "frame", "said"),
+    ("code", "frame", "advice"),
     [
         ("AMT22-14", "0xFFFF", "Every bit is 1. A dead line looks the same, and there is no CRC to distinguish it."),
         ("AMT22-14", "0x0000", "Every bit is 0. A dead line looks the same, and there is no CRC to distinguish it."),
@@ -511,10 +529,10 @@ def test_made_up_layouts_break_nothing() -> None:
         ("SKM36", "FF FF FF FF FF FF FF", "Check for a broken wire, the supply and wires A and B."),
     ],
 )
-def test_a_dead_line(code: str, frame: str, said: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_dead_line(code: str, frame: str, advice: str, capsys: pytest.CaptureFixture[str]) -> None:
     """Name what to check on the line.
 
     Check bits of the AMT22 are wrong on a dead line. The parity of the AS5047P and a CRC of 00h are correct.
     """
     main(["decode", code, frame, "--specs", str(Path(__file__).parents[2] / "examples" / "encoders")])
-    assert said in " ".join(capsys.readouterr().out.split())
+    assert advice in " ".join(capsys.readouterr().out.split())

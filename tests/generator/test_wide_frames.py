@@ -21,17 +21,17 @@ FIELDS = {
 
 @pytest.fixture(scope="module")
 def device() -> Device:
-    (found,), report = load_library(SPECS)
+    (wide,), report = load_library(SPECS)
     assert not report
-    return found
+    return wide
 
 
 def with_crc(word: int) -> int:
     """Append the inverted CRC-16 0x190D9, by long division."""
-    rest = word << 16
-    while rest >> 16:
-        rest ^= 0x190D9 << (rest.bit_length() - 17)
-    return word << 16 | rest ^ 0xFFFF
+    remainder = word << 16
+    while remainder >> 16:
+        remainder ^= 0x190D9 << (remainder.bit_length() - 17)
+    return word << 16 | remainder ^ 0xFFFF
 
 
 @pytest.mark.parametrize("code", FIELDS)
@@ -48,20 +48,23 @@ def test_fields_are_cut_from_88_and_128_bits(code: str, device: Device) -> None:
         frame = with_crc(word)
         decoded = codec.decode_placed(device, placed, frame.to_bytes(placed.bits // 8, "big"))
         assert not decoded.problems
-        assert {item.name: item.raw for item in decoded.fields if item.name in raw} == raw
+        assert {field.name: field.raw for field in decoded.fields if field.name in raw} == raw
         assert decoded.values["position"] == raw["multiturn"] << 32 | raw["singleturn"]
-        wrong = frame ^ 1 << chance.randrange(placed.bits)
-        assert codec.decode_placed(device, placed, wrong.to_bytes(placed.bits // 8, "big")).problems
+        disturbed = frame ^ 1 << chance.randrange(placed.bits)
+        assert codec.decode_placed(device, placed, disturbed.to_bytes(placed.bits // 8, "big")).problems
 
 
 def test_decode_prints_a_frame_of_88_bits(capsys: pytest.CaptureFixture[str]) -> None:
     frame = with_crc((1 << 32 | 2) << 8 | 0xC1).to_bytes(11, "big").hex(" ")
-    assert main(["decode", "WB", *frame.split(), *[item for path in SPECS for item in ("--specs", str(path))]]) == 0
+    assert (
+        main(["decode", "WB", *frame.split(), *[argument for path in SPECS for argument in ("--specs", str(path))]])
+        == 0
+    )
     assert "4294967298" in capsys.readouterr().out
 
 
 def test_a_master_has_no_rules_for_a_frame_in_bytes(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["master", "WB", *[item for path in SPECS for item in ("--specs", str(path))]]) != 0
+    assert main(["master", "WB", *[argument for path in SPECS for argument in ("--specs", str(path))]]) != 0
     assert "'word' is carried as bytes, and the rules for masters cover frames of bits" in capsys.readouterr().err
 
 

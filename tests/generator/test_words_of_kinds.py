@@ -18,24 +18,23 @@ DO = {kind.do for kind in get_args(Step)}
 WORKED = {kind.kind for kind in get_args(Example)}
 
 
-def enums(schema: Any, name: str) -> list[set[str]]:
+def allowed_words(schema: Any, name: str) -> list[set[str]]:
     """Return the words that a schema allows for members of this name, without the empty one."""
-    found = []
+    allowed = []
     for key, inner in schema.items() if isinstance(schema, dict) else ():
         if key == name and isinstance(inner, dict):
-            found += [
-                set(listed) - {""} for listed in (inner.get("enum"), inner.get("items", {}).get("enum")) if listed
-            ]
-        found += enums(inner, name)
-    return found
+            enumerations = (inner.get("enum"), inner.get("items", {}).get("enum"))
+            allowed += [set(words) - {""} for words in enumerations if words]
+        allowed += allowed_words(inner, name)
+    return allowed
 
 
 @pytest.mark.parametrize("name", ["device", "show"])
 def test_schemas_allow_every_interface(name: str) -> None:
     schema = load_schema(name)
-    found = [words for key in ("interface", "interfaces") for words in enums(schema, key)]
-    assert len(found) >= 5
-    assert all(words == set(INTERFACES) for words in found)
+    enumerations = [words for key in ("interface", "interfaces") for words in allowed_words(schema, key)]
+    assert len(enumerations) >= 5
+    assert all(words == set(INTERFACES) for words in enumerations)
 
 
 def test_the_spec_has_every_interface() -> None:
@@ -46,8 +45,8 @@ def test_the_spec_has_every_interface() -> None:
 @pytest.mark.parametrize("name", ["device", "show"])
 def test_schemas_allow_every_step_and_example(name: str) -> None:
     definitions = load_schema(name)["$defs"]
-    assert enums(definitions["step"], "do") == [DO]
-    assert enums(definitions["example"], "kind") == [WORKED]
+    assert allowed_words(definitions["step"], "do") == [DO]
+    assert allowed_words(definitions["example"], "kind") == [WORKED]
 
 
 def test_every_step_and_example_is_built() -> None:
@@ -56,7 +55,7 @@ def test_every_step_and_example_is_built() -> None:
 
 
 def test_generated_code_has_every_interface() -> None:
-    assert [item.value for item in Interface] == list(INTERFACES)
+    assert [interface.value for interface in Interface] == list(INTERFACES)
 
 
 def test_the_published_schema_is_that_of_the_table_of_members() -> None:

@@ -36,7 +36,7 @@ def test_no_wrong_value_passes_where_it_moves_a_position_or_breaks_an_access(tri
     outcome = Outcome(trial, tried(trial, chosen, jobs=1))
     assert set(outcome.rows) == STRICT
     assert min(row.mutants for row in outcome.rows.values()) >= OF_EACH
-    assert [(item.place, item.difference) for item in outcome.passed] == []
+    assert [(mutant.place, mutant.difference) for mutant in outcome.passed] == []
     assert outcome.crashes == []
 
 
@@ -49,28 +49,28 @@ def test_mutants_of_second_readings_are_tried(trial: Trial) -> None:
 
 def test_a_fact_that_is_left_out_of_a_second_reading_is_missed(trial: Trial) -> None:
     """``check --coverage`` notices it by the counts next to each spec."""
-    mutant = found(trial, "amm5.second", ("interfaces", "ssi", "clock"), "max_hz", "off by one")
+    mutant = mutant_at(trial, "amm5.second", ("interfaces", "ssi", "clock"), "max_hz", "off by one")
     assert trial.verdict(mutant).rules == ("readings-disagree",)
-    mutant = found(trial, "am36.second", ("supply",), "supply", "key omitted")
+    mutant = mutant_at(trial, "am36.second", ("supply",), "supply", "key omitted")
     assert trial.verdict(mutant).rules == ("read once",)
 
 
-def found(trial: Trial, name: str, path: tuple[str | int, ...], key: str, mistake: str) -> Mutant:
-    return next(
-        item
-        for item in trial.mutants([name])
-        if item.mistake == mistake and item.place.path[: len(path)] == path and item.place.path[-1] == key
-    )
+def mutant_at(trial: Trial, name: str, path: tuple[str | int, ...], key: str, mistake: str) -> Mutant:
+    for mutant in trial.mutants([name]):
+        keys = mutant.place.path
+        if mutant.mistake == mistake and keys[: len(path)] == path and keys[-1] == key:
+            return mutant
+    raise AssertionError(f"{name} has no mistake '{mistake}' at {path} in '{key}'")
 
 
 @pytest.mark.slow
 def test_a_wrong_value_that_passes_is_classified_by_its_effect(trial: Trial) -> None:
-    title = found(trial, "am36", ("documents", "renishaw"), "title", "digit misread")
+    title = mutant_at(trial, "am36", ("documents", "renishaw"), "title", "digit misread")
     assert trial.verdict(title).word == "code"  # The titles of documents are data of the Python package.
     answer = ("alternatives", 0, "values", "left_out")
-    meaning = found(trial, "asc85", answer, "meaning", "digit misread")
+    meaning = mutant_at(trial, "asc85", answer, "meaning", "digit misread")
     assert trial.verdict(meaning).word == "texts"
-    order = found(trial, "am36", ("interfaces", "biss", "timeout"), "timeout", "key omitted")
+    order = mutant_at(trial, "am36", ("interfaces", "biss", "timeout"), "timeout", "key omitted")
     assert trial.verdict(order).word == "refused"
 
 
@@ -87,7 +87,7 @@ registers:
 
 
 @pytest.fixture
-def made_up(tmp_path: pathlib.Path) -> Document:
+def invented_spec(tmp_path: pathlib.Path) -> Document:
     path = tmp_path / "made_up.yaml"
     path.write_text(SPEC, encoding="utf-8")
     document = read_document(path, Report())
@@ -95,38 +95,37 @@ def made_up(tmp_path: pathlib.Path) -> Document:
     return document
 
 
+def mutants_at(document: Document, *path: str | int) -> dict[str, Mutant]:
+    """Return the mutants of a place by their mistake."""
+    return {mutant.mistake: mutant for mutant in mutants(document) if mutant.place.path == path}
+
+
 def mistakes_of(document: Document, *path: str | int) -> dict[str, list[object]]:
     """Return the values that mistakes leave at a place, by mistake. It is the first change of each."""
-    made: dict[str, list[object]] = {}
+    values_by_mistake: dict[str, list[object]] = {}
     for mutant in mutants(document):
         if mutant.place.path == path:
-            made.setdefault(mutant.mistake, []).append(mutant.changes[0][1])
-    return made
+            values_by_mistake.setdefault(mutant.mistake, []).append(mutant.changes[0][1])
+    return values_by_mistake
 
 
-def test_mistakes_of_a_number_follow_how_it_is_written(made_up: Document) -> None:
-    made = mistakes_of(made_up, "crcs", 0, "poly")
-    assert made["digit lost"] == [0x03, 0x13, 0x10]
-    assert made["digits swapped"] == [0x013, 0x130]
-    assert made["digit misread"] == [0x703, 0x183, 0x163, 0x108]
-    assert made["off by one"] == [0x102, 0x104]
-    assert len(made["bit flipped"]) == 9
+def test_mistakes_of_a_number_follow_how_it_is_written(invented_spec: Document) -> None:
+    values = mistakes_of(invented_spec, "crcs", 0, "poly")
+    assert values["digit lost"] == [0x03, 0x13, 0x10]
+    assert values["digits swapped"] == [0x013, 0x130]
+    assert values["digit misread"] == [0x703, 0x183, 0x163, 0x108]
+    assert values["off by one"] == [0x102, 0x104]
+    assert len(values["bit flipped"]) == 9
 
 
-def test_mistakes_of_words_booleans_and_items(made_up: Document) -> None:
-    assert mistakes_of(made_up, "crcs", 0, "refin")["boolean flipped"] == [True]
-    assert mistakes_of(made_up, "registers", 0, "access")["another word"] == ["read_write", "write_only"]
-    exchanged = next(
-        item
-        for item in mutants(made_up)
-        if item.place.path == ("registers", 0, "address") and item.mistake == "swapped with the next"
-    )
-    assert [item["address"] for item in mutated(made_up, exchanged)["registers"]] == [0x49, 0x48]
-    lost = next(
-        item for item in mutants(made_up) if item.mistake == "item omitted" and item.place.path == ("registers", 0)
-    )
-    assert [item["name"] for item in mutated(made_up, lost)["registers"]] == ["two"]
-    assert [item["name"] for item in made_up.data["registers"]] == ["one", "two"]
+def test_mistakes_of_words_booleans_and_items(invented_spec: Document) -> None:
+    assert mistakes_of(invented_spec, "crcs", 0, "refin")["boolean flipped"] == [True]
+    assert mistakes_of(invented_spec, "registers", 0, "access")["another word"] == ["read_write", "write_only"]
+    exchanged = mutants_at(invented_spec, "registers", 0, "address")["swapped with the next"]
+    assert [register["address"] for register in mutated(invented_spec, exchanged)["registers"]] == [0x49, 0x48]
+    lost = mutants_at(invented_spec, "registers", 0)["item omitted"]
+    assert [register["name"] for register in mutated(invented_spec, lost)["registers"]] == ["two"]
+    assert [register["name"] for register in invented_spec.data["registers"]] == ["one", "two"]
 
 
 def test_every_value_has_a_class(trial: Trial) -> None:
@@ -136,15 +135,15 @@ def test_every_value_has_a_class(trial: Trial) -> None:
 
 
 def test_a_draw_is_even_and_repeats(trial: Trial) -> None:
-    every = trial.mutants(["am36"])
-    some = drawn(every, 200, seed=1)
-    assert some == drawn(every, 200, seed=1)
-    assert some != drawn(every, 200, seed=2)
-    there = Counter(mutant.fact for mutant in every)
-    taken = Counter(mutant.fact for mutant in some)
-    most = max(taken.values())
-    assert all(count in (most, most - 1, there[name]) for name, count in taken.items())
-    assert set(taken) == set(there)
+    all_mutants = trial.mutants(["am36"])
+    sample = drawn(all_mutants, 200, seed=1)
+    assert sample == drawn(all_mutants, 200, seed=1)
+    assert sample != drawn(all_mutants, 200, seed=2)
+    facts_of_all = Counter(mutant.fact for mutant in all_mutants)
+    facts_drawn = Counter(mutant.fact for mutant in sample)
+    highest_count = max(facts_drawn.values())
+    assert all(count in (highest_count, highest_count - 1, facts_of_all[name]) for name, count in facts_drawn.items())
+    assert set(facts_drawn) == set(facts_of_all)
 
 
 def test_the_table_counts_wrong_values_alone() -> None:
@@ -177,11 +176,10 @@ def test_values_are_code_spans(text: str, span: str) -> None:
     assert code_span(text) == span
 
 
-def test_an_omitted_value_is_not_a_code_span(made_up: Document) -> None:
-    shown = {item.mistake: item.difference for item in mutants(made_up) if item.place.path == ("registers", 0)}
-    assert shown["item omitted"] == "`{'name': 'one', 'address': 72, 'access': 'read_only'}` -> nothing"
-    shown = {item.mistake: item.difference for item in mutants(made_up) if item.place.path == ("movement",)}
-    assert shown["another word"] == "`rotary` -> `linear`"
+def test_an_omitted_value_is_not_a_code_span(invented_spec: Document) -> None:
+    omitted = mutants_at(invented_spec, "registers", 0)["item omitted"]
+    assert omitted.difference == "`{'name': 'one', 'address': 72, 'access': 'read_only'}` -> nothing"
+    assert mutants_at(invented_spec, "movement")["another word"].difference == "`rotary` -> `linear`"
 
 
 def test_the_worst_effect_is_last() -> None:
@@ -192,6 +190,6 @@ def test_the_worst_effect_is_last() -> None:
 def test_no_name_in_a_measurement_stops_the_tool(trial: Trial) -> None:
     """Two to the power of a large parameter is reported as a problem and does not crash the tool."""
     place = ("interfaces", "biss", "measurement", "highest")
-    verdicts = [trial.verdict(item) for item in trial.mutants(["sma21"]) if item.place.path == place]
+    verdicts = [trial.verdict(mutant) for mutant in trial.mutants(["sma21"]) if mutant.place.path == place]
     assert len(verdicts) > 5
     assert {verdict.word for verdict in verdicts} == {"refused"}

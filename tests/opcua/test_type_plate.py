@@ -54,19 +54,19 @@ EXPECTED: dict[str, tuple[tuple[int, str], dict[str, float], tuple[int, str] | N
 def test_each_order_code_has_a_plate(library: Library) -> None:
     files = generate(library)
     # The meaning of the iC-MU's position depends on its configuration, so it has no plate.
-    known = [device for device in library.devices if device.manufacturer.main]
-    assert len(files) == sum(len(device.variants) for device in known) + 1 == 130
+    devices_with_plates = [device for device in library.devices if device.manufacturer.main]
+    assert len(files) == sum(len(device.variants) for device in devices_with_plates) + 1 == 130
     assert "opcua/lika-amm5/AMM5A21-65KSC1.xml" in files
     for name, text in files.items():
         if name.endswith(".xml"):
             root = ElementTree.fromstring(text)
-            ids = [item.get("NodeId") for item in root if item.get("NodeId")]
+            ids = [node.get("NodeId") for node in root if node.get("NodeId")]
             assert len(ids) == len(set(ids)), name
 
 
 def test_a_number_that_its_type_cannot_hold_is_left_out(amm5: Device) -> None:
     """UInt32 ends below 2^32, so an encoder with 32 bits per revolution has no such attribute."""
-    only = tuple(item for item in amm5.variants if item.code == "AMM5A23/65KSC1")
+    only = tuple(variant for variant in amm5.variants if variant.code == "AMM5A23/65KSC1")
     for bits, has_it in ((31, True), (32, False)):
         variant = dataclasses.replace(only[0], parameters={**only[0].parameters, "singleturn_bits": bits})
         (_, text) = generate(Library((dataclasses.replace(amm5, variants=(variant,)),))).values()
@@ -90,7 +90,7 @@ def test_the_installed_target(tmp_path: Path) -> None:
 def test_hostile_text_stays_text(hostile: Library) -> None:
     for name, text in generate(hostile).items():
         if name.endswith(".xml"):
-            tags = {str(item.tag).partition("}")[2] for item in ElementTree.fromstring(text)}
+            tags = {str(node.tag).partition("}")[2] for node in ElementTree.fromstring(text)}
             assert tags == {"NamespaceUris", "Models", "Aliases", "UAObject", "UAVariable"}
 
 
@@ -100,9 +100,8 @@ def test_a_server_reads_the_plates(library: Library, tmp_path: Path) -> None:
     for code in EXPECTED:
         name = f"{code.replace('/', '-')}.xml"
         (tmp_path / name).write_text(files[name], encoding="utf-8")
-    assert asyncio.run(_read(sorted(tmp_path.iterdir()))) == {
-        code: ("Lika Electronic", None, *rest) for code, rest in EXPECTED.items()
-    }
+    plates = asyncio.run(_read(sorted(tmp_path.iterdir())))
+    assert plates == {code: ("Lika Electronic", None, *content) for code, content in EXPECTED.items()}
 
 
 async def _read(plates: list[Path]) -> dict[str, Any]:
@@ -119,34 +118,38 @@ async def _read(plates: list[Path]) -> dict[str, Any]:
     else:
         await server.import_xml(str(Path(__file__).with_name("powertrain.xml")))
     powertrain, di = [await server.get_namespace_index(uri) for uri in (POWERTRAIN, DI)]
-    found = {}
+    plates_by_code = {}
     for plate in plates:
-        made = await server.import_xml(str(plate))
-        root = server.get_node(made[0])
+        nodes = await server.import_xml(str(plate))
+        root = server.get_node(nodes[0])
         kind = (await server.get_node(await root.read_type_definition()).read_browse_name()).Name
         of_type = kind.removeprefix("PtAssetEncoder").removesuffix("Type")
         attributes = await root.get_child(f"{powertrain}:PtEncoder{of_type}Attributes")
-        resolutions = {}
-        for child in await attributes.get_children():
-            name = (await child.read_browse_name()).Name
-            if name.startswith("Resolution"):
-                resolutions[name] = await child.read_value()
-                unit = await (await child.get_child("0:EngineeringUnits")).read_value()
-                # "C62" of UN/CEFACT's recommendation 20, as a number. There is no code for 1/mm.
-                expected = (int.from_bytes(b"C62", "big"), "1") if of_type == "Rotary" else (-1, "1/mm")
-                assert (unit.UnitId, unit.DisplayName.Text) == expected
+        # "C62" of UN/CEFACT's recommendation 20, as a number. There is no code for 1/mm.
+        unit = (int.from_bytes(b"C62", "big"), "1") if of_type == "Rotary" else (-1, "1/mm")
+        resolutions = await _resolutions(attributes, unit)
         interface = [f"{powertrain}:PtEncoderInterface{name}" for name in ("Attributes", "ProtocolAttributes")]
         children = [(await child.read_browse_name()).to_string() for child in await root.get_children()]
         protocol = None
         if interface[0] in children:
             protocol = await _choice(await root.get_child([*interface, f"{powertrain}:EncoderProtocol"]))
-        maker, code, serial = [
-            await (await root.get_child(f"{di}:{name}")).read_value()
-            for name in ("Manufacturer", "ProductCode", "SerialNumber")
-        ]
+        identity = [await root.get_child(f"{di}:{name}") for name in ("Manufacturer", "ProductCode", "SerialNumber")]
+        maker, code, serial = [await node.read_value() for node in identity]
         encoder_type = await _choice(await attributes.get_child(f"{powertrain}:EncoderType"))
-        found[code] = (maker.Text, serial, encoder_type, resolutions, protocol)
-    return found
+        plates_by_code[code] = (maker.Text, serial, encoder_type, resolutions, protocol)
+    return plates_by_code
+
+
+async def _resolutions(attributes: Any, unit: tuple[int, str]) -> dict[str, Any]:
+    """Return the resolutions of a plate by name, after comparing their units with the expected one."""
+    resolutions = {}
+    for child in await attributes.get_children():
+        name = (await child.read_browse_name()).Name
+        if name.startswith("Resolution"):
+            resolutions[name] = await child.read_value()
+            unit_read = await (await child.get_child("0:EngineeringUnits")).read_value()
+            assert (unit_read.UnitId, unit_read.DisplayName.Text) == unit
+    return resolutions
 
 
 async def _choice(node: Any) -> tuple[int, str]:
@@ -154,5 +157,5 @@ async def _choice(node: Any) -> tuple[int, str]:
     value = await node.read_value()
     text = (await (await node.get_child("0:ValueAsText")).read_value()).Text
     names = await (await node.get_child("0:EnumValues")).read_value()
-    assert {item.Value: item.DisplayName.Text for item in names}[value] == text
+    assert {enum_value.Value: enum_value.DisplayName.Text for enum_value in names}[value] == text
     return value, text

@@ -49,14 +49,14 @@ def test_words_of_hamming_codes() -> None:
 def test_the_exclusive_or_of_bytes() -> None:
     """Two wrong bits at the same position in two of the bytes: 8 positions for each pair."""
     for count in (3, 7, 11):
-        found = residual(crc(0x101), 8 * count)
-        assert (found.distance, found.missed) == (2, 8 * comb(count, 2))
+        undetected = residual(crc(0x101), 8 * count)
+        assert (undetected.distance, undetected.missed) == (2, 8 * comb(count, 2))
 
 
 def test_a_distance_beyond_what_is_counted() -> None:
     """x^16 + x^12 + x^5 + 1 has only even weights, and a distance of 4. A CRC-32 of Ethernet detects more."""
-    found = residual(crc(0x104C11DB7), 60)
-    assert (found.distance, found.missed) == (5, 0)
+    undetected = residual(crc(0x104C11DB7), 60)
+    assert (undetected.distance, undetected.missed) == (5, 0)
 
 
 @pytest.mark.parametrize("poly", [0x43, 0x59, 0x13, 0x12F, 0x101])
@@ -69,10 +69,12 @@ def test_every_error_of_a_short_frame(poly: int, bits: int) -> None:
             error ^= poly << (error.bit_length() - poly.bit_length())
         return error == 0
 
-    counts = {
-        wrong: sum(divides(sum(1 << place for place in places)) for places in combinations(range(bits), wrong))
-        for wrong in range(1, 5)
-    }
-    distance = next((wrong for wrong, count in counts.items() if count), 5)
-    found = residual(crc(poly), bits)
-    assert (found.distance, found.missed) == (distance, counts.get(distance, 0))
+    def error_at(places: tuple[int, ...]) -> int:
+        return sum(1 << place for place in places)
+
+    counts = {}
+    for error_bits in range(1, 5):
+        counts[error_bits] = sum(divides(error_at(places)) for places in combinations(range(bits), error_bits))
+    distance = next((error_bits for error_bits, count in counts.items() if count), 5)
+    undetected = residual(crc(poly), bits)
+    assert (undetected.distance, undetected.missed) == (distance, counts.get(distance, 0))

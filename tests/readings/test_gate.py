@@ -23,7 +23,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def slower(spec: Path) -> None:
+def slow_down_clock(spec: Path) -> None:
     text = spec.read_text(encoding="utf-8")
     assert SLOWER[0] in text
     spec.write_text(text.replace(*SLOWER), encoding="utf-8")
@@ -34,7 +34,7 @@ def generate(*more: str) -> int:
 
 
 def test_disagreeing_readings_are_not_generated(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    slower(folder / "new" / "tv62.yaml")
+    slow_down_clock(folder / "new" / "tv62.yaml")
     assert generate() == 1
     assert not (folder / "out").exists()
     err = capsys.readouterr().err
@@ -46,7 +46,7 @@ def test_disagreeing_readings_are_not_generated(folder: Path, capsys: pytest.Cap
     assert generate("--unchecked") == 0
     assert generate("--check") == 0, "comparing needs no release"
     assert generate() == 0, "nothing new is released where no file changes"
-    slower(folder / "new" / "tv62.second.yaml")
+    slow_down_clock(folder / "new" / "tv62.second.yaml")
     assert generate() == 0
 
 
@@ -61,7 +61,7 @@ def test_old_counts_are_not_generated(folder: Path, capsys: pytest.CaptureFixtur
 
 
 def test_disagreeing_readings_are_not_recorded(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    slower(folder / "new" / "tv62.yaml")
+    slow_down_clock(folder / "new" / "tv62.yaml")
     before = {path.name: path.read_bytes() for path in (folder / "new").iterdir()}
     assert main(["diff", "old", "new", "--record"]) == 1
     assert capsys.readouterr().err.endswith(

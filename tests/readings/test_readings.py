@@ -33,13 +33,13 @@ def folder(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> pathlib.P
     return tmp_path
 
 
-def changed(path: pathlib.Path, old: str, new: str) -> None:
+def replace_in_file(path: pathlib.Path, old: str, new: str) -> None:
     text = path.read_text(encoding="utf-8")
     assert old in text
     path.write_text(text.replace(old, new, 1), encoding="utf-8")
 
 
-def told() -> list[str]:
+def problem_lines() -> list[str]:
     """Return the problems in this folder, each in one line."""
     report = check.run([pathlib.Path()], []).report
     return [problem.format().splitlines()[0] for problem in report.problems]
@@ -49,29 +49,31 @@ def cases() -> Iterator[tuple[str, str, str, list[str]]]:
     """Return changes of the second reading, and the resulting messages, from the file next to this one."""
     for block in (HERE / "disagreements.txt").read_text(encoding="utf-8").strip().split("\n\n"):
         title, *lines = block.splitlines()
-        old, new = ("\n".join(line[2:] for line in lines if line.startswith(sign)) for sign in ("- ", "+ "))
-        yield title[2:], old, new, [line for line in lines if line[:2] not in ("- ", "+ ")]
+        old_lines = [line[2:] for line in lines if line.startswith("- ")]
+        new_lines = [line[2:] for line in lines if line.startswith("+ ")]
+        messages = [line for line in lines if not line.startswith(("- ", "+ "))]
+        yield title[2:], "\n".join(old_lines), "\n".join(new_lines), messages
 
 
 CASES = list(cases())
 
 
 def test_readers_may_name_split_and_order_things_as_they_like(folder: pathlib.Path) -> None:
-    assert told() == []
+    assert problem_lines() == []
 
 
 @pytest.mark.parametrize(("old", "new", "expected"), [case[1:] for case in CASES], ids=[case[0] for case in CASES])
 def test_a_disagreement_is_told_at_both_places(folder: pathlib.Path, old: str, new: str, expected: list[str]) -> None:
-    changed(folder / "twice.second.yaml", old, new)
-    found = told()
-    assert all(line.endswith(MEND) for line in found)
-    assert [line.removesuffix(MEND) for line in found] == expected
+    replace_in_file(folder / "twice.second.yaml", old, new)
+    reported = problem_lines()
+    assert all(line.endswith(MEND) for line in reported)
+    assert [line.removesuffix(MEND) for line in reported] == expected
 
 
 def test_it_is_shown_with_path_and_line(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
-    changed(folder / "twice.second.yaml", "address: 0x49", "address: 0x4A")
+    replace_in_file(folder / "twice.second.yaml", "address: 0x49", "address: 0x4A")
     assert main(["check", "twice.yaml"]) == 1
-    shown = capsys.readouterr().out
+    printed = capsys.readouterr().out
     assert (
         f"""\
 twice.second.yaml:128:14: readings-disagree: register 0x4A: 1 byte here, nothing in twice.yaml:127{MEND}
@@ -79,48 +81,52 @@ twice.second.yaml:128:14: readings-disagree: register 0x4A: 1 byte here, nothing
     address: 0x4A
              ^
 """
-        in shown
+        in printed
     )
-    assert "read 3 specs: twice.yaml, manufacturer.yaml, twice.second.yaml\n" in shown
+    assert "read 3 specs: twice.yaml, manufacturer.yaml, twice.second.yaml\n" in printed
 
 
 def test_what_only_the_spec_has_is_no_problem(folder: pathlib.Path) -> None:
-    changed(folder / "twice.second.yaml", "    wait_at_least_ms: 30\n", "")
-    assert told() == []
+    replace_in_file(folder / "twice.second.yaml", "    wait_at_least_ms: 30\n", "")
+    assert problem_lines() == []
 
 
 def test_scales_are_compared_as_formulas(folder: pathlib.Path) -> None:
     scale = "scale: {{numerator: {}, denominator: {}, offset: {}, unit: °C}}"
-    mine, other = scale.format(1000, 2776, 152_000), scale.format(125, 347, 19_000)
-    changed(folder / "twice.yaml", "{name: position, at: 11:0}", f"{{name: position, at: 11:0, {mine}}}")
-    changed(folder / "twice.second.yaml", "{name: value, at: 11:0}", f"{{name: value, at: 11:0, {other}}}")
-    assert told() == []
-    changed(folder / "twice.second.yaml", "offset: 19000", "offset: 0")
-    wrong = "scale of bits 11:0 of register 0x50: number * 125/347 + 0 °C here, number * 125/347 + 19000/347 °C"
-    assert told()[0].startswith(f"twice.second.yaml:124:45: readings-disagree: {wrong} in twice.yaml:151")
+    scale_of_spec, scale_of_reading = scale.format(1000, 2776, 152_000), scale.format(125, 347, 19_000)
+    replace_in_file(
+        folder / "twice.yaml", "{name: position, at: 11:0}", f"{{name: position, at: 11:0, {scale_of_spec}}}"
+    )
+    replace_in_file(
+        folder / "twice.second.yaml", "{name: value, at: 11:0}", f"{{name: value, at: 11:0, {scale_of_reading}}}"
+    )
+    assert problem_lines() == []
+    replace_in_file(folder / "twice.second.yaml", "offset: 19000", "offset: 0")
+    message = "scale of bits 11:0 of register 0x50: number * 125/347 + 0 °C here, number * 125/347 + 19000/347 °C"
+    assert problem_lines()[0].startswith(f"twice.second.yaml:124:45: readings-disagree: {message} in twice.yaml:151")
 
 
 ERRATUM = "    affects: [registers.preset]\n"
 
 
 def test_an_erratum_explains_just_these_two_values(folder: pathlib.Path) -> None:
-    changed(folder / "twice.second.yaml", "max: 2^resolution - 1", "max: 2^resolution")
-    changed(folder / "twice.second.yaml", "{name: value, at: 11:0}", "{name: value, at: 12:0}")
-    changed(folder / "twice.yaml", "{name: position, at: 11:0}", "{name: position, at: 12:0}")
-    assert len(told()) == 2
-    changed(folder / "twice.yaml", ERRATUM, f'{ERRATUM}    readings: [{{second: "1024", used: "1023"}}]\n')
-    assert told() == []
-    changed(folder / "twice.yaml", 'second: "1024"', 'second: "1025"')
-    assert len(told()) == 3
-    changed(folder / "twice.yaml", '"1025", used: "1023"', '"1024", used: "1023"')
-    changed(folder / "twice.yaml", "affects: [registers.preset]", "affects: [registers.width]")
-    assert len(told()) == 3
+    replace_in_file(folder / "twice.second.yaml", "max: 2^resolution - 1", "max: 2^resolution")
+    replace_in_file(folder / "twice.second.yaml", "{name: value, at: 11:0}", "{name: value, at: 12:0}")
+    replace_in_file(folder / "twice.yaml", "{name: position, at: 11:0}", "{name: position, at: 12:0}")
+    assert len(problem_lines()) == 2
+    replace_in_file(folder / "twice.yaml", ERRATUM, f'{ERRATUM}    readings: [{{second: "1024", used: "1023"}}]\n')
+    assert problem_lines() == []
+    replace_in_file(folder / "twice.yaml", 'second: "1024"', 'second: "1025"')
+    assert len(problem_lines()) == 3
+    replace_in_file(folder / "twice.yaml", '"1025", used: "1023"', '"1024", used: "1023"')
+    replace_in_file(folder / "twice.yaml", "affects: [registers.preset]", "affects: [registers.width]")
+    assert len(problem_lines()) == 3
 
 
 def test_an_explanation_without_a_disagreement_is_told(folder: pathlib.Path) -> None:
-    changed(folder / "twice.yaml", ERRATUM, f"{ERRATUM}    readings: [{{second: default, used: nothing}}]\n")
-    (found,) = told()
-    assert found.endswith(
+    replace_in_file(folder / "twice.yaml", ERRATUM, f"{ERRATUM}    readings: [{{second: default, used: nothing}}]\n")
+    (problem,) = problem_lines()
+    assert problem.endswith(
         "readings-unused: no fact affected by this erratum is 'default' in the second reading and "
         "'nothing' here; correct or remove it"
     )
@@ -131,31 +137,33 @@ def test_an_explanation_without_a_disagreement_is_told(folder: pathlib.Path) -> 
     [("15 and 30 ms, or 15 ms", 0), ("10 to 15.0 ms", 0), ("15 to 30 ms", 0), ("Two times", 0), ("10 or 30 ms", 1)],
 )
 def test_the_printed_text_has_the_value_of_the_second_reading(folder: pathlib.Path, printed: str, count: int) -> None:
-    changed(folder / "twice.second.yaml", "    wait_at_least_ms: 30\n", "    wait_at_least_ms: 15\n")
-    changed(folder / "twice.yaml", "printed: Two limits", f"printed: {printed}")
+    replace_in_file(folder / "twice.second.yaml", "    wait_at_least_ms: 30\n", "    wait_at_least_ms: 15\n")
+    replace_in_file(folder / "twice.yaml", "printed: Two limits", f"printed: {printed}")
     readings = "readings: [{second: 15 ms, used: 30 ms}]"
-    changed(folder / "twice.yaml", ERRATUM, f"    affects: [registers.command]\n    {readings}\n")
-    assert [item.partition(": ")[2] for item in told()] == [
+    replace_in_file(folder / "twice.yaml", ERRATUM, f"    affects: [registers.command]\n    {readings}\n")
+    assert [line.partition(": ")[2] for line in problem_lines()] == [
         "readings-unused: the printed text has other values than 15 ms, which the second reading has; correct it"
     ] * count
 
 
 def test_a_fact_that_only_the_second_reading_has_can_be_explained(folder: pathlib.Path) -> None:
-    changed(folder / "twice.second.yaml", "    limits_of: value\n", "    limits_of: value\n    above_max: default\n")
-    assert len(told()) == 2
-    changed(folder / "twice.yaml", ERRATUM, f"{ERRATUM}    readings: [{{second: default, used: nothing}}]\n")
-    assert told() == []
+    replace_in_file(
+        folder / "twice.second.yaml", "    limits_of: value\n", "    limits_of: value\n    above_max: default\n"
+    )
+    assert len(problem_lines()) == 2
+    replace_in_file(folder / "twice.yaml", ERRATUM, f"{ERRATUM}    readings: [{{second: default, used: nothing}}]\n")
+    assert problem_lines() == []
 
 
 def test_a_printed_byte_order_that_biss_does_not_have_is_explained_by_the_spec(folder: pathlib.Path) -> None:
     """A second reading has no errata, so rules that accept what an erratum explains leave it to the comparison."""
     register = "registers:\n  - {{name: profile_id, address: 0x42, length: 2, access: read_only, byte_order: {}{}}}\n"
-    changed(folder / "twice.yaml", "registers:\n", register.format("high_byte_first", ', source: "6"'))
-    changed(folder / "twice.second.yaml", "registers:\n", register.format("low_byte_first", ""))
-    assert [item.split(": ")[1] for item in told()] == ["readings-disagree"] * 2
+    replace_in_file(folder / "twice.yaml", "registers:\n", register.format("high_byte_first", ', source: "6"'))
+    replace_in_file(folder / "twice.second.yaml", "registers:\n", register.format("low_byte_first", ""))
+    assert [line.split(": ")[1] for line in problem_lines()] == ["readings-disagree"] * 2
     readings = "readings: [{second: low_byte_first, used: high_byte_first}]"
-    changed(folder / "twice.yaml", ERRATUM, f"    affects: [registers.profile_id]\n    {readings}\n")
-    assert told() == []
+    replace_in_file(folder / "twice.yaml", ERRATUM, f"    affects: [registers.profile_id]\n    {readings}\n")
+    assert problem_lines() == []
 
 
 LEFT_OUT = "a second reading does not have this part; leave it out"
@@ -181,16 +189,16 @@ LEFT_OUT = "a second reading does not have this part; leave it out"
 )
 def test_a_second_reading_keeps_to_the_language(folder: pathlib.Path, old: str, new: str, expected: str) -> None:
     """In this case it is not compared."""
-    changed(folder / "twice.second.yaml", old, new)
-    changed(folder / "twice.second.yaml", "baud: 2500000", "baud: 1")
-    found = told()
-    assert found[0].startswith(f"twice.second.yaml:{expected}")
-    assert "readings-disagree" not in "".join(found)
+    replace_in_file(folder / "twice.second.yaml", old, new)
+    replace_in_file(folder / "twice.second.yaml", "baud: 2500000", "baud: 1")
+    reported = problem_lines()
+    assert reported[0].startswith(f"twice.second.yaml:{expected}")
+    assert "readings-disagree" not in "".join(reported)
 
 
 def test_a_spec_with_faults_is_not_compared(folder: pathlib.Path) -> None:
-    changed(folder / "twice.yaml", "address: 0x49", "address: 0x48")
-    assert [line.split(": ")[1] for line in told()] == ["duplicate-address"]
+    replace_in_file(folder / "twice.yaml", "address: 0x49", "address: 0x48")
+    assert [line.split(": ")[1] for line in problem_lines()] == ["duplicate-address"]
 
 
 def test_it_belongs_to_its_spec(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -263,18 +271,18 @@ twice.yaml:117:23: read once: wait, registers.command.wait_at_least_ms
 def test_coverage_by_class(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["check", "--coverage"]) == 0
     capsys.readouterr()
-    changed(folder / "twice.second.yaml", "    wait_at_least_ms: 30\n", "")
+    replace_in_file(folder / "twice.second.yaml", "    wait_at_least_ms: 30\n", "")
     assert main(["check", "--coverage"]) == 1
     assert capsys.readouterr().out.partition("no problems in 1 family: twice\n")[2] == TABLE
 
 
 def test_coverage_as_json(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
-    changed(folder / "twice.second.yaml", "    wait_at_least_ms: 30\n", "")
+    replace_in_file(folder / "twice.second.yaml", "    wait_at_least_ms: 30\n", "")
     assert main(["check", "--coverage", "--json"]) == 1
-    found = json.loads(capsys.readouterr().out)
-    assert (found["version"], found["problems"]) == (1, [])
-    assert found["total"] == {"twice": 126, "explained": 0, "decided": 0, "once": 40, "derived": 1}
-    (family,) = found["coverage"]
+    data = json.loads(capsys.readouterr().out)
+    assert (data["version"], data["problems"]) == (1, [])
+    assert data["total"] == {"twice": 126, "explained": 0, "decided": 0, "once": 40, "derived": 1}
+    (family,) = data["coverage"]
     wait = {"twice": 2, "explained": 0, "decided": 0, "once": 1, "derived": 0, "needed": True}
     assert family["classes"]["wait"] == wait
     assert {
@@ -288,22 +296,22 @@ def test_coverage_as_json(folder: pathlib.Path, capsys: pytest.CaptureFixture[st
 
 def test_counts_beside_the_spec(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The counts are written on request, shown in outputs, and reported if they are out of date."""
-    kept = folder / "twice.coverage.json"
+    counts_file = folder / "twice.coverage.json"
     assert main(["check", "--write"]) == 2
     assert main(["check", "--coverage"]) == 0
-    assert not kept.exists()
+    assert not counts_file.exists()
     assert main(["check", "--coverage", "--write"]) == 0
     counts = '{"twice": 127, "explained": 0, "decided": 0, "once": 39, "derived": 1}\n'
-    assert kept.read_text(encoding="utf-8") == counts
+    assert counts_file.read_text(encoding="utf-8") == counts
     (family,), _ = load_families([folder])
     assert family.device.times_read is not None
     assert family.device.times_read.twice == 127
     capsys.readouterr()
-    changed(folder / "twice.second.yaml", "    wait_at_least_ms: 30\n", "")
+    replace_in_file(folder / "twice.second.yaml", "    wait_at_least_ms: 30\n", "")
     assert main(["check"]) == 0
     assert main(["check", "--coverage"]) == 1
     assert "twice.coverage.json:1:1: coverage-file: the counts do not match the readings" in capsys.readouterr().out
-    kept.write_text("{}", encoding="utf-8")
+    counts_file.write_text("{}", encoding="utf-8")
     assert main(["check"]) == 1
     assert "twice.coverage.json:1:1: coverage-file: the file was edited" in capsys.readouterr().out
 
@@ -329,63 +337,71 @@ def test_our_manuals_were_read_twice(capsys: pytest.CaptureFixture[str]) -> None
 def test_names_that_must_be_slips_are_told(folder: pathlib.Path, old: str, new: str, expected: list[str]) -> None:
     second = folder / "twice.second.yaml"
     second.write_text(second.read_text(encoding="utf-8").replace(old, new), encoding="utf-8")
-    problems = told()
+    problems = problem_lines()
     assert all(": readings-disagree: " in line for line in problems)
-    found = [line.partition(": readings-disagree: ")[2] for line in problems if line.startswith("twice.yaml")]
-    assert [line.partition(" here, ")[0] for line in found] == expected
+    disagreements = [line.partition(": readings-disagree: ")[2] for line in problems if line.startswith("twice.yaml")]
+    assert [line.partition(" here, ")[0] for line in disagreements] == expected
+
+
+def disagreements_in_spec() -> list[str]:
+    """Return the differences that are reported in the spec, without their places."""
+    of_spec = [line for line in problem_lines() if line.startswith("twice.yaml")]
+    return [line.partition(": readings-disagree: ")[2] for line in of_spec]
 
 
 def test_names_count_once_the_second_reading_has_those_of_the_spec(folder: pathlib.Path) -> None:
     """Here they have the names of the spec, because the second reading is the spec without its texts."""
     write_facts_only(folder)
-    assert told() == []
-    changed(folder / "twice.yaml", "- name: function\n", "- name: task\n")
-    found = [line.partition(": readings-disagree: ")[2] for line in told() if line.startswith("twice.yaml")]
-    assert [line.partition(" in ")[0] for line in found] == ["name of bits 7:0 of 'command': 'task' here, 'function'"]
+    assert problem_lines() == []
+    replace_in_file(folder / "twice.yaml", "- name: function\n", "- name: task\n")
+    (disagreement,) = disagreements_in_spec()
+    assert disagreement.partition(" in ")[0] == "name of bits 7:0 of 'command': 'task' here, 'function'"
 
 
 def write_facts_only(folder: pathlib.Path) -> None:
     """A second reading that is a copy of the spec."""
 
-    def kept(node: object) -> object:
-        if isinstance(node, dict):
-            return {
-                key: kept(item)
-                for key, item in node.items()
-                if not is_only_in_device_files(key) and key != "manufacturer"
-            }
-        return [kept(item) for item in node] if isinstance(node, list) else node
+    def facts_of(node: object) -> object:
+        if isinstance(node, list):
+            return [facts_of(child) for child in node]
+        if not isinstance(node, dict):
+            return node
+        facts = {}
+        for key, value in node.items():
+            if not is_only_in_device_files(key) and key != "manufacturer":
+                facts[key] = facts_of(value)
+        return facts
 
     document = read_document(folder / "twice.yaml", Report())
     assert document is not None
-    text = json.dumps(kept(document.data), indent=1)
+    text = json.dumps(facts_of(document.data), indent=1)
     (folder / "twice.second.yaml").write_text(text, encoding="utf-8")
 
 
 def test_order_codes_that_only_the_spec_has_are_told_together(folder: pathlib.Path) -> None:
-    changed(
+    replace_in_file(
         folder / "twice.second.yaml",
         '"10": {sets: {resolution: 10}}',
         '"10": {sets: {resolution: 10}, only_with: {kind: [B]}}',
     )
-    found = [line.partition(": readings-disagree: ")[2] for line in told() if line.startswith("twice.yaml")]
-    assert "interface of the order code T10G and of 2 more: ssi here, nothing in twice.second.yaml:22" + MEND in found
+    disagreement = "interface of the order code T10G and of 2 more: ssi here, nothing in twice.second.yaml:22" + MEND
+    assert disagreement in disagreements_in_spec()
 
 
 def test_a_parameter_of_one_name_is_the_same_in_both(folder: pathlib.Path) -> None:
-    changed(
+    replace_in_file(
         folder / "twice.second.yaml",
         "  resolution: {unit: bits}\n",
         "  resolution: {unit: bits}\n  all_bits: {unit: bits, equals: resolution + 1}\n",
     )
-    first, second = told()
+    first, second = problem_lines()
     assert "the parameter 'all_bits', for T10B and 7 more: 11 here, 10 in twice.yaml:" in first
     assert "10 here, 11 in twice.second.yaml:" in second
 
 
 def test_a_default_of_a_field_that_only_the_second_reading_states(folder: pathlib.Path) -> None:
-    changed(folder / "twice.second.yaml", "- name: output\n", "- name: output\n        default: 1\n")
-    assert "default of bit 5 of register 0x49: 1 here, nothing in twice.yaml:" in told()[0]
+    replace_in_file(folder / "twice.second.yaml", "- name: output\n", "- name: output\n        default: 1\n")
+    assert "default of bit 5 of register 0x49: 1 here, nothing in twice.yaml:" in problem_lines()[0]
 
 
 def test_waits_that_follow_each_other_are_one(folder: pathlib.Path) -> None:
@@ -393,7 +409,7 @@ def test_waits_that_follow_each_other_are_one(folder: pathlib.Path) -> None:
     wait = "      - {do: wait, at_least_ms: 30}\n"
     assert wait in text
     (folder / "twice.yaml").write_text(text.replace(wait, wait + wait), encoding="utf-8")
-    assert any("60 ms" in line for line in told())
+    assert any("60 ms" in line for line in problem_lines())
 
 
 #: An encoder whose requests have other names in the second reading.
@@ -418,13 +434,14 @@ def test_requests_and_replies_are_compared(
     """The constants of a request identify it, and the frame that answers it."""
     text = LEFT_OUT.sub("", (EXCHANGES / "skm36.yaml").read_text(encoding="utf-8"))
     text = re.sub(r',? *source: "[^"]*"', "", text)
-    for name, other in RENAMED.items():
-        text = text.replace(name, other)
+    for name, new_name in RENAMED.items():
+        text = text.replace(name, new_name)
     assert old in text
     (tmp_path / "skm36.second.yaml").write_text(text.replace(old, new, 1), encoding="utf-8")
     for name in ("manufacturer.yaml", "skm36.yaml"):
         shutil.copy(EXCHANGES / name, tmp_path)
     monkeypatch.chdir(tmp_path)
-    found = told()
-    assert bool(found) == bool(expected), found
-    assert all(any(words in line for line in found) for words in expected), found
+    reported = problem_lines()
+    assert bool(reported) == bool(expected), reported
+    for words in expected:
+        assert any(words in line for line in reported), reported

@@ -30,13 +30,13 @@ def second(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return second
 
 
-def differences(second: Path, old: str, new: str) -> list[str]:
+def problems_after_change(second: Path, old: str, new: str) -> list[str]:
     """Return the problems of the second reading with a change, each without its place."""
     text = second.read_text(encoding="utf-8")
     assert text.count(old) == 1
     second.write_text(text.replace(old, new), encoding="utf-8")
     problems = check.run([Path()], []).report.problems
-    messages = [item.message.partition(";")[0] for item in problems if Path(item.file).name == second.name]
+    messages = [problem.message.partition(";")[0] for problem in problems if Path(problem.file).name == second.name]
     return [message.rpartition(":")[0] for message in messages]
 
 
@@ -45,11 +45,11 @@ def test_readings_that_agree(second: Path) -> None:
 
 
 def test_the_verdict_of_a_value_is_compared(second: Path) -> None:
-    found = differences(
+    reported = problems_after_change(
         second, "poor: {value: 2, makes_position: usable_with_warning}", "poor: {value: 2, makes_position: not_usable}"
     )
     value = "verdict on the position of value 2 of bits 9:8 of 'gray_word'"
-    assert found == [f"{value}: not_usable here, usable_with_warning in signs.yaml"]
+    assert reported == [f"{value}: not_usable here, usable_with_warning in signs.yaml"]
 
 
 @pytest.mark.parametrize(
@@ -68,4 +68,4 @@ def test_the_verdict_of_a_value_is_compared(second: Path) -> None:
     ],
 )
 def test_a_combination_is_compared(second: Path, old: str, new: str, expected: list[str]) -> None:
-    assert differences(second, old, new) == expected
+    assert problems_after_change(second, old, new) == expected

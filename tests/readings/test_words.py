@@ -79,17 +79,14 @@ def folder(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> pathlib.P
     return tmp_path
 
 
-def told() -> list[str]:
+def problem_lines() -> list[str]:
     report = check.run([pathlib.Path()], []).report
     problems = [problem.format().splitlines()[0] for problem in report.problems]
-    return [
-        line.partition(": readings-disagree: ")[2].partition(" in twice")[0]
-        for line in problems
-        if "twice.yaml:" in line[:11]
-    ]
+    of_spec = [line for line in problems if line.startswith("twice.yaml:")]
+    return [line.partition(": readings-disagree: ")[2].partition(" in twice")[0] for line in of_spec]
 
 
-def changed(path: pathlib.Path, old: str, new: str) -> None:
+def replace_in_file(path: pathlib.Path, old: str, new: str) -> None:
     text = path.read_text(encoding="utf-8")
     assert text.count(old) == 1
     path.write_text(text.replace(old, new), encoding="utf-8")
@@ -117,8 +114,8 @@ def changed(path: pathlib.Path, old: str, new: str) -> None:
 )
 def test_a_typo_in_words_is_told(folder: pathlib.Path, old: str, new: str, expected: list[str]) -> None:
     if old:
-        changed(folder / "twice.yaml", old, new)
-    assert sorted(told()) == expected
+        replace_in_file(folder / "twice.yaml", old, new)
+    assert sorted(problem_lines()) == expected
 
 
 def coverage(folder: pathlib.Path) -> Coverage:

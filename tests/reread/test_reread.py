@@ -23,11 +23,11 @@ def passages(
     (tmp_path / "old.txt").write_text(old, encoding="utf-8")
     (tmp_path / "new.txt").write_text(new, encoding="utf-8")
     files = [str(tmp_path / "old.txt"), str(tmp_path / "new.txt")]
-    code = main(["reread", *files, "--specs", str(SPECS), "--json"])
-    found = json.loads(capsys.readouterr().out)["passages"]
-    assert code == bool(found)
-    assert isinstance(found, list)
-    return found
+    exit_code = main(["reread", *files, "--specs", str(SPECS), "--json"])
+    listed = json.loads(capsys.readouterr().out)["passages"]
+    assert exit_code == bool(listed)
+    assert isinstance(listed, list)
+    return listed
 
 
 EDITS = {
@@ -54,10 +54,10 @@ def test_a_fact_that_changes_is_among_the_first_five(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, section: str, fact: str
 ) -> None:
     assert MANUAL.count(old) == 1
-    (found,) = passages(tmp_path, capsys, MANUAL.replace(old, new))
-    assert found["section"] == section
-    assert isinstance(found["facts"], list)
-    assert fact in [item["path"] for item in found["facts"][:5]]
+    (passage,) = passages(tmp_path, capsys, MANUAL.replace(old, new))
+    assert passage["section"] == section
+    assert isinstance(passage["facts"], list)
+    assert fact in [listed_fact["path"] for listed_fact in passage["facts"][:5]]
 
 
 def test_another_layout_of_the_same_text_is_no_difference(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -67,11 +67,10 @@ def test_another_layout_of_the_same_text_is_no_difference(tmp_path: Path, capsys
         is_prose = len(paragraph) > 75 and not paragraph.startswith(("|", ">", " "))
         lines += textwrap.wrap(paragraph, 58) if is_prose else [paragraph]
     pages = [lines[at : at + 25] for at in range(0, len(lines), 25)]
-    text = "\n".join(
-        "\n".join(["TV62 interface manual", *page, f"Tolvarn Instruments  page {number} of 9", f"{number}"])
-        for number, page in enumerate(pages, 1)
-    )
-    text = text.replace("counterclockwise", "counter-\nclockwise")
+    printed_lines: list[str] = []
+    for number, page in enumerate(pages, 1):
+        printed_lines += ["TV62 interface manual", *page, f"Tolvarn Instruments  page {number} of 9", f"{number}"]
+    text = "\n".join(printed_lines).replace("counterclockwise", "counter-\nclockwise")
     assert "ﬁrst" in text
     assert passages(tmp_path, capsys, text) == []
 
@@ -91,9 +90,9 @@ def test_contents_in_columns_and_long_headings_are_read(tmp_path: Path, capsys: 
 
 def test_a_decimal_comma_is_read(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     old = re.sub(r"(?<=\d)\.(?=\d °C)", ",", MANUAL)
-    (found,) = passages(tmp_path, capsys, old.replace("95,0 °C | Upper", "90,0 °C | Upper"), old)
-    assert isinstance(found["facts"], list)
-    assert found["facts"][0]["path"] == "registers.upper_limit.default"
+    (passage,) = passages(tmp_path, capsys, old.replace("95,0 °C | Upper", "90,0 °C | Upper"), old)
+    assert isinstance(passage["facts"], list)
+    assert passage["facts"][0]["path"] == "registers.upper_limit.default"
 
 
 def test_a_section_without_a_number_has_its_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -111,9 +110,9 @@ def test_a_section_without_a_number_has_its_page(tmp_path: Path, capsys: pytest.
     (tmp_path / "old.txt").write_text(old, encoding="utf-8")
     (tmp_path / "new.txt").write_text(old.replace("has 12 mm", "has 14 mm"), encoding="utf-8")
     main(["reread", str(tmp_path / "old.txt"), str(tmp_path / "new.txt"), "--specs", str(specs), "--json"])
-    (found,) = json.loads(capsys.readouterr().out)["passages"]
-    assert found["section"] == "Vorwort"
-    assert found["facts"][0]["path"].startswith("characteristics.shaft.")
+    (passage,) = json.loads(capsys.readouterr().out)["passages"]
+    assert passage["section"] == "Vorwort"
+    assert passage["facts"][0]["path"].startswith("characteristics.shaft.")
 
 
 def _as_pages(lines: list[str], length: int = 22) -> str:
@@ -128,7 +127,9 @@ def _as_pages(lines: list[str], length: int = 22) -> str:
 def test_form_feeds_show_where_running_heads_are(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """A line that also occurs elsewhere, or a number in a text, is not a running head even at the edge of a page."""
     warning = "WARNING\n\nSwitch off first, see Figure\n"
-    old = re.sub(r"^(## [2-5])", lambda found: f"{warning}7.\n{warning}8.\n\n{found[1]}", MANUAL, flags=re.MULTILINE)
+    old = re.sub(
+        r"^(## [2-5])", lambda heading: f"{warning}7.\n{warning}8.\n\n{heading[1]}", MANUAL, flags=re.MULTILINE
+    )
     lines = [line for line in re.sub(r"^#+ |\*\*", "", old, flags=re.MULTILINE).splitlines() if line]
     for length in range(7, 23):
         assert passages(tmp_path, capsys, _as_pages(lines, length), old) == [], length
@@ -147,11 +148,10 @@ def test_a_page_end_with_two_numbers_counts_once(tmp_path: Path, capsys: pytest.
     lines = [line for line in re.sub(r"^#+ |\*\*", "", old, flags=re.MULTILINE).splitlines() if line]
     for length in range(16, 30):
         pages = [lines[at : at + length] for at in range(0, len(lines), length)]
-        text = "\n".join(
-            "\n".join(["Handbook", *page, f"Tolvarn  page {number} of {len(pages)}", f"{number}"])
-            for number, page in enumerate(pages, 1)
-        )
-        assert passages(tmp_path, capsys, text, old) == [], length
+        printed_lines: list[str] = []
+        for number, page in enumerate(pages, 1):
+            printed_lines += ["Handbook", *page, f"Tolvarn  page {number} of {len(pages)}", f"{number}"]
+        assert passages(tmp_path, capsys, "\n".join(printed_lines), old) == [], length
 
 
 def test_a_link_that_continues_on_the_next_line_is_its_text(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -162,8 +162,8 @@ def test_a_link_that_continues_on_the_next_line_is_its_text(tmp_path: Path, caps
 def test_rows_of_a_table_are_no_page_numbers(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     rows = "\n".join(f"{bit} | Not used" for bit in (0, 1, 3, 4, 7))
     old = MANUAL.replace("All three are two's", f"{rows}\n\nAll three are two's")
-    (found,) = passages(tmp_path, capsys, old.replace("3 | Not used", "3 | Filter"), old)
-    assert (found["section"], found["old"], found["new"]) == ("4.3", "Not used", "Filter")
+    (passage,) = passages(tmp_path, capsys, old.replace("3 | Not used", "3 | Filter"), old)
+    assert (passage["section"], passage["old"], passage["new"]) == ("4.3", "Not used", "Filter")
 
 
 def test_numbers_in_references_are_no_difference(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -172,15 +172,13 @@ def test_numbers_in_references_are_no_difference(tmp_path: Path, capsys: pytest.
     new = MANUAL.replace("4.6 Setting the limits", "4.7 Setting the limits")
     new += '\nSee the section "4.7 Setting the limits of the temperature" on page\n11 and Figure 8.\n'
     assert passages(tmp_path, capsys, new, old) == []
-    (found,) = passages(tmp_path, capsys, new.replace("Figure 8.", "Figure 9."), old)
-    assert (found["old"], found["new"]) == ("8", "9")
+    (passage,) = passages(tmp_path, capsys, new.replace("Figure 8.", "Figure 9."), old)
+    assert (passage["old"], passage["new"]) == ("8", "9")
 
 
 def test_sections_that_change_places_are_no_difference(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    bank, temperature = (
-        MANUAL[MANUAL.index(f"### {start}") : MANUAL.index(f"### {end}")]
-        for start, end in (("4.2 Bank", "4.3 Bank"), ("4.3 Bank", "4.4"))
-    )
+    start, middle, end = (MANUAL.index(heading) for heading in ("### 4.2 Bank", "### 4.3 Bank", "### 4.4"))
+    bank, temperature = MANUAL[start:middle], MANUAL[middle:end]
     swapped = temperature.replace("4.3 Bank", "4.2 Bank") + bank.replace("4.2 Bank", "4.3 Bank")
     contents = ("4.2 Bank 2, temperature | 3 |", "4.3 Bank 1, position | 3 |")
     new = MANUAL.replace(bank + temperature, swapped)
@@ -191,8 +189,8 @@ def test_sections_that_change_places_are_no_difference(tmp_path: Path, capsys: p
 
 def test_a_section_that_the_contents_skip_has_its_own_facts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     old = MANUAL.replace("| 4.5 Setting the preset | 3 |\n", "")
-    (found,) = passages(tmp_path, capsys, old.replace("least 50 ms", "least 80 ms"), old)
-    assert found["section"] == "4.5"
+    (passage,) = passages(tmp_path, capsys, old.replace("least 50 ms", "least 80 ms"), old)
+    assert passage["section"] == "4.5"
 
 
 def test_a_section_that_moved_is_no_difference(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -204,8 +202,8 @@ def test_a_change_that_no_fact_cites_is_listed(tmp_path: Path, capsys: pytest.Ca
     added = "## 6 Storage\n\nStore the encoder between −20 °C and 60 °C, dry and without vibration.\n"
     contents = "| 5 Connector | 3 |\n| 6 Storage | 4 |\n"
     new = MANUAL.replace("| 5 Connector | 3 |\n", contents) + added
-    (found,) = passages(tmp_path, capsys, new)
-    assert (found["section"], found["facts_of_section"]) == ("6", 0)
+    (passage,) = passages(tmp_path, capsys, new)
+    assert (passage["section"], passage["facts_of_section"]) == ("6", 0)
     files = [str(tmp_path / "old.txt"), str(tmp_path / "new.txt")]
     main(["reread", *files, "--specs", str(SPECS)])
     assert "no fact in the spec cites this place" in capsys.readouterr().out
@@ -217,24 +215,26 @@ def test_two_languages_are_compared_by_their_numbers(tmp_path: Path, capsys: pyt
         r"(?<!\w)[A-Za-z]{4,}(?!\w)", lambda word: word[0][::-1], MANUAL.replace("95.0 °C | Upper", "91.0 °C | Upper")
     )
     foreign = re.sub(r"(?<=\d)\.(?=\d °C)", ",", foreign)
-    (found,) = passages(tmp_path, capsys, foreign)
-    assert (found["section"], found["old"], found["new"]) == ("4.3", "95.0", "91.0")
+    (passage,) = passages(tmp_path, capsys, foreign)
+    assert (passage["section"], passage["old"], passage["new"]) == ("4.3", "95.0", "91.0")
 
 
 def test_an_option_renamed_in_headings_leads_to_its_facts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     old = MANUAL.replace("5 Connector", "5 Connector (S1 order codes)")
     assert old.count("S1 order codes") == 2
-    (found,) = passages(tmp_path, capsys, old.replace("S1 order codes", "S2 order codes"), old)
-    assert (found["section"], found["old"], found["new"]) == ("5", "S1", "S2")
-    assert isinstance(found["facts"], list)
-    assert "order_code.parts.output.values.S1.interface" in [item["path"] for item in found["facts"][:5]]
+    (passage,) = passages(tmp_path, capsys, old.replace("S1 order codes", "S2 order codes"), old)
+    assert (passage["section"], passage["old"], passage["new"]) == ("5", "S1", "S2")
+    assert isinstance(passage["facts"], list)
+    paths = [listed_fact["path"] for listed_fact in passage["facts"][:5]]
+    assert "order_code.parts.output.values.S1.interface" in paths
 
 
 def test_a_removed_row_of_an_order_code_leads_to_its_option(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     old = MANUAL.replace("### 3.2", "Model TVS20 has a frame of its own.\n\n### 3.2", 1)
-    (found,) = passages(tmp_path, capsys, MANUAL, old)
-    assert isinstance(found["facts"], list)
-    assert "order_code.parts.resolution.values.20.sets.singleturn_bits" in [item["path"] for item in found["facts"][:5]]
+    (passage,) = passages(tmp_path, capsys, MANUAL, old)
+    assert isinstance(passage["facts"], list)
+    paths = [listed_fact["path"] for listed_fact in passage["facts"][:5]]
+    assert "order_code.parts.resolution.values.20.sets.singleturn_bits" in paths
 
 
 def test_a_running_head_that_is_the_title_of_the_cover_is_no_difference(
@@ -249,7 +249,7 @@ def test_a_running_head_that_is_the_title_of_the_cover_is_no_difference(
 
 
 @pytest.mark.parametrize(
-    ("data", "said"),
+    ("data", "error_text"),
     [
         (None, "cannot read {path}: No such file or directory"),
         (b"\xff\xfe\x00", "{path} is not text in UTF-8; convert it, or give the PDF"),
@@ -258,7 +258,11 @@ def test_a_running_head_that_is_the_title_of_the_cover_is_no_difference(
     ],
 )
 def test_a_file_that_is_no_manual_is_named(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, data: bytes | None, said: str
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    data: bytes | None,
+    error_text: str,
 ) -> None:
     def missing(name: str) -> None:
         raise ImportError(name)
@@ -269,16 +273,16 @@ def test_a_file_that_is_no_manual_is_named(
         path.write_bytes(data)
     (tmp_path / "old").write_text(MANUAL, encoding="utf-8")
     assert main(["reread", str(tmp_path / "old"), str(path), "--specs", str(SPECS)]) == 2
-    assert capsys.readouterr().err == f"codewheel: {said.format(path=path)}\n"
+    assert capsys.readouterr().err == f"codewheel: {error_text.format(path=path)}\n"
 
 
 def test_a_manual_of_no_family_asks_for_one(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     path = tmp_path / "manual.txt"
     path.write_text("Another encoder\n\n1 - Clock\n\n100 kHz\n", encoding="utf-8")
     assert main(["reread", str(path), str(path), "--specs", str(SPECS)]) == 2
-    told = "cannot tell which family this manual describes: its first page names none of the families; "
-    told += "add --family NAME, one of tv62"
-    assert capsys.readouterr().err == f"codewheel: {told}\n"
+    message = "cannot tell which family this manual describes: its first page names none of the families; "
+    message += "add --family NAME, one of tv62"
+    assert capsys.readouterr().err == f"codewheel: {message}\n"
     assert main(["reread", str(path), str(path), "--family", "TV62", "--specs", str(SPECS)]) == 0
     assert main(["reread", str(path), str(path), "--family", "tv63", "--specs", str(SPECS)]) == 2
 

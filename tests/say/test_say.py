@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from codewheel.commands.show import device_text, variant_text
@@ -39,9 +40,9 @@ from codewheel.targets.python.files import generate as generate_python
 
 @pytest.fixture(scope="module")
 def device() -> Device:
-    (found,), report = load_library([Path(__file__).parent])
+    (loaded,), report = load_library([Path(__file__).parent])
     assert not report.problems, report.problems[0].format()
-    return found
+    return loaded
 
 
 #: Statements about each register of the spec that has one special property.
@@ -119,47 +120,46 @@ def of_interface(device: Device, kind: str) -> Iterator[Statement]:
 
 
 def of_layout(device: Device, name: str) -> Iterator[Statement]:
-    owner, found = next((one, item) for one, item in device.layouts() if item.name == name)
-    return layout.facts(owner, found)
+    owner, chosen = next((interface, candidate) for interface, candidate in device.layouts() if candidate.name == name)
+    return layout.facts(owner, chosen)
+
+
+Statements = Callable[[Device, str], Iterator[Statement]]
+
+
+def cases_of(statements: Statements, table: list[tuple[str, str]]) -> list[Any]:
+    return [pytest.param(statements, name, sentence, id=f"{name}: {sentence}") for name, sentence in table]
 
 
 CASES = [
-    pytest.param(statements, name, sentence, id=f"{name}: {sentence}")
-    for statements, table in (
-        (of_register, REGISTERS),
-        (of_field, FIELDS),
-        (of_interface, INTERFACES),
-        (of_layout, LAYOUTS),
-    )
-    for name, sentence in table
+    *cases_of(of_register, REGISTERS),
+    *cases_of(of_field, FIELDS),
+    *cases_of(of_interface, INTERFACES),
+    *cases_of(of_layout, LAYOUTS),
 ]
-Statements = Callable[[Device, str], Iterator[Statement]]
 
 
 @pytest.mark.parametrize(("statements", "name", "sentence"), CASES)
 def test_the_words(device: Device, statements: Statements, name: str, sentence: str) -> None:
-    assert sentence in [BY_NAME.sentence(item) for item in statements(device, name)]
+    assert sentence in [BY_NAME.sentence(fact) for fact in statements(device, name)]
 
 
 def test_nothing_else_is_said(device: Device) -> None:
     """The table above has every statement, except for facts that several registers share."""
-    known = {*REGISTERS, *FIELDS}
+    table_rows = {*REGISTERS, *FIELDS}
     common = re.compile(r"(Byte order|Default|Limits|Clock): |Active when |ASCII text")
-    for item in device.registers:
-        for name, statements in [
-            (item.name, of_register),
-            *((f"{item.name}.{one.name}", of_field) for one in item.layout.fields),
-        ]:
-            said_here = {BY_NAME.sentence(one) for one in statements(device, name)}
-            assert {one for one in said_here if not common.match(one)} <= {
-                text for place, text in known if place == name
-            }
+    for each_register in device.registers:
+        field_names = [f"{each_register.name}.{each_field.name}" for each_field in each_register.layout.fields]
+        for name, statements in [(each_register.name, of_register), *((name, of_field) for name in field_names)]:
+            sentences = {BY_NAME.sentence(fact) for fact in statements(device, name)}
+            in_table = {sentence for row_name, sentence in table_rows if row_name == name}
+            assert {sentence for sentence in sentences if not common.match(sentence)} <= in_table
 
 
 # ------------------------------------------------------------------------------------------------------------- outputs
 
 
-def flat(text: str) -> str:
+def on_one_line(text: str) -> str:
     return " ".join(text.split())
 
 
@@ -203,17 +203,20 @@ Phrase = Callable[[Statement], str]
 @pytest.fixture(scope="module")
 def outputs(device: Device) -> dict[str, tuple[str, Phrase]]:
     """Return each output as one line of text, and its form of a statement."""
-    shown = [device_text(device), *(variant_text(device, find(device, item.code)) for item in device.variants)]
+    show_texts = [
+        device_text(device),
+        *(variant_text(device, find(device, variant.code)) for variant in device.variants),
+    ]
     pages = " ".join(text for path, text in generate(Library((device,))).items() if path.startswith("docs/said"))
     headers = (text for path, text in generate_c(Library((device,))).items() if path.startswith("c/include/acme/said"))
     header = re.sub(r"\n +\* ", " ", "\n".join(headers))
     files = generate_python(Library((device,)))
     module = files["python/acme_encoders/said.py"] + files["python/acme_encoders/facts/said.py"]
     return {
-        "show": (flat(" ".join(shown)), BY_NAME.phrase),
-        "docs": (flat(pages), MARKDOWN.phrase),
-        "c": (flat(header), lambda item: in_comment(BY_TITLE.phrase(item))),
-        "python": (flat(module), AS_LITERAL.phrase),
+        "show": (on_one_line(" ".join(show_texts)), BY_NAME.phrase),
+        "docs": (on_one_line(pages), MARKDOWN.phrase),
+        "c": (on_one_line(header), lambda fact: in_comment(BY_TITLE.phrase(fact))),
+        "python": (on_one_line(module), AS_LITERAL.phrase),
     }
 
 
@@ -229,8 +232,8 @@ def test_every_output_says_it(
     sentence: str,
 ) -> None:
     text, phrase = outputs[output]
-    (found,) = [item for item in statements(device, name) if BY_NAME.sentence(item) == sentence]
-    assert IN_CODE.get((output, name, sentence), phrase(found)) in text
+    (stated,) = [fact for fact in statements(device, name) if BY_NAME.sentence(fact) == sentence]
+    assert IN_CODE.get((output, name, sentence), phrase(stated)) in text
 
 
 # --------------------------------------------------------------------------------------------------------------- parts
@@ -291,8 +294,10 @@ def test_markup_in_a_spec_stays_text() -> None:
 
 
 def test_an_order_code_turns_expressions_into_numbers(device: Device) -> None:
-    _, codes = parameter.origin(device, next(item for item in device.parameters if item.name == "coded"))
+    _, codes = parameter.origin(device, next(candidate for candidate in device.parameters if candidate.name == "coded"))
     assert BY_NAME.sentence(codes) == "The register holds a code: 0 means 8, 16 means 12, 20 means 14."
-    (equals,) = parameter.origin(device, next(item for item in device.parameters if item.name == "doubled"))
+    (equals,) = parameter.origin(
+        device, next(candidate for candidate in device.parameters if candidate.name == "doubled")
+    )
     assert BY_NAME.sentence(equals) == "Equals position_bits + position_bits."
     assert at({"position_bits": 16}).sentence(equals) == "Equals 32."

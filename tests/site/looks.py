@@ -69,5 +69,5 @@ def elements_of(browser: Browser) -> set[str]:
 def axe_finds(browser: Browser, axe: str) -> list[str]:
     """List what axe-core calls serious or critical on the open page."""
     browser.run(f"{axe};0")
-    found: list[str] = browser.run(_AXE)
-    return found
+    complaints: list[str] = browser.run(_AXE)
+    return complaints

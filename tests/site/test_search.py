@@ -161,7 +161,7 @@ arduino                         | In firmware and Python | docs/editions.html#in
 
 
 def rows(table: str) -> list[tuple[str, ...]]:
-    return [tuple(cell.strip() for cell in line.split("|")) for line in table.splitlines() if line]
+    return [tuple(map(str.strip, line.split("|"))) for line in table.splitlines() if line]
 
 
 #: The first hit.
@@ -180,12 +180,12 @@ def test_there_are_enough() -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("typed", "shown", "ends"), rows(LABELS) + rows(NAMES) + rows(WORDS) + rows(TYPED), ids=lambda cell: cell
+    ("typed", "expected_name", "ends"), rows(LABELS) + rows(NAMES) + rows(WORDS) + rows(TYPED), ids=lambda cell: cell
 )
-def test_first_hit(site: Path, browser: Browser, typed: str, shown: str, ends: str) -> None:
+def test_first_hit(site: Path, browser: Browser, typed: str, expected_name: str, ends: str) -> None:
     browser.open(f"{(site / 'search.html').as_uri()}?q={quote(typed)}")
     name, target = browser.run(FIRST)
-    assert (name, target[-len(ends) :]) == (shown, ends)
+    assert (name, target[-len(ends) :]) == (expected_name, ends)
     page, _, anchor = target.partition("#")
     assert not anchor or f'id="{anchor}"' in (site / page).read_text(encoding="utf-8")
     assert browser.complaints == []

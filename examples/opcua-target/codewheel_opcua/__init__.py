@@ -56,7 +56,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 def _family(device: Device, library: Library, options: Options) -> dict[str, str]:
     """Return the files of a family by path."""
     files = {}
-    names = names_of_codes(item.code for item in device.variants)
+    names = names_of_codes(variant.code for variant in device.variants)
     for name, variant in zip(names, device.variants, strict=True):
         plate = _plate(device, variant, name)
         if plate is not None:
@@ -90,7 +90,7 @@ def _plate(device: Device, variant: Variant, name: str) -> Plate | None:
         "name": name,
         "kind": "Linear" if encoder_type == _LINEAR else "Rotary",
         "encoder_type": encoder_type,
-        "resolutions": [item for item in resolutions if item["value"] <= _LARGEST],
+        "resolutions": [resolution for resolution in resolutions if resolution["value"] <= _LARGEST],
         "protocol": _protocol(device, variant),
     }
 
@@ -102,7 +102,7 @@ def _protocol(device: Device, variant: Variant) -> tuple[int, str] | None:
         return _BISS_C
     if not isinstance(interface, Ssi):
         return None
-    layout = next((item for item in interface.layouts if device.tells_position(interface.name, item)), None)
+    layout = next((layout for layout in interface.layouts if device.tells_position(interface.name, layout)), None)
     if layout is None:
         return None
     always = bool(layout.gray_of) and not layout.gray_when

@@ -34,17 +34,17 @@ class Module(TypedDict):
 
 
 def files(library: Library, options: Options) -> dict[str, str]:
-    made = {}
+    crate_files = {}
     for maker, devices in library.by_manufacturer():
         folder = f"rust/{maker.name.replace('_', '-')}-encoders"
         crate: Crate = {"maker": maker, "devices": devices, "edition": options["edition"]}
         for path, template in (("Cargo.toml", "Cargo.toml.jinja"), ("src/lib.rs", "lib.rs.jinja")):
-            made[f"{folder}/{path}"] = TEMPLATES.render(template, crate, library.own_templates)
+            crate_files[f"{folder}/{path}"] = TEMPLATES.render(template, crate, library.own_templates)
         for device in devices:
             module: Module = {"device": device, "family": Family(device), "scope": spelling.Scope(device)}
             text = TEMPLATES.render("family.rs.jinja", module, library.own_templates)
-            made[f"{folder}/src/{names.snake(device.name)}.rs"] = text
-    return made
+            crate_files[f"{folder}/src/{names.snake(device.name)}.rs"] = text
+    return crate_files
 
 
 def problems(library: Library) -> Iterator[TargetProblem]:

@@ -27,26 +27,31 @@ _STYLE = Style(
 )
 
 
-def doc(items: Iterable[Statement | str] | Statement, indent: int = 0, mark: str = "///") -> str:
+def doc(statements: Iterable[Statement | str] | Statement, indent: int = 0, mark: str = "///") -> str:
     """Return statements as a comment for rustdoc, each a paragraph."""
     lead = f"{' ' * indent}{mark} "
-    said = [items] if isinstance(items, Statement) else items
-    texts = [_STYLE.sentence(item) if isinstance(item, Statement) else item for item in said]
+    listed = [statements] if isinstance(statements, Statement) else statements
+    texts = [_STYLE.sentence(statement) if isinstance(statement, Statement) else statement for statement in listed]
     paragraphs = (_LIST.sub(r"\1\\\2", wrapped(text, 100 - len(lead))) for text in texts)
     return "\n".join(f"{lead}{line}".rstrip() for line in "\n\n".join(paragraphs).split("\n"))
 
 
-def frame_text(device: Device, interface: Interface, item: Layout) -> list[Statement]:
+def frame_text(device: Device, interface: Interface, frame: Layout) -> list[Statement]:
     """Return the description of a frame."""
-    return [layout.head(interface, item, name.title(item)), *layout.layout(device, interface, item)]
+    return [layout.head(interface, frame, name.title(frame)), *layout.layout(device, interface, frame)]
 
 
-def register_text(device: Device, item: Register) -> list[Statement]:
+def register_text(device: Device, described_register: Register) -> list[Statement]:
     """Return the description of a register."""
-    return [register.head(device, item, name.title(item)), *register.register(device, item)]
+    return [
+        register.head(device, described_register, name.title(described_register)),
+        *register.register(device, described_register),
+    ]
 
 
-def field_text(device: Device, owner: Layout, item: Field) -> list[str]:
+def field_text(device: Device, owner: Layout, described_field: Field) -> list[str]:
     """Return place and meaning of a field, in one paragraph."""
-    text = _STYLE.paragraph([Statement(tuple(place.field_place(owner, item))), *field.field(device, item)])
+    text = _STYLE.paragraph(
+        [Statement(tuple(place.field_place(owner, described_field))), *field.field(device, described_field)]
+    )
     return [text[0].upper() + text[1:]]

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from codewheel.model import Device, Field, Interface, Layout, Register, Value
+from codewheel.model import Answer, Device, Field, Interface, Layout, Register, Value
 from codewheel.plan.codec import AlwaysIs, Bits, Codec, Fixed, ParityIs, ParityOf, Term, characters, codec_of
 from codewheel.plan.crcs import CrcFunction, crc_functions, function_of
-from codewheel.plan.frames import dispatches
+from codewheel.plan.frames import Dispatch, dispatches
 from codewheel.plan.limits import Limits, limits_of
 from codewheel.plan.run_time_parameters import held_parameters
 from codewheel.plan.values import Characters, meaning_of
@@ -40,31 +40,32 @@ class Struct:
     limits: Limits | None = None
 
     @property
-    def read(self) -> dict[str, Bits]:
+    def bits_to_decode(self) -> dict[str, Bits]:
         """Return the fields whose bits the decoder needs, by name. Constants in bytes are checked byte by byte."""
-        found = {part.field.name: part.bits for part in self.codec.parts if not characters(part.field)}
+        bits_by_name = {part.field.name: part.bits for part in self.codec.parts if not characters(part.field)}
         for check in self.codec.checks:
             if not isinstance(check, AlwaysIs) or self.codec.by_word:
-                found[check.field.name] = check.bits
+                bits_by_name[check.field.name] = check.bits
             if isinstance(check, ParityIs):
-                found |= {of.name: bits for of, bits in zip(check.of, check.of_bits, strict=True)}
-        return found
+                for covered_field, bits in zip(check.of, check.of_bits, strict=True):
+                    bits_by_name[covered_field.name] = bits
+        return bits_by_name
 
     @property
-    def sent(self) -> list[Term]:
+    def encoded_terms(self) -> list[Term]:
         """Return the fields encoded as numbers, without zeros, the CRC and copied texts. Parity bits are last."""
-        found = [item for item in self.codec.terms if item.value != Fixed(0) and not characters(item.field)]
-        return sorted(found, key=lambda term: isinstance(term.value, ParityOf))
+        terms = [term for term in self.codec.terms if term.value != Fixed(0) and not characters(term.field)]
+        return sorted(terms, key=lambda term: isinstance(term.value, ParityOf))
 
     def type_of(self, field: Field) -> str:
         """Return the type of a member."""
         return self.enums[field.name].name if field.name in self.enums else type_of(field)
 
-    def allows(self, field: Field, values: Iterable[int]) -> bool:
+    def allows_only(self, field: Field, values: Iterable[int]) -> bool:
         """Return whether the type of a member already excludes every other value."""
-        return field.name in self.enums and {item.value for item in field.values} == set(values)
+        return field.name in self.enums and {value.value for value in field.values} == set(values)
 
-    def too_wide(self) -> Iterator[str]:
+    def width_problems(self) -> Iterator[str]:
         """Yield the layouts that must fit into a word, but do not."""
         if self.codec.by_word and self.layout.widest > WORD:
             yield f"'{self.layout.name}' has {self.layout.widest} bits, and fields that move with the order code"
@@ -78,51 +79,60 @@ class Family:
 
     def __init__(self, device: Device) -> None:
         self.device, self._scopes, self._wide = device, list[Names](), list[TargetProblem]()
-        self._top, self._inner, codes, methods = (self._scope(taken) for taken in (OF_MODULE, OF_MODULE, (), ()))
-        self.codes = {item.code: codes.give(constant(item.code), "order_code") for item in device.variants}
+        self._top, self._inner = self._scope(OF_MODULE), self._scope(OF_MODULE)
+        codes, methods = self._scope(()), self._scope(())
+        self.codes = {variant.code: codes.give(constant(variant.code), "order_code") for variant in device.variants}
         self.held = tuple(held_parameters(device))
-        for held in self.held:
-            methods.give(f"with_{held.register.name}", "registers", held.register.name)
-        answers = [(f"{item.name}_{answer.name}", answer) for item in device.alternatives for answer in item.answers]
-        self.answers = {methods.give(snake(name), "alternatives"): answer for name, answer in answers}
-        for name in (item.name for item in device.parameters if item.equals is not None):
+        for held_register in self.held:
+            methods.give(f"with_{held_register.register.name}", "registers", held_register.register.name)
+        self.answers: dict[str, Answer] = {}
+        for alternative in device.alternatives:
+            for answer in alternative.answers:
+                method = methods.give(snake(f"{alternative.name}_{answer.name}"), "alternatives")
+                self.answers[method] = answer
+        for name in (parameter.name for parameter in device.parameters if parameter.equals is not None):
             methods.give(snake(name), "parameters", name)
-        self.crcs = {item: self._top.give(crc_name(item), "crcs", item.crc.name) for item in crc_functions(device)}
+        self.crcs: dict[CrcFunction, str] = {}
+        for crc_function in crc_functions(device):
+            self.crcs[crc_function] = self._top.give(crc_name(crc_function), "crcs", crc_function.crc.name)
         self.enums, self.register_enums = list[Enum](), list[Enum]()
         self.frames = [(interface, self._frame(interface, layout)) for interface, layout in device.layouts()]
-        self.registers = [self._register(item) for item in device.registers]
-        self.dispatches = [(item, told) for item in device.interfaces for told in dispatches(item.layouts)]
-        for interface, told in self.dispatches:
-            self._top.give(pascal(f"{interface.name}_from_{told.sender}"), "interfaces", interface.name)
+        self.registers = [self._register(register) for register in device.registers]
+        self.dispatches: list[tuple[Interface, Dispatch]] = []
+        for interface in device.interfaces:
+            for dispatch in dispatches(interface.layouts):
+                self.dispatches.append((interface, dispatch))
+                self._top.give(pascal(f"{interface.name}_from_{dispatch.sender}"), "interfaces", interface.name)
 
     @property
     def problems(self) -> list[TargetProblem]:
         return [*(problem for scope in self._scopes for problem in scope.problems), *self._wide]
 
-    def _scope(self, taken: tuple[str, ...]) -> Names:
-        self._scopes.append(Names(self.device, taken))
+    def _scope(self, reserved_words: tuple[str, ...]) -> Names:
+        self._scopes.append(Names(self.device, reserved_words))
         return self._scopes[-1]
 
     def _frame(self, interface: Interface, layout: Layout) -> Struct:
         """Return the types of a frame. Frames of an interface share the type of a choice with the same values."""
-        others = [field for other in interface.layouts for field in other.data_fields]
+        other_fields = [field for sibling in interface.layouts for field in sibling.data_fields]
         owners = {}
         for field in layout.data_fields:
-            is_shared = all(item.values == field.values for item in others if item.name == field.name)
+            namesakes = [other_field for other_field in other_fields if other_field.name == field.name]
+            is_shared = all(namesake.values == field.values for namesake in namesakes)
             owners[field.name] = interface.name if is_shared else layout.name
         place = ("interfaces", interface.name, "layouts", layout.name)
         return self._struct(self._top, self.enums, place, layout, owners)
 
-    def _register(self, item: Register) -> Struct:
-        owners = {field.name: item.name for field in item.layout.fields}
-        struct = self._struct(self._inner, self.register_enums, ("registers", item.name), item.layout, owners)
-        return replace(struct, register=item, limits=limits_of(self.device, item))
+    def _register(self, register: Register) -> Struct:
+        owners = {register_field.name: register.name for register_field in register.layout.fields}
+        struct = self._struct(self._inner, self.register_enums, ("registers", register.name), register.layout, owners)
+        return replace(struct, register=register, limits=limits_of(self.device, register))
 
     def _struct(
         self, names: Names, enums: list[Enum], place: Place, layout: Layout, owners: Mapping[str, str]
     ) -> Struct:
-        choices = [item for item in layout.data_fields if item.values]
-        types = {item.name: Enum(pascal(f"{owners[item.name]}_{item.name}"), item.values) for item in choices}
+        choices = [field for field in layout.data_fields if field.values]
+        types = {field.name: Enum(pascal(f"{owners[field.name]}_{field.name}"), field.values) for field in choices}
         for enum in types.values():
             if enum not in enums:
                 enums.append(enum)
@@ -133,11 +143,13 @@ class Family:
         for name in [*(join.name for join in layout.joins), *runs]:
             methods.give(snake(name), *place)
         struct = Struct(layout, codec_of(self.device, layout), function_of(self.device, layout), types)
-        for wrong in struct.too_wide():
-            self._wide.append(TargetProblem(self.device, "rust-size", place, f"{wrong}. Rust allows at most {WORD}"))
+        for complaint in struct.width_problems():
+            message = f"{complaint}. Rust allows at most {WORD}"
+            self._wide.append(TargetProblem(self.device, "rust-size", place, message))
         return struct
 
 
-def crc_name(item: CrcFunction) -> str:
+def crc_name(crc_function: CrcFunction) -> str:
     """Return the name of the function for a CRC."""
-    return f"crc_{item.crc.name}" if item.alone else f"crc_{item.crc.name}_{item.carrier.value}"
+    name = f"crc_{crc_function.crc.name}"
+    return name if crc_function.alone else f"{name}_{crc_function.carrier.value}"

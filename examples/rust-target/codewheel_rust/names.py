@@ -41,16 +41,16 @@ def constant(text: str) -> str:
 class Names:
     """The names of one scope. A name that is given out twice is a problem of the spec."""
 
-    def __init__(self, device: Device, taken: tuple[str, ...] = ()) -> None:
+    def __init__(self, device: Device, reserved_words: tuple[str, ...] = ()) -> None:
         self._device = device
-        self._places: dict[str, Place] = dict.fromkeys(taken, ())
+        self._places: dict[str, Place] = dict.fromkeys(reserved_words, ())
         self.problems: list[TargetProblem] = []
 
     def give(self, name: str, *place: str) -> str:
         if name in self._places:
-            other = self._places[name]
-            where = "something on line {line}" if other else "something that every module has"
-            wrong = f"this would be called {name} in Rust, as {where}. Rename it"
-            self.problems.append(TargetProblem(self._device, "rust-name", place, wrong, other))
+            other_place = self._places[name]
+            where = "something on line {line}" if other_place else "something that every module has"
+            message = f"this would be called {name} in Rust, as {where}. Rename it"
+            self.problems.append(TargetProblem(self._device, "rust-name", place, message, other_place))
         self._places.setdefault(name, place)
         return name

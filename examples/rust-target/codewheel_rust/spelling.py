@@ -14,9 +14,9 @@ from codewheel.say.lines import plain
 from .names import snake
 
 
-def unsigned(bits: int, least: int = 8) -> str:
+def unsigned(bits: int, smallest: int = 8) -> str:
     """Return the unsigned type for a number of bits."""
-    return f"u{next(size for size in (8, 16, 32, 64, 128) if size >= max(bits, least))}"
+    return f"u{next(size for size in (8, 16, 32, 64, 128) if size >= max(bits, smallest))}"
 
 
 def type_of(field: Field) -> str:
@@ -30,21 +30,21 @@ def type_of(field: Field) -> str:
             return "bool"
         case values.Characters():
             return f"[u8; {field.widest // 8}]"
-        case other:
-            assert_never(other)
+        case unknown_meaning:
+            assert_never(unknown_meaning)
 
 
-def held(raw: str, meaning: values.Raw | values.ZeroMeans) -> str:
+def parameter_number(raw: str, meaning: values.Raw | values.ZeroMeans) -> str:
     """Return the number that the bits of a parameter mean."""
     return raw if isinstance(meaning, values.Raw) else f"match {raw} {{ 0 => {meaning.number}, bits => bits }}"
 
 
-def type_of_parameter(item: Parameter) -> str:
+def type_of_parameter(parameter: Parameter) -> str:
     """Return the type of a parameter: ``u32``, which is used for places and widths, unless it is larger."""
-    return unsigned(item.largest.bit_length(), 32)
+    return unsigned(parameter.largest.bit_length(), 32)
 
 
-def fills(field: Field, type_: str) -> bool:
+def holds_all_of(field: Field, type_: str) -> bool:
     """Return whether every number of a type fits into a field."""
     return field.width == Expression(int(type_[1:]))
 
@@ -82,10 +82,13 @@ def byte_of(piece: Piece) -> str:
     return byte if piece.mask == 0xFF >> piece.right else masked
 
 
-def taken(pieces: Iterable[Piece]) -> str:
+def joined_pieces(pieces: Iterable[Piece]) -> str:
     """Return the bits of these pieces of ``bytes`` as one number."""
-    parts = ((f"u64::from({byte_of(piece)})", piece.left) for piece in pieces)
-    return " | ".join(f"({part} << {left})" if left else part for part, left in parts) or "0_u64"
+    parts = []
+    for piece in pieces:
+        part = f"u64::from({byte_of(piece)})"
+        parts.append(f"({part} << {piece.left})" if piece.left else part)
+    return " | ".join(parts) or "0_u64"
 
 
 def put_byte(piece: Piece, raw: str) -> str:
@@ -96,31 +99,41 @@ def put_byte(piece: Piece, raw: str) -> str:
     return f"({part}) << {piece.right}" if piece.right else part
 
 
-PIECES = (byte_of, put_byte, taken)
-NUMBERS = (fills, held, hexadecimal, narrowed, pattern, quoted, type_of_parameter, unsigned, widened)
+PIECES = (byte_of, put_byte, joined_pieces)
+NUMBERS = (
+    holds_all_of,
+    parameter_number,
+    hexadecimal,
+    narrowed,
+    pattern,
+    quoted,
+    type_of_parameter,
+    unsigned,
+    widened,
+)
 
 
 class Scope:
     """Spelling of expressions over the parameters of ``variant``."""
 
     def __init__(self, device: Device) -> None:
-        self._parameters = {item.name: item for item in device.parameters}
+        self._parameters = {parameter.name: parameter for parameter in device.parameters}
 
     def parameter(self, name: str) -> str:
         """Return a parameter. One that the user must decide on is asked for."""
-        asked = self._parameters[name].alternative
+        question = self._parameters[name].alternative
         call = "" if self._parameters[name].equals is None else "()"
-        return f"variant.{snake(name)}{call}" + (f'.ok_or(Fault::Undecided("{asked}"))?' if asked else "")
+        return f"variant.{snake(name)}{call}" + (f'.ok_or(Fault::Undecided("{question}"))?' if question else "")
 
-    def expression(self, item: Expression, type_: str = "u32") -> str:
+    def expression(self, expression: Expression, type_: str = "u32") -> str:
         """Return an expression in a type that can hold it, with subtractions last."""
-        alone = item.constant == 0 and len(item.terms) == 1 and not item.terms[0].is_product
-        plus = [self._term(term, type_, alone) for term in item.terms if term.multiple > 0]
-        minus = [self._term(term, type_, False) for term in item.terms if term.multiple < 0]
-        if item.constant > 0 or not plus:
-            plus.append(f"{max(item.constant, 0)}")
-        if item.constant < 0:
-            minus.append(f"{-item.constant}")
+        alone = expression.constant == 0 and len(expression.terms) == 1 and not expression.terms[0].is_product
+        plus = [self._term(term, type_, alone) for term in expression.terms if term.multiple > 0]
+        minus = [self._term(term, type_, False) for term in expression.terms if term.multiple < 0]
+        if expression.constant > 0 or not plus:
+            plus.append(f"{max(expression.constant, 0)}")
+        if expression.constant < 0:
+            minus.append(f"{-expression.constant}")
         return " - ".join([" + ".join(plus), *minus])
 
     def converted(self, field: Field, type_: str) -> tuple[str, str]:
@@ -133,16 +146,20 @@ class Scope:
             case values.TwosComplement():
                 return narrowed(f"signed({raw}, {width})", type_), f"field({wide} as u64, 0, {width})"
             case values.ZeroMeans(number) as meaning:
-                return f"({held(raw, meaning)}) as {type_}", f"if {member} == {number} {{ 0 }} else {{ {wide} }}"
+                return (
+                    f"({parameter_number(raw, meaning)}) as {type_}",
+                    f"if {member} == {number} {{ 0 }} else {{ {wide} }}",
+                )
             case values.Active(low):
-                return f"{raw} {'==' if low else '!='} 0", f"u64::from({'!' if low else ''}{member})"
+                comparison, negation = ("==", "!") if low else ("!=", "")
+                return f"{raw} {comparison} 0", f"u64::from({negation}{member})"
             case values.Named():
                 return f'{type_}::from_bits({raw}).ok_or(Fault::Range("{field.name}"))?', f"{member} as u64"
             case values.Characters():
                 copied = ", ".join(f"bytes[{byte}]" for _, byte in characters(field))
                 return f"[{copied}]" if copied else f"bytes_of({raw}, false)", f"number({member}.iter())"
-            case other:
-                assert_never(other)
+            case unknown_meaning:
+                assert_never(unknown_meaning)
 
     def _term(self, term: Term, type_: str, alone: bool) -> str:
         multiple = [f"{abs(term.multiple)}"] if abs(term.multiple) != 1 else []
@@ -152,9 +169,9 @@ class Scope:
 
     def _factor(self, factor: Factor, type_: str, alone: bool) -> str:
         name = self.parameter(factor.parameter)
-        own = type_of_parameter(self._parameters[factor.parameter])
+        own_type = type_of_parameter(self._parameters[factor.parameter])
         if factor.power:
             return f"1_{type_} << {name}" if alone else f"(1_{type_} << {name})"
-        if own == type_:
+        if own_type == type_:
             return name
-        return f"{type_}::from({name})" if int(own[1:]) < int(type_[1:]) else f"{name} as {type_}"
+        return f"{type_}::from({name})" if int(own_type[1:]) < int(type_[1:]) else f"{name} as {type_}"
