@@ -37,6 +37,7 @@ from codewheel.model import (
     Flag,
     Input,
     Interface,
+    Layout,
     LayoutRange,
     Led,
     LedState,
@@ -131,8 +132,8 @@ def biss() -> Biss:
 def with_interface(changed: Interface, device: Device | None = None, **changes: Any) -> Device:
     """Return the device with an interface in place of the one with the same name."""
     device = device or tv62()
-    interfaces = tuple(changed if item.name == changed.name else item for item in device.interfaces)
-    return replace(device, interfaces=interfaces, **changes)
+    interfaces = {present.name: present for present in device.interfaces} | {changed.name: changed}
+    return replace(device, interfaces=tuple(interfaces.values()), **changes)
 
 
 def bare(**changes: Any) -> Device:
@@ -143,19 +144,26 @@ def bare(**changes: Any) -> Device:
     return replace(tv62(), **(nothing | changes))
 
 
+def with_kind(layout: Layout, kind: Any, *names: str) -> Layout:
+    """Return the layout with this kind in place of that of the fields with these names."""
+    fields = {present.name: present for present in layout.fields}
+    fields |= {name: replace(fields[name], kind=kind) for name in names}
+    return replace(layout, fields=tuple(fields.values()))
+
+
 def spec_only(device: Device) -> Device:
     """Return the device as one of which no manual was read as a whole."""
     return replace(device, evidence=replace(device.evidence, grade="corroborated"))
 
 
 def printed(statements: Iterable[Said]) -> str:
-    return "\n".join(line for item in statements for line in BY_NAME.lines(item))
+    return "\n".join(line for statement in statements for line in BY_NAME.lines(statement))
 
 
 def everything(target: str, *devices: Device) -> str:
     """Return all files of a target as one text, without pictures."""
-    made = load_target(target).files(Library(devices))
-    return "\n".join(text for name, text in made.items() if not name.endswith(".svg"))
+    files = load_target(target).files(Library(devices))
+    return "\n".join(text for name, text in files.items() if not name.endswith(".svg"))
 
 
 def everything_of(target: str, device: Callable[[], Device]) -> str:
@@ -183,10 +191,10 @@ def a_field(kind: Any, **changes: Any) -> Field:
 
 
 def sent(kind: str, device: Device) -> str:
-    here = over(kind, device)
+    sending_interface = over(kind, device)
     variants = device.variants_over(kind) or device.variants
-    shown = bytes_to_send.sending(device, device, here, variants[0], lambda *_, **__: "")
-    return "\n".join((*shown.facts, *(" ".join(row) for row in shown.commands)))
+    sending = bytes_to_send.sending(device, device, sending_interface, variants[0], lambda *_, **__: "")
+    return "\n".join((*sending.facts, *(" ".join(row) for row in sending.commands)))
 
 
 def settings_register() -> Register:
@@ -210,7 +218,7 @@ def command_only() -> Device:
     """Return the encoder with one command register, whose commands change no position."""
     command = tv62().register("command")
     values = (Value("restart", 1, "", MappingProxyType({}), "Start up again", ()),)
-    shown = replace(command.layout, fields=(replace(command.layout.fields[0], kind=Choice(values)),))
+    restart_only = with_kind(command.layout, Choice(values), command.layout.fields[0].name)
     run = replace(
         tv62().procedure("set_preset"),
         name="restart",
@@ -218,7 +226,7 @@ def command_only() -> Device:
         arguments=(),
         steps=(WriteStep(register="command", value_name="restart", value=1),),
     )
-    return bare(registers=(replace(command, layout=shown),), procedures=(run,))
+    return bare(registers=(replace(command, layout=restart_only),), procedures=(run,))
 
 
 def command_only_and(*registers: Register) -> Device:
@@ -364,8 +372,7 @@ case("timeout", without_timeout, lambda: without_timeout(a_timing("Time-out afte
 def with_flag(kind: Any, *more: Field) -> Device:
     """Return the encoder with this flag in place of the alarm of its SSI word."""
     word = over("ssi").layouts[0]
-    fields = tuple(replace(item, kind=kind) if item.name == "alarm" else item for item in word.fields)
-    return with_interface(replace(over("ssi"), layouts=(replace(word, fields=fields),)))
+    return with_interface(replace(over("ssi"), layouts=(with_kind(word, kind, "alarm"),)))
 
 
 def of_frame(device: Device) -> str:
@@ -387,8 +394,8 @@ case("not_usable", lambda: of_frame(with_flag(ERROR)), lambda: of_frame(with_fla
 def of_unused(value: int) -> str:
     kind = Unused(value) if value else Number()
     data = over("biss").layouts[0]
-    fields = tuple(replace(item, kind=kind) if item.name == "warning" else item for item in data.fields)
-    device = with_interface(replace(over("biss"), layouts=(replace(data, fields=fields), *over("biss").layouts[1:])))
+    layouts = (with_kind(data, kind, "warning"), *over("biss").layouts[1:])
+    device = with_interface(replace(over("biss"), layouts=layouts))
     facts = frame_facts.frame_facts(device, over("biss", device).layouts[0], device.variants_over("biss")[0])
     return "\n".join(": ".join(pair) for pair in facts)
 
@@ -398,16 +405,18 @@ case("not_used", lambda: of_unused(1), lambda: of_unused(0))
 
 def of_alarm(**changes: Any) -> Alarm:
     nothing: dict[str, Any] = {"printed_name": "", "names": MappingProxyType({}), "group": "flags", "register": ""}
-    rest = {"field": "alarm", "meaning": "", "detected": "", "below_mv": None, "latch": None, "implemented": True}
+    flag_facts = {"field": "alarm", "meaning": "", "detected": "", "below_mv": None, "latch": None, "implemented": True}
     more = {"remedy": "", "cleared_by": (), "source": ()}
-    return Alarm(**({"name": "alarm"} | nothing | rest | more | changes))
+    return Alarm(**({"name": "alarm"} | nothing | flag_facts | more | changes))
 
 
 def reported(**changes: Any) -> str:
     device = with_flag(ERROR)
     word = over("ssi", device).layouts[0]
-    fields = tuple(replace(item, group="flags") if item.name == "alarm" else item for item in word.fields)
-    device = with_interface(replace(over("ssi", device), layouts=(replace(word, fields=fields),)), device)
+    fields = {present.name: present for present in word.fields}
+    fields["alarm"] = replace(fields["alarm"], group="flags")
+    flags_word = replace(word, fields=tuple(fields.values()))
+    device = with_interface(replace(over("ssi", device), layouts=(flags_word,)), device)
     errors = of_verdicts(replace(device, alarms=(of_alarm(**changes),)))
     return "\n".join(line for line in errors.splitlines() if "`alarm`" in line)
 
@@ -417,8 +426,7 @@ case("remedy_text", reported, lambda: reported(remedy="Turn it off"))
 
 
 def without_position() -> Device:
-    parts = {item.name: replace(item, layouts=()) for item in tv62().interfaces}
-    return replace(tv62(), interfaces=tuple(parts.values()))
+    return replace(tv62(), interfaces=tuple(replace(present, layouts=()) for present in tv62().interfaces))
 
 
 case("no_frame", lambda: of_verdicts(without_position()), lambda: of_verdicts(tv62()))
@@ -493,8 +501,8 @@ case("times_read_once", lambda: times_read(once=2), lambda: times_read(once=0))
 case("no_field", lambda: runs(True), lambda: runs(False))
 
 
-def rules(item: Field) -> str:
-    return printed(field.rules(tv62(), item))
+def rules(placed_field: Field) -> str:
+    return printed(field.rules(tv62(), placed_field))
 
 
 def alarm_row(implemented: bool) -> str:
@@ -534,8 +542,8 @@ def access(word: str) -> str:
 
 
 def opened(by: str) -> str:
-    item = replace(tv62().register("control"), opened_by=by, opened_by_value="position" if by else "")
-    return printed(register.facts(tv62(), item))
+    control = replace(tv62().register("control"), opened_by=by, opened_by_value="position" if by else "")
+    return printed(register.facts(tv62(), control))
 
 
 def grade(word: str) -> str:
@@ -543,8 +551,8 @@ def grade(word: str) -> str:
 
 
 def contact(codes: str) -> str:
-    item = replace(tv62().connectors[0], contacts=(Contact("1", "0 V", codes),))
-    return connector_pictures.connector_text(item) + connector_pictures.connector_picture(item)
+    connector = replace(tv62().connectors[0], contacts=(Contact("1", "0 V", codes),))
+    return connector_pictures.connector_text(connector) + connector_pictures.connector_picture(connector)
 
 
 def spelled(then: str) -> str:
@@ -561,7 +569,7 @@ def times_read(decided: int = 0, once: int = 0) -> str:
 
 def runs(has_gap: bool) -> str:
     word = over("ssi").layouts[0]
-    fields = tuple(item for item in word.fields if not (has_gap and item.name == "alarm"))
+    fields = tuple(present for present in word.fields if not (has_gap and present.name == "alarm"))
     placed = replace(word, fields=fields).place(tv62().variants_over("ssi")[0].parameters)
     return " ".join(run.name for run in layout_pictures.runs_of(placed))
 
@@ -583,7 +591,7 @@ def summary(*errata: Erratum) -> str:
 
 def errata_page(*errata: Erratum) -> str:
     page = inline_errata.page_values(replace(tv62(), errata=errata))
-    rows = (" ".join(row) for item in page["errata_list"] for row in item["rows"])
+    rows = (" ".join(row) for values in page["errata_list"] for row in values["rows"])
     return "\n".join((page["errata_summary"], *rows))
 
 
@@ -656,10 +664,8 @@ tables:
   - {name: pins, title: Pins, columns: [A], units: [""], rows: [[B]], source: "4"}
 
 interfaces:"""
-OPEN_TWO, OPEN_ANY = (
-    ("      meaning: Number of revolutions\n", f"      meaning: Number of revolutions\n      open: '{pattern}'\n")
-    for pattern in ("[0-9]{2}", "[0-9]+")
-)
+REVOLUTIONS = "      meaning: Number of revolutions\n"
+OPEN_TWO, OPEN_ANY = ((REVOLUTIONS, f"{REVOLUTIONS}      open: '{pattern}'\n") for pattern in ("[0-9]{2}", "[0-9]+"))
 RESET_ID = "{name: reset_errors, id: 7, control: 0xBA, purpose: reset, meaning: Reset all errors, source: '7.3'}"
 RESET_PROCEDURE = """procedures:
   - name: reset_errors
@@ -670,14 +676,12 @@ RESET_PROCEDURE = """procedures:
     source: '7.3'
 
 interfaces:"""
-RESET_ALONE, RESET_SHARED = (
-    (
-        ("      - {name: all_data", f"      - {RESET_ID}\n      - {{name: all_data"),
-        ("data_id: [0, 3]", "data_id: [0, 3, 7]"),
-        ("interfaces:", RESET_PROCEDURE % more),
-    )
-    for more in (", in_succession: true", "")
+WITH_RESET = (
+    ("      - {name: all_data", f"      - {RESET_ID}\n      - {{name: all_data"),
+    ("data_id: [0, 3]", "data_id: [0, 3, 7]"),
 )
+RESET_ALONE = (*WITH_RESET, ("interfaces:", RESET_PROCEDURE % ", in_succession: true"))
+RESET_SHARED = (*WITH_RESET, ("interfaces:", RESET_PROCEDURE % ""))
 ZERO_BIT = (
     (
         "interfaces:",
@@ -698,13 +702,8 @@ interfaces:""",
     (JOIN, f"          - {{name: zero, bits: zero_bits, constant: 0}}\n{JOIN}"),
 )
 NO_SINGLETURN = ('        "1": {meaning: Singleturn, sets: {multiturn_bits: 0}}\n', "")
-BY_HAND_ONLY, BY_HAND = (
-    (
-        MORE,
-        f"\ncharacteristics:\n  - {{name: mounting, value: 1. A 2. B 3. C 4. D, source: '1'{more}}}\ninterfaces:",
-    )
-    for more in (", only: ACME18-13-...", "")
-)
+MOUNTING = "\ncharacteristics:\n  - {name: mounting, value: 1. A 2. B 3. C 4. D, source: '1'%s}\ninterfaces:"
+BY_HAND_ONLY, BY_HAND = (MORE, MOUNTING % ", only: ACME18-13-..."), (MORE, MOUNTING % "")
 ONLY_PAUSE = (("- {name: pause, symbol: Tp,", "- {name: gap, symbol: Tg,"),)
 NO_TIMES = (
     ("    timings:\n", ""),
@@ -755,20 +754,24 @@ for name, target, like, true, false in (
 
 def without_ids() -> Device:
     """Return the encoder without the registers that identify it, which hold text."""
-    registers = tuple(item for item in tv62().registers if not item.name.endswith("_id"))
+    registers = tuple(present for present in tv62().registers if not present.name.endswith("_id"))
     return replace(tv62(), registers=registers)
 
 
 def with_flags(kind: Any) -> Device:
     """Return the encoder with this kind in place of the error and the warning of its BiSS frame."""
     data = over("biss").layouts[0]
-    fields = tuple(replace(item, kind=kind) if item.name in ("error", "warning") else item for item in data.fields)
-    return with_interface(replace(over("biss"), layouts=(replace(data, fields=fields), *over("biss").layouts[1:])))
+    layouts = (with_kind(data, kind, "error", "warning"), *over("biss").layouts[1:])
+    return with_interface(replace(over("biss"), layouts=layouts))
 
 
 def of_one_interface() -> Device:
     kind = replace(over("ssi"), measurement=tv62().measurement)
     return with_interface(kind, measurement=None)
+
+
+def with_ssi_parameters() -> Device:
+    return replace(tv62(), parameters=tuple(replace(parameter, interface="ssi") for parameter in tv62().parameters))
 
 
 def with_code(**changes: Any) -> Device:
@@ -777,7 +780,7 @@ def with_code(**changes: Any) -> Device:
 
 RELEASE = Release("0.1.0", "", "1.1", ())
 SPELLED = (Spelling("TV62 {turns}", "the data sheet", (SpelledValue("turns", "S", "S"),), "", ()),)
-ONE_CODE = [item for item in tv62().variants if item.interface == "biss"][:1]
+ONE_CODE = [variant for variant in tv62().variants if variant.interface == "biss"][:1]
 for name, target, true_device, false_device in (
     ("no_length", "biss", tv62, lambda: replace(tv62(), variants=tuple(ONE_CODE))),
     ("shared_ids", "biss", tv62, without_ids),
@@ -788,7 +791,7 @@ for name, target, true_device, false_device in (
     (
         "only_over",
         "python",
-        lambda: replace(tv62(), parameters=tuple(replace(item, interface="ssi") for item in tv62().parameters)),
+        with_ssi_parameters,
         tv62,
     ),
     ("no_measurement", "python", of_one_interface, tv62),
