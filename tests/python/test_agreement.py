@@ -112,17 +112,17 @@ def families(
     library: Library,
     import_generated: Callable[[Library, str], tuple[Path, ModuleType]],
 ) -> dict[str, Family]:
-    made = {item.name: Family(item, getattr(packages[item.name], item.name)) for item in library.devices}
+    families_by_name = {device.name: Family(device, getattr(packages[device.name], device.name)) for device in library.devices}
     for name, folder in MADE_UP.items():
-        found, report = load_library([folder / f"{name}.yaml", folder / "manufacturer.yaml"])
+        loaded_devices, report = load_library([folder / f"{name}.yaml", folder / "manufacturer.yaml"])
         assert not report, "\n".join(problem.format() for problem in report.problems)
-        device = next(item for item in found if item.name == name)
+        device = next(candidate for candidate in loaded_devices if candidate.name == name)
         # The package has a name of its own, because its modules find each other by their names.
         maker = dataclasses.replace(device.manufacturer, python_package=f"{name}_encoders")
         device = dataclasses.replace(device, manufacturer=maker)
-        other: Any = import_generated(Library((device,)), maker.python_package)[1]
-        made[name] = Family(device, getattr(other, name))
-    return made
+        package: Any = import_generated(Library((device,)), maker.python_package)[1]
+        families_by_name[name] = Family(device, getattr(package, name))
+    return families_by_name
 
 
 @pytest.fixture
@@ -132,15 +132,15 @@ def family(request: pytest.FixtureRequest, families: dict[str, Family]) -> Famil
 
 def states(family: Family, variant: Variant) -> Iterator[tuple[Variant, Any]]:
     """Return the order code with its defaults, and with its run-time parameters at and between their bounds."""
-    device, made = family.device, family.module.VARIANTS[variant.code]
-    yield variant, made
-    here = [
-        item for item in device.run_time_parameters if device.register(item.register).interface == variant.interface
+    device, encoder = family.device, family.module.VARIANTS[variant.code]
+    yield variant, encoder
+    interface_parameters = [
+        parameter for parameter in device.run_time_parameters if device.register(parameter.register).interface == variant.interface
     ]
     source = random.Random(variant.code)
-    for kind in ("min", "max", "random", "random", "random") if here else ():
-        held: dict[int, int] = {}
-        for item in here:
+    for kind in ("min", "max", "random", "random", "random") if interface_parameters else ():
+        register_bytes: dict[int, int] = {}
+        for item in interface_parameters:
             register = device.register(item.register)
             field = register.layout.field(item.field)
             low, high = item.min or 0, item.max if item.max is not None else (1 << field.widest) - 1
@@ -150,26 +150,26 @@ def states(family: Family, variant: Variant) -> Iterator[tuple[Variant, Any]]:
             before &= ~(((1 << field.widest) - 1) << place)
             raw = value if value != field.number.zero_means else 0
             if item.by_code:
-                raw = next(one.code for one in item.by_code if one.value == value or kind == "random")
+                raw = next(entry.code for entry in item.by_code if entry.value == value or kind == "random")
             data = number_to_bytes(register.layout, before | raw << place, 8 * register.length)
-            held |= {register.address + index: byte for index, byte in enumerate(data)}
-        changed, changed_made = with_registers(device, variant, held), made.with_registers(held)
+            register_bytes |= {register.address + index: byte for index, byte in enumerate(data)}
+        changed, changed_made = with_registers(device, variant, register_bytes), encoder.with_registers(register_bytes)
         for parameter in device.parameters:
             if not parameter.alternative and parameter.interface in ("", variant.interface):
-                found = getattr(changed_made, attribute(parameter.name, ("class",)))
-                assert found == changed.parameters[parameter.name]
+                package_value = getattr(changed_made, attribute(parameter.name, ("class",)))
+                assert package_value == changed.parameters[parameter.name]
         yield changed, changed_made
 
 
 def cases(family: Family) -> Iterator[Case]:
     """Return every layout of every order code, without a register that has the same places as an earlier one."""
-    seen = set()
+    compared_keys = set()
     for variant in family.device.variants:
-        for state, made in states(family, variant):
+        for state, encoder in states(family, variant):
             layouts: list[tuple[Layout, Register | None]] = [
-                (item, None) for item in family.device.interface(variant.interface).layouts
+                (frame_layout, None) for frame_layout in family.device.interface(variant.interface).layouts
             ]
-            layouts += [(item.layout, item) for item in family.device.registers if item.interface == variant.interface]
+            layouts += [(interface_register.layout, interface_register) for interface_register in family.device.registers if interface_register.interface == variant.interface]
             for layout, register, decided_state, answers in _decided(family, state, layouts):
                 placed = layout.place(decided_state.parameters)
                 key = (
@@ -178,11 +178,11 @@ def cases(family: Family) -> Iterator[Case]:
                     variant.interface,
                     placed.bits,
                     placed.gray,
-                    tuple((item.name, item.low, item.width) for item in placed.fields),
+                    tuple((placed_field.name, placed_field.low, placed_field.width) for placed_field in placed.fields),
                 )
-                if key not in seen:
-                    seen.add(key)
-                    yield Case(family, decided_state, made, layout, register, placed, answers)
+                if key not in compared_keys:
+                    compared_keys.add(key)
+                    yield Case(family, decided_state, encoder, layout, register, placed, answers)
 
 
 def _decided(
@@ -190,12 +190,12 @@ def _decided(
 ) -> Iterator[tuple[Layout, Register | None, Variant, tuple[Any, ...]]]:
     """Return each layout with each answer to its open questions."""
     for layout, register in layouts:
-        asked = family.device.alternatives_of(layout)
-        for answers in itertools.product(*(item.answers for item in asked)):
-            given = {item.name: answer.name for item, answer in zip(asked, answers, strict=True)}
-            kinds = [getattr(family.module, family.names.asked[item.name].kind) for item in asked]
-            members = tuple(kind[name.upper()] for kind, name in zip(kinds, given.values(), strict=True))
-            yield layout, register, with_answers(family.device, state, given), members
+        alternatives = family.device.alternatives_of(layout)
+        for answers in itertools.product(*(alternative.answers for alternative in alternatives)):
+            names_of_answers = {alternative.name: answer.name for alternative, answer in zip(alternatives, answers, strict=True)}
+            kinds = [getattr(family.module, family.names.asked[alternative.name].kind) for alternative in alternatives]
+            members = tuple(kind[name.upper()] for kind, name in zip(kinds, names_of_answers.values(), strict=True))
+            yield layout, register, with_answers(family.device, state, names_of_answers), members
 
 
 def value_of(case: Case, field: Field, width: int, kind: str, source: random.Random) -> int | str | bool:
@@ -220,7 +220,7 @@ def value_of(case: Case, field: Field, width: int, kind: str, source: random.Ran
         largest = min(largest, field.kind.limit - 1)
     valid = case.family.device.range_in(case.layout) if register is None else None
     if valid is not None and valid.field.name == field.name:
-        lowest, largest = (item.value(case.variant.parameters) for item in (valid.lowest, valid.highest))
+        lowest, largest = (bound.value(case.variant.parameters) for bound in (valid.lowest, valid.highest))
     if (
         register is not None
         and register.limits_of == field.name
@@ -242,7 +242,7 @@ def value_of(case: Case, field: Field, width: int, kind: str, source: random.Ran
 def allowed(case: Case, number: int) -> bool:
     """Return True if the limits of the register allow the joined number to which they apply."""
     register = case.register
-    join = next((item for item in case.layout.joins if register is not None and item.name == bounded(register)), None)
+    join = next((layout_join for layout_join in case.layout.joins if register is not None and layout_join.name == bounded(register)), None)
     if register is None or join is None:
         return True
     low, high = bounds(register, case.placed, (register.min, register.max), case.variant.parameters)
@@ -251,9 +251,9 @@ def allowed(case: Case, number: int) -> bool:
 
 def values_of(case: Case, kind: str, source: random.Random) -> dict[str, int | str | bool]:
     values = {
-        item.name: value_of(case, item.field, item.width, kind, source)
-        for item in case.placed.fields
-        if item.field.carries_data
+        placed_field.name: value_of(case, placed_field.field, placed_field.width, kind, source)
+        for placed_field in case.placed.fields
+        if placed_field.field.carries_data
     }
     if case.layout.unused:
         every = unused_bits(case.placed)
@@ -263,7 +263,7 @@ def values_of(case: Case, kind: str, source: random.Random) -> dict[str, int | s
 
 def unused_bits(placed: PlacedLayout) -> int:
     """Return ones for all unused bits of this order code, at their places in ``unused``."""
-    masks = {item.name: item.mask for item in placed.fields}
+    masks = {placed_field.name: placed_field.mask for placed_field in placed.fields}
     return sum(masks.get(field.name, 0) << place for field, place in placed.layout.unused)
 
 
@@ -285,33 +285,33 @@ def told(report: Any) -> tuple[str, str, str]:
     return report.meaning, report.remedy, report.makes_position.value if report.makes_position is not None else ""
 
 
-def compare_reports(family: Family, variant: Variant, expected: codec.Decoded, found: Any) -> None:
+def compare_reports(family: Family, variant: Variant, expected: codec.Decoded, decoded: Any) -> None:
     """Compare the reports and the verdict of both."""
     assert expected.layout is not None
-    layout, said = expected.layout.layout, findings(family.device, variant, expected)
+    layout, expected_findings = expected.layout.layout, findings(family.device, variant, expected)
     if layout.sender == "encoder":
-        verdict = getattr(found, "verdict", None)
-        assert (verdict and verdict.value) == (said.verdict and said.verdict.value), found
-        assert sorted(map(told, found.reports)) == sorted(map(told, said.reports)), found
-        assert all(family.module.REPORTS[item.name] is item for item in found.reports)
+        verdict = getattr(decoded, "verdict", None)
+        assert (verdict and verdict.value) == (expected_findings.verdict and expected_findings.verdict.value), decoded
+        assert sorted(map(told, decoded.reports)) == sorted(map(told, expected_findings.reports)), decoded
+        assert all(family.module.REPORTS[report.name] is report for report in decoded.reports)
     if layout.unused and layout.sender:
-        assert not (found.unused and found.is_as_documented), found
-        assert found._replace(unused=0).is_as_documented == (not said.differences), found
+        assert not (decoded.unused and decoded.is_as_documented), decoded
+        assert decoded._replace(unused=0).is_as_documented == (not expected_findings.differences), decoded
 
 
-def compare(expected: codec.Decoded, found: Any, layout: Layout) -> None:
+def compare(expected: codec.Decoded, decoded: Any, layout: Layout) -> None:
     """Compare the values that both read."""
-    if not hasattr(found, "_fields"):
-        assert found.name.lower() == expected.fields[0].value
+    if not hasattr(decoded, "_fields"):
+        assert decoded.name.lower() == expected.fields[0].value
         return
     fixed = {field.name for field in layout.fields if not field.carries_data}
-    for item in expected.fields:
-        if item.name in fixed:
+    for expected_field in expected.fields:
+        if expected_field.name in fixed:
             continue
-        value = getattr(found, attribute(item.name, CLASS_NAMES))
+        value = getattr(decoded, attribute(expected_field.name, CLASS_NAMES))
         assert (
-            value.name.lower() if hasattr(value, "name") and isinstance(item.value, str) else value
-        ) == item.value, item.name
+            value.name.lower() if hasattr(value, "name") and isinstance(expected_field.value, str) else value
+        ) == expected_field.value, expected_field.name
 
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
@@ -324,28 +324,28 @@ def test_round_trip_of_every_order_code(family: Family) -> None:
             if not allowed(case, number):
                 continue
             data = case.carried(number)
-            found = decode_generated(case, number)
-            assert not isinstance(found, str), (case.variant.code, case.layout.name, kind, found)
-            assert found.encode() == data, (case.variant.code, case.layout.name, kind)
+            decoded = decode_generated(case, number)
+            assert not isinstance(decoded, str), (case.variant.code, case.layout.name, kind, decoded)
+            assert decoded.encode() == data, (case.variant.code, case.layout.name, kind)
             expected = codec.decode(family.device, case.placed, number)
-            compare(expected, found, case.layout)
-            compare_reports(family, case.variant, expected, found)
+            compare(expected, decoded, case.layout)
+            compare_reports(family, case.variant, expected, decoded)
             for join in case.layout.joins:
-                others = [
+                extra_values = [
                     value
-                    for name, value in zip(found._fields, found, strict=True)
+                    for name, value in zip(decoded._fields, decoded, strict=True)
                     if name not in (*join.fields, "variant") and value not in case.answers
                 ]
-                again = getattr(case.view, f"from_{join.name}")(*given(case), getattr(found, join.name), *others)
-                assert again == found
+                again = getattr(case.view, f"from_{join.name}")(*given(case), getattr(decoded, join.name), *extra_values)
+                assert again == decoded
 
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
 def test_faults_are_told_as_the_model_tells_them(family: Family) -> None:
     source = random.Random(family.device.name)
-    seen, possible = set(), set()
+    faults_of_frames, possible = set(), set()
     for case in cases(family):
-        kinds = {type(item.kind) for item in case.layout.fields}
+        kinds = {type(field.kind) for field in case.layout.fields}
         possible |= (
             ({"crc"} if CrcValue in kinds else set())
             | ({"constant"} if kinds & {Constant, Parity} else set())
@@ -355,24 +355,24 @@ def test_faults_are_told_as_the_model_tells_them(family: Family) -> None:
             expected = codec.decode(family.device, case.placed, number)
             if number >> case.placed.bits and case.layout.carried_as == "bytes":
                 continue
-            found = decode_generated(case, number)
+            decoded = decode_generated(case, number)
             if expected.problems:
-                seen.add(expected.problems[0].fault.value)
-                assert found == expected.problems[0].fault.value, (case.variant.code, case.layout.name, hex(number))
+                faults_of_frames.add(expected.problems[0].fault.value)
+                assert decoded == expected.problems[0].fault.value, (case.variant.code, case.layout.name, hex(number))
             else:
-                assert not isinstance(found, str), (case.variant.code, case.layout.name, hex(number), found)
-                compare(expected, found, case.layout)
-                compare_reports(family, case.variant, expected, found)
-    assert seen >= possible
+                assert not isinstance(decoded, str), (case.variant.code, case.layout.name, hex(number), decoded)
+                compare(expected, decoded, case.layout)
+                compare_reports(family, case.variant, expected, decoded)
+    assert faults_of_frames >= possible
 
 
 def test_an_encoder_whose_family_sends_bytes_alone(import_generated: Callable[..., Any]) -> None:
     folder = Path(__file__).parents[1] / "check" / "ok_model"
-    found, report = load_library([folder / "plain_bytes.yaml", folder / "manufacturer.yaml"])
+    devices, report = load_library([folder / "plain_bytes.yaml", folder / "manufacturer.yaml"])
     assert not report
-    variant, package = found[0].variants[0], import_generated(Library(found), "acme_encoders")[1]
-    placed = found[0].layout("reply_first").place(variant.parameters)
-    number = codec.encode(found[0], placed, {"position": 4711})
+    variant, package = devices[0].variants[0], import_generated(Library(devices), "acme_encoders")[1]
+    placed = devices[0].layout("reply_first").place(variant.parameters)
+    number = codec.encode(devices[0], placed, {"position": 4711})
     reply = package.lookup(variant.code).decode(number_to_bytes(placed.layout, number, placed.bits))
     assert reply.position == 4711
 
@@ -396,16 +396,16 @@ def damaged(case: Case, source: random.Random) -> Iterator[int]:
 
 
 def repaired(device: Device, placed: PlacedLayout, number: int) -> int:
-    item = next(item for item in placed.fields if isinstance(item.field.kind, CrcValue))
-    cleared = number & ~(item.mask << item.low)
-    return cleared | codec.compute(device.crc(item.field.kind.crc), placed, cleared) << item.low
+    crc_field = next(crc_field for crc_field in placed.fields if isinstance(crc_field.field.kind, CrcValue))
+    cleared = number & ~(crc_field.mask << crc_field.low)
+    return cleared | codec.compute(device.crc(crc_field.field.kind.crc), placed, cleared) << crc_field.low
 
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
 def test_any_bytes_are_told_as_the_model_tells_them(family: Family) -> None:
     source = random.Random(5)
     device = family.device
-    for variant in [item for item in device.variants if device.interface(item.interface).layouts[0].selector][:2]:
+    for variant in [variant_ for variant_ in device.variants if device.interface(variant_.interface).layouts[0].selector][:2]:
         frames = [bytes(source.getrandbits(8) for _ in range(source.randrange(13))) for _ in range(1000)]
         frames += [
             bytes([control]) + bytes(source.getrandbits(8) for _ in range(length))
@@ -422,25 +422,25 @@ def test_any_bytes_are_told_as_the_model_tells_them(family: Family) -> None:
         ]
         # The model uses the first answer to an open question.
         answers = {
-            asked.name: getattr(family.module, asked.kind)[asked.alternative.answers[0].name.upper()]
-            for asked in family.names.asked.values()
+            alternative.name: getattr(family.module, alternative.kind)[alternative.alternative.answers[0].name.upper()]
+            for alternative in family.names.asked.values()
         }
         for sender, name in (("encoder", "decode_reply"), ("master", "decode_request")):
             decode = getattr(family.module, name)
-            taken = inspect.signature(decode).parameters
-            decode = partial(decode, **{key: answer for key, answer in answers.items() if key in taken})
+            parameters = inspect.signature(decode).parameters
+            decode = partial(decode, **{key: answer for key, answer in answers.items() if key in parameters})
             for frame in frames:
                 expected = codec.decode_bytes(device, variant, sender, frame)
                 try:
-                    found = decode(frame, family.module.VARIANTS[variant.code])
+                    decoded = decode(frame, family.module.VARIANTS[variant.code])
                 except ValueError as error:
                     assert expected.problems, frame.hex(" ")
                     assert KINDS[type(error).__name__] == expected.problems[0].fault.value, frame.hex(" ")
                 else:
                     assert not expected.problems, frame.hex(" ")
                     assert expected.layout is not None, frame.hex(" ")
-                    compare(expected, found, expected.layout.layout)
-                    compare_reports(family, variant, expected, found)
+                    compare(expected, decoded, expected.layout.layout)
+                    compare_reports(family, variant, expected, decoded)
 
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
@@ -449,20 +449,20 @@ def test_procedures_write_what_they_write_on_paper(family: Family) -> None:
     source = random.Random(family.device.name)
     for procedure in family.device.procedures:
         build = getattr(family.module, family.names.procedures[procedure.name])
-        variants = [item for item in family.device.variants if item.interface == procedure.interface]
+        variants = [variant for variant in family.device.variants if variant.interface == procedure.interface]
         for variant in variants:
-            made = [family.module.VARIANTS[variant.code]] if build.__code__.co_varnames[:1] == ("variant",) else []
+            variants_first = [family.module.VARIANTS[variant.code]] if build.__code__.co_varnames[:1] == ("variant",) else []
             for _ in range(12 if procedure.arguments else 1):
                 arguments = {
-                    item.name: 1 << source.randrange(25) | source.choice((0, 0, 1)) for item in procedure.arguments
+                    argument.name: 1 << source.randrange(25) | source.choice((0, 0, 1)) for argument in procedure.arguments
                 }
                 try:
                     expected = register_writes(family.device, procedure, variant, arguments)
                 except codec.EncodeError:
                     with pytest.raises(ValueError):
-                        build(*made, *arguments.values())
+                        build(*variants_first, *arguments.values())
                     continue
-                assert on_paper(family.device, build(*made, *arguments.values())) == expected, (
+                assert on_paper(family.device, build(*variants_first, *arguments.values())) == expected, (
                     procedure.name,
                     variant.code,
                     arguments,
@@ -471,26 +471,26 @@ def test_procedures_write_what_they_write_on_paper(family: Family) -> None:
 
 def on_paper(device: Device, steps: Any) -> tuple[Write, ...]:
     """Return the writes of generated steps. A register that is read first has its default or the written value."""
-    held = {
-        item.address + index: byte
-        for item in device.registers
-        for index, byte in enumerate(item.default_bytes() or bytes(item.length))
+    register_bytes = {
+        register.address + index: byte
+        for register in device.registers
+        for index, byte in enumerate(register.default_bytes() or bytes(register.length))
     }
-    found = []
+    writes = []
     for step in steps:
         kind = type(step).__name__
         if kind == "Write":
-            found.append(Write(step.address, step.value))
+            writes.append(Write(step.address, step.value))
         elif kind == "Modify":
             register = device.register(step.register)
-            data = bytes(held[step.address + index] for index in range(step.length))
+            data = bytes(register_bytes[step.address + index] for index in range(step.length))
             number = number_from_bytes(register.layout, data) & ~step.mask | step.value
-            found += [
+            writes += [
                 Write(step.address + index, byte)
                 for index, byte in enumerate(number_to_bytes(register.layout, number, 8 * step.length))
             ]
-        held |= {item.address: item.value for item in found}
-    return tuple(found)
+        register_bytes |= {write.address: write.value for write in writes}
+    return tuple(writes)
 
 
 def test_a_field_that_the_order_code_does_not_have(families: dict[str, Family]) -> None:
@@ -499,16 +499,16 @@ def test_a_field_that_the_order_code_does_not_have(families: dict[str, Family]) 
     variant = family.device.variant("AMM5A21/1SC1")
     placed = family.device.layout("single_cycle_data").place(variant.parameters)
     values = {"singleturn": 5, "error": False, "warning": False}
-    made = family.module.SingleCycleData(family.module.VARIANTS[variant.code], 0, 5)
+    frame = family.module.SingleCycleData(family.module.VARIANTS[variant.code], 0, 5)
     assert (
         codec.encode(family.device, placed, values)
         == codec.encode(family.device, placed, {**values, "multiturn": 0})
-        == made.encode()
+        == frame.encode()
     )
     with pytest.raises(codec.EncodeError, match="multiturn 1 does not fit: this order code has no such field"):
         codec.encode(family.device, placed, {**values, "multiturn": 1})
     with pytest.raises(ValueError):
-        made._replace(multiturn=1).encode()
+        frame._replace(multiturn=1).encode()
 
 
 def test_error_warning_and_crc_are_told_apart(families: dict[str, Family]) -> None:
@@ -542,7 +542,7 @@ def test_values_that_only_some_encoders_have(families: dict[str, Family]) -> Non
     assert (variant.code, variant.unlisted, variant.position_bits, variant.class_) == ("W99SC", ("resolution",), 20, 3)
     assert variant.micrometres(7) == 350
     assert module.Scale.decode(bytes(2) + b"\x00\x01") == module.Scale(65536, 1)
-    for wrong in (
+    for unencodable in (
         module.Scale(0, 1),
         module.Scale(65537, 1),
         module.Scale(1, 3),
@@ -550,7 +550,7 @@ def test_values_that_only_some_encoders_have(families: dict[str, Family]) -> Non
         module.Offset(-(1 << 47) - 1),
     ):
         with pytest.raises(ValueError):
-            wrong.encode()
+            unencodable.encode()
     assert module.Offset(-1).encode() == b"\xff" * 6
     assert module.Profile(variant, 10260).is_as_documented
     assert module.BISS.timeout.nanoseconds(1) == 16000

@@ -98,12 +98,12 @@ def test_every_way_in(decode: Command, tmp_path: Path, name: str, content: bytes
     (tmp_path / name).write_bytes(content)
     done = decode(CODE, name, "--max-errors", "34", *options)
     assert done.code == 0, done.err
-    found = rows(done.out)
-    assert [row["fault"] for row in found] == ["none", "crc", "none"]
-    assert [row["verdict"] for row in found] == ["usable", "not_usable", "not_usable"]
-    assert [row["position"] for row in found] == [str(POSITION), "", ""]
-    assert (found[0]["multiturn"], found[0]["singleturn"], found[0]["position"]) == ("42", "1821973", str(POSITION))
-    assert [row["error"] for row in found] == ["false", "false", "true"]
+    decoded_rows = rows(done.out)
+    assert [row["fault"] for row in decoded_rows] == ["none", "crc", "none"]
+    assert [row["verdict"] for row in decoded_rows] == ["usable", "not_usable", "not_usable"]
+    assert [row["position"] for row in decoded_rows] == [str(POSITION), "", ""]
+    assert (decoded_rows[0]["multiturn"], decoded_rows[0]["singleturn"], decoded_rows[0]["position"]) == ("42", "1821973", str(POSITION))
+    assert [row["error"] for row in decoded_rows] == ["false", "false", "true"]
     summary = "3 frames, 2 valid (1 not usable, 1 usable), 1 with a CRC error\n"
     assert done.err == summary
 
@@ -135,9 +135,9 @@ def test_rows_of_bytes(decode: Command, tmp_path: Path) -> None:
     for name, more in (("it.bin", []), ("it.csv", ["length"])):
         for layout in ("singleturn_reply", "SingleturnReply"):
             done = decode("AMM5A23/65KJP1", name, "--layout", layout)
-            found = rows(done.out)
-            assert [row["fault"] for row in found] == ["none", "none", "crc", *more], done.err
-            assert found[1]["singleturn"] == "6016277"
+            decoded_rows = rows(done.out)
+            assert [row["fault"] for row in decoded_rows] == ["none", "none", "crc", *more], done.err
+            assert decoded_rows[1]["singleturn"] == "6016277"
 
 
 def test_frames_that_follow_a_register(
@@ -193,7 +193,7 @@ def test_files_hold_the_same(decode: Command, tmp_path: Path) -> None:
     assert pyarrow.ipc.open_file(tmp_path / "it.arrow").read_all().cast(parquet.schema) == parquet
     text = rows((tmp_path / "it.csv").read_text())
     for name in parquet.column_names:
-        values = ["" if item is None else str(item).lower() for item in parquet[name].to_pylist()]
+        values = ["" if value is None else str(value).lower() for value in parquet[name].to_pylist()]
         assert values == [row[name] for row in text], name
     umask = os.umask(0)
     os.umask(umask)
@@ -218,12 +218,12 @@ def test_parts_make_the_whole(
         for name in ("it.bin", "it.csv", "it.parquet") if size > 1 else ("it.bin",):
             for limit in (None, 0, 5, 7, 1000, 2000):
                 out = tmp_path / "out.arrow"
-                told = lika.decode_file(CODE, tmp_path / name, out, limit=limit, force=True)
-                found = pyarrow.ipc.open_file(out).read_all()
+                summary = lika.decode_file(CODE, tmp_path / name, out, limit=limit, force=True)
+                written = pyarrow.ipc.open_file(out).read_all()
                 count = min(limit if limit is not None else 1000, 1000)
-                assert (told.frames, found.num_rows) == (count, count)
-                assert found["position"].to_pylist() == whole.usable_position[:count].tolist()
-                faults = [ErrorKind[item.upper()] for item in found["fault"].to_pylist()]
+                assert (summary.frames, written.num_rows) == (count, count)
+                assert written["position"].to_pylist() == whole.usable_position[:count].tolist()
+                faults = [ErrorKind[name_of_fault.upper()] for name_of_fault in written["fault"].to_pylist()]
                 assert faults == whole.fault[:count].tolist()
 
 
@@ -250,7 +250,7 @@ def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "content", "options", "code", "said"),
+    ("name", "content", "options", "code", "message"),
     [
         ("it.bin", bytes(13), [], 1, "it.bin, offset 12: 2 complete frames of 6 bytes end here, and 1 more byte"),
         ("it.bin", bytes(9), ["--words", "big"], 1, "offset 8: 1 complete frames of 8 bytes end here"),
@@ -282,11 +282,11 @@ def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
     ],
 )
 def test_what_is_told(
-    decode: Command, tmp_path: Path, name: str, content: bytes, options: list[str], code: int, said: str
+    decode: Command, tmp_path: Path, name: str, content: bytes, options: list[str], code: int, message: str
 ) -> None:
     (tmp_path / name).write_bytes(content)
     done = decode(CODE, name, *options)
-    assert (done.code, said in done.err) == (code, True), done.err
+    assert (done.code, message in done.err) == (code, True), done.err
     assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
@@ -320,7 +320,7 @@ def test_files_that_are_not_there_or_in_the_way(decode: Command, tmp_path: Path)
 
 
 def test_parquet_without_frames(decode: Command, tmp_path: Path) -> None:
-    for table, said in (
+    for table, message in (
         ({"word": [1.5]}, "column 'word': the frame in row 1 is not an integer: 1.5"),
         ({"word": [True]}, "column 'word': expected numbers, bytes or text, got items of the type bool"),
         ({"word": ["0x1", "time", "date"]}, "row 2 of column 'word': 'time' is not a hexadecimal number"),
@@ -328,7 +328,7 @@ def test_parquet_without_frames(decode: Command, tmp_path: Path) -> None:
     ):
         pyarrow.parquet.write_table(pyarrow.table(table), tmp_path / "it.parquet")
         done = decode(CODE, "it.parquet")
-        assert (done.code, said in done.err) == (1, True), done.err
+        assert (done.code, message in done.err) == (1, True), done.err
     pyarrow.parquet.write_table(pyarrow.table({"word": [1]}), tmp_path / "it.parquet")
     done = decode("AMM5A23/65KJP1", "it.parquet", "--layout", "singleturn_reply")
     assert "expected rows of 6 bytes, got numbers" in done.err
@@ -377,8 +377,8 @@ def test_nothing_crashes_it(
     done = decode(code, name, *options)
     assert done.code in (0, 1, 2)
     assert done.code == 0 or done.err.strip()
-    left = {path.name for path in tmp_path.iterdir()} - {name}
-    assert left <= ({"x.parquet", "x.arrow"} if done.code == 0 else set())
+    files_written = {path.name for path in tmp_path.iterdir()} - {name}
+    assert files_written <= ({"x.parquet", "x.arrow"} if done.code == 0 else set())
 
 
 @pytest.mark.slow
@@ -411,8 +411,8 @@ def start(generated_python: tuple[Path, ModuleType]) -> Callable[..., subprocess
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("which", [signal.SIGINT, signal.SIGTERM])
-def test_an_interruption_leaves_nothing(start: Any, tmp_path: Path, which: signal.Signals) -> None:
+@pytest.mark.parametrize("interruption", [signal.SIGINT, signal.SIGTERM])
+def test_an_interruption_leaves_nothing(start: Any, tmp_path: Path, interruption: signal.Signals) -> None:
     (tmp_path / "out.parquet").write_text("mine")
     process = start(CODE, "-", "-o", "out.parquet", "--force", cwd=tmp_path, stdin=subprocess.PIPE)
     process.stdin.buffer.write(packed([GOOD]) * 600_000)
@@ -421,7 +421,7 @@ def test_an_interruption_leaves_nothing(start: Any, tmp_path: Path, which: signa
     while len(list(tmp_path.iterdir())) == 1 and time.monotonic() < until:
         time.sleep(0.05)
     assert len(list(tmp_path.iterdir())) == 2
-    process.send_signal(which)
+    process.send_signal(interruption)
     out, err = process.communicate(timeout=60)
     assert (process.returncode, out) == (130, "")
     assert err == "lika-encoders: interrupted; no file was written\n"
@@ -475,10 +475,10 @@ def test_a_bar_on_a_terminal_alone(start: Any, tmp_path: Path) -> None:
     process = start(CODE, "it.bin", "-o", "out.parquet", cwd=tmp_path, stderr=writer)
     process.wait(60)
     os.close(writer)
-    shown = os.read(reader, 100_000).decode()
-    assert "\r[" in shown
-    assert "%" in shown
-    assert shown.endswith("\r")
+    terminal_output = os.read(reader, 100_000).decode()
+    assert "\r[" in terminal_output
+    assert "%" in terminal_output
+    assert terminal_output.endswith("\r")
     assert process.stdout.read().startswith("600000 frames, 600000 valid (600000 usable)")
 
 
@@ -492,9 +492,9 @@ def test_partitions(generated_python: tuple[Path, ModuleType]) -> None:
     words = [GOOD, GOOD ^ 1, SPOILT]
     table = pyarrow.table({"time": [1, 2, 3], "word": words})
     for part in (table, table.to_batches()[0], table.to_pandas()):
-        found = lika.decode_partition(part, encoder, "word")
-        assert type(found) is type(part)
-        frame = found if isinstance(found, pandas.DataFrame) else found.to_pandas()
+        decoded = lika.decode_partition(part, encoder, "word")
+        assert type(decoded) is type(part)
+        frame = decoded if isinstance(decoded, pandas.DataFrame) else decoded.to_pandas()
         assert [*frame] == ["time", "singleturn", "multiturn", "error", "warning", "position", "verdict", "fault"]
         assert frame["time"].tolist() == [1, 2, 3]
         assert frame["fault"].tolist() == ["none", "crc", "none"]
@@ -505,14 +505,14 @@ def test_partitions(generated_python: tuple[Path, ModuleType]) -> None:
     texts = pandas.DataFrame({"frame": ["02 00 15 CD 5B 81", "02"]})
     replies = lika.decode_partition(texts, "AMM5A23/65KJP1", layout="singleturn_reply")
     assert replies["fault"].tolist() == ["none", "length"]
-    for wrong, said in (
+    for table_, message in (
         (table.append_column("position", [[1, 2, 3]]), "already has a column 'position'"),
         (pyarrow.table({"word": ["x"]}), "'x' is not a hexadecimal number"),
         (pandas.DataFrame({"word": [1.5]}), "the frame in row 1 is not an integer: 1.5"),
         (pandas.DataFrame({"word": [True]}), "the frame in row 1 must be an integer, got True"),
     ):
-        with pytest.raises(ValueError, match=said):
-            lika.decode_partition(wrong, encoder, "word")
+        with pytest.raises(ValueError, match=message):
+            lika.decode_partition(table_, encoder, "word")
     with pytest.raises(TypeError, match=r"got list$"):
         lika.decode_partition([1], encoder)
 

@@ -32,17 +32,17 @@ _OWN = re.compile(r"own_\w+|crc_own|from_own_position|own")
 
 def words(folder: Path) -> list[str]:
     """Return every identifier of a package for the spec below, every member of the runtime's classes, and of Python."""
-    found = {*keyword.kwlist, *dir(builtins), *dir(tuple), *dir(dict)}
-    found |= {*names.VARIANT_NAMES, *names.CLASS_NAMES, *names.LOCAL_NAMES, *names.PROCEDURE_NAMES}
+    identifiers = {*keyword.kwlist, *dir(builtins), *dir(tuple), *dir(dict)}
+    identifiers |= {*names.VARIANT_NAMES, *names.CLASS_NAMES, *names.LOCAL_NAMES, *names.PROCEDURE_NAMES}
     for name, text in generate(Library(_devices(["own_one", "own_two"], folder))).items():
         tree: ast.AST = ast.parse(text) if name.endswith(".py") else ast.Module([], [])
         inside = "/runtime/" in name
-        parts = [item for item in ast.walk(tree) if isinstance(item, ast.ClassDef)] if inside else [tree]
+        parts = [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef)] if inside else [tree]
         nodes = (node for part in parts for node in (part.body if isinstance(part, ast.ClassDef) else ast.walk(part)))
-        found |= {word for node in nodes for word in _identifiers(node)}
+        identifiers |= {word for node in nodes for word in _identifiers(node)}
     # BiSS defines the meaning of error and warning.
-    kept = {name for name in found - {"error", "warning"} if NAME.fullmatch(name) and not _OWN.fullmatch(name)}
-    return sorted(kept | {"from_own_position", "own_preset_limits", "crc_own", "crc_own_of_bits"})
+    accepted = {name for name in identifiers - {"error", "warning"} if NAME.fullmatch(name) and not _OWN.fullmatch(name)}
+    return sorted(accepted | {"from_own_position", "own_preset_limits", "crc_own", "crc_own_of_bits"})
 
 
 def _identifiers(node: ast.AST) -> Iterator[str]:
@@ -52,7 +52,7 @@ def _identifiers(node: ast.AST) -> Iterator[str]:
         case ast.FunctionDef(name=name) | ast.ClassDef(name=name) | ast.AnnAssign(target=ast.Name(id=name)):
             yield name
         case ast.Assign(targets=targets):
-            yield from (item.id for item in targets if isinstance(item, ast.Name))
+            yield from (target.id for target in targets if isinstance(target, ast.Name))
         case ast.alias(name=name, asname=other):
             yield (other or name).partition(".")[0]
         case ast.Constant(value=str(name)):
@@ -61,9 +61,9 @@ def _identifiers(node: ast.AST) -> Iterator[str]:
 
 def hostile(words: list[str]) -> Item:
     """Return a spec with each word as a field in every role, a joined number, a parameter and an argument."""
-    layouts = [item for index, word in enumerate(words) for item in _layouts(index, word)]
+    layouts = [layout for index, word in enumerate(words) for layout in _layouts(index, word)]
     sets = {size: {"own_bits": size, **dict.fromkeys(words[::2], size)} for size in (3, 5)}
-    sizes = {str(size): {"interface": "biss", "sets": given} for size, given in sets.items()}
+    sizes = {str(size): {"interface": "biss", "sets": parameters} for size, parameters in sets.items()}
     return {
         **HEAD,
         "parameters": {
@@ -105,11 +105,11 @@ def _layouts(index: int, word: str) -> Iterator[Item]:
     fields = ({**wide, "padded_to": 16}, {"name": "own_crc", "crc": "own_8"})
     yield layout_of(f"own_bytes_{index}", *fields, carried_as="bytes", byte_order="low_byte_first")
     # The first word is a measurement and not a flag. No field may have the name of the number of all unused bits.
-    told = {"name": word if index else "own_told", "active": "low", "makes_position": "not_usable"}
-    summed = {"name": "own_flag", "active": "high", "makes_position": "usable_with_warning", "sums_up": [told["name"]]}
+    reporting_flag = {"name": word if index else "own_told", "active": "low", "makes_position": "not_usable"}
+    summed = {"name": "own_flag", "active": "high", "makes_position": "usable_with_warning", "sums_up": [reporting_flag["name"]]}
     spare = [] if word == "unused" else [{"name": "own_spare", "bits": 3, "unused": 5}]
     join = {"own_position": ["own_high", "own_low"]}
-    yield layout_of(f"own_told_{index}", high, low, told, summed, *spare, check, join=join)
+    yield layout_of(f"own_told_{index}", high, low, reporting_flag, summed, *spare, check, join=join)
 
 
 def _registers(words: list[str]) -> list[Item]:
@@ -166,32 +166,32 @@ def test_no_name_of_a_spec_is_one_that_the_package_has(
     part: int, tmp_path: Path, import_generated: Callable[..., Any]
 ) -> None:
     (tmp_path / "words").mkdir()
-    given = words(tmp_path / "words")[part::4]
-    assert len(given) > 60
+    words_of_part = words(tmp_path / "words")[part::4]
+    assert len(words_of_part) > 60
     # A word has eight layouts, and an interface at most 256.
-    for start in range(0, len(given), 32):
-        _works(given[start : start + 32], tmp_path / str(start), import_generated)
+    for start in range(0, len(words_of_part), 32):
+        _works(words_of_part[start : start + 32], tmp_path / str(start), import_generated)
 
 
-def _works(given: list[str], folder: Path, import_generated: Callable[..., Any]) -> None:
+def _works(hostile_words: list[str], folder: Path, import_generated: Callable[..., Any]) -> None:
     folder.mkdir()
-    devices = _devices(given, folder)
+    devices = _devices(hostile_words, folder)
     package = import_generated(Library(devices), "test_encoders")[1]
     module = package.hostile
     for variant in devices[0].variants[-1:]:
         encoder = package.lookup(variant.code)
         for _, layout in devices[0].layouts():
             _goes_there_and_back(devices[0], layout, variant, module, encoder)
-        for index, word in enumerate(given):
+        for index, word in enumerate(hostile_words):
             steps = getattr(module, f"own_set_{index}")(encoder, 5, 9)
             assert len(steps) == 2, word
             with pytest.raises(ValueError):
                 getattr(module, f"own_set_{index}")(encoder, 2 ** variant.parameters["own_bits"], 9)
         assert encoder.turns(3) > 0
         # Some of its frames have signed positions, so their ranges differ.
-        kinds = [item for item in frames.kinds_of(encoder) if hasattr(item, "usable_position")]
+        kinds = [kind for kind in frames.kinds_of(encoder) if hasattr(kind, "usable_position")]
         assert kinds
-        assert {encoder.range_of(item).unwrap(0, 1) for item in kinds} == {1}
+        assert {encoder.range_of(kind).unwrap(0, 1) for kind in kinds} == {1}
 
 
 def _goes_there_and_back(device: Device, layout: Layout, variant: Variant, module: Any, encoder: Any) -> None:
@@ -199,15 +199,15 @@ def _goes_there_and_back(device: Device, layout: Layout, variant: Variant, modul
 
     This also holds for one made from a joined number.
     """
-    given: dict[type, int | str | bool] = {Choice: "two", Flag: True, Decimal: 1234}
+    values_by_kind: dict[type, int | str | bool] = {Choice: "two", Flag: True, Decimal: 1234}
     values: dict[str, int | str | bool] = {}
     for field in layout.data_fields:
-        values[field.name] = given.get(type(field.kind), 3)
+        values[field.name] = values_by_kind.get(type(field.kind), 3)
     placed = layout.place(variant.parameters)
     number = codec.encode(device, placed, values)
     wire = number_to_bytes(layout, number, placed.bits) if layout.carried_as == "bytes" else number
-    made = getattr(module, "".join(part.title() for part in layout.name.split("_")))
-    frame = made.decode(wire, encoder) if "variant" in made._fields else made.decode(wire)
+    frame_class = getattr(module, "".join(part.title() for part in layout.name.split("_")))
+    frame = frame_class.decode(wire, encoder) if "variant" in frame_class._fields else frame_class.decode(wire)
     assert frame.encode() == wire
     for field in layout.data_fields:
         if isinstance(field.kind, Number):
@@ -216,12 +216,12 @@ def _goes_there_and_back(device: Device, layout: Layout, variant: Variant, modul
     for join in layout.joins:
         whole = codec.join_value(placed, join, codec.from_gray(placed, number))
         assert _of(frame, join.name) == whole
-        joined = {f"{name}_" if f"{name}_" in made._fields else name for name in join.fields}
-        others = {name: getattr(frame, name) for name in made._fields if name not in joined}
+        joined = {f"{name}_" if f"{name}_" in frame_class._fields else name for name in join.fields}
+        other_members = {name: getattr(frame, name) for name in frame_class._fields if name not in joined}
         build = next(
-            item for name in (f"from_{join.name}", f"from_{join.name}_") if callable(item := getattr(made, name, None))
+            method for name in (f"from_{join.name}", f"from_{join.name}_") if callable(method := getattr(frame_class, name, None))
         )
-        assert build(**others, **{_spelled(build, join.name): whole}) == frame
+        assert build(**other_members, **{_spelled(build, join.name): whole}) == frame
 
 
 def _spelled(build: Any, name: str) -> str:

@@ -67,13 +67,13 @@ def test_types_are_strict(generated_python: tuple[Path, ModuleType]) -> None:
 def test_two_families_in_one_package(library: Library, tmp_path: Path) -> None:
     from codewheel.model import OrderCode
 
-    first = next(item for item in library.devices if item.name == "amm5")
+    first = next(device for device in library.devices if device.name == "amm5")
 
     def renamed(text: str) -> str:
         return text.replace("AMM5", "OTHER")
 
     code: OrderCode = replace(first.order_code, pattern=renamed(first.order_code.pattern))
-    variants = tuple(replace(item, code=renamed(item.code)) for item in first.variants)
+    variants = tuple(replace(variant, code=renamed(variant.code)) for variant in first.variants)
     second = replace(first, name="other", title="Other encoders", order_code=code, variants=variants, examples=())
     _write(generate(Library((first, second))), tmp_path)
     done = subprocess.run(
@@ -111,8 +111,8 @@ def test_lines_are_of_a_length_to_read(files: Mapping[str, str]) -> None:
 def test_a_linter_finds_nothing(files: Mapping[str, str], tmp_path: Path) -> None:
     """Python's own style and pyflakes, with the default settings of users' tools."""
     shapes, _ = load_library([Path(__file__).parent / "specs"])
-    for folder, made in (("ours", files), ("shapes", generate(Library(shapes)))):
-        for path, text in made.items():
+    for folder, package_files in (("ours", files), ("shapes", generate(Library(shapes)))):
+        for path, text in package_files.items():
             place = tmp_path / folder / path
             place.parent.mkdir(parents=True, exist_ok=True)
             place.write_text(text, encoding="utf-8")
@@ -222,7 +222,7 @@ def _poison(data: Any, text: str) -> None:
         "data",
     }
     if isinstance(data, dict):
-        if any(isinstance(item, dict) and "quantity" in item for item in data.get("values") or ()):
+        if any(isinstance(value, dict) and "quantity" in value for value in data.get("values") or ()):
             del data["values"]  # The text must give them.
         for key, value in data.items():
             if key in texts and isinstance(value, str) and not (key == "value" and "register" in data):

@@ -42,7 +42,7 @@ def run(*command: str | Path, folders: tuple[Path, ...] = (), cwd: Path = ROOT) 
     """Run a command for which these folders hold the packages, in Python and for mypy."""
     path = os.pathsep.join(map(str, folders))
     environment = {**os.environ, "PYTHONPATH": path, "MYPYPATH": path}
-    return subprocess.run([str(item) for item in command], capture_output=True, text=True, env=environment, cwd=cwd)
+    return subprocess.run([str(word) for word in command], capture_output=True, text=True, env=environment, cwd=cwd)
 
 
 def doctored(folder: Path, version: str) -> Path:
@@ -77,16 +77,16 @@ def test_there_is_one_runtime(both: Path) -> None:
 def test_without_a_main_manufacturer_each_has_its_folder(library: Library) -> None:
     lika = library.by_manufacturer()[0][0]
     devices = tuple(
-        dataclasses.replace(item, manufacturer=dataclasses.replace(item.manufacturer, main=False))
-        for item in library.devices
-        if item.name in ("icmu", "sma21")
+        dataclasses.replace(device, manufacturer=dataclasses.replace(device.manufacturer, main=False))
+        for device in library.devices
+        if device.name in ("icmu", "sma21")
     )
     assert lika.main
     files = generate(Library(devices))
-    for name, other in (("lika_encoders", "ichaus_encoders"), ("ichaus_encoders", "lika_encoders")):
+    for name, other_package in (("lika_encoders", "ichaus_encoders"), ("ichaus_encoders", "lika_encoders")):
         assert f"python/{name}/pyproject.toml" in files
         assert f"python/{name}/{name}/__init__.py" in files
-        assert f"pip install . ../{other}\n" in files[f"python/{name}/README.md"]
+        assert f"pip install . ../{other_package}\n" in files[f"python/{name}/README.md"]
         assert "(../runtime/README.md)" in files[f"python/{name}/README.md"]
     assert "python/pyproject.toml" not in files
 
@@ -95,7 +95,7 @@ def test_without_a_main_manufacturer_each_has_its_folder(library: Library) -> No
 def test_the_example(both: Path) -> None:
     readme = (EXAMPLE / "README.md").read_text(encoding="utf-8")
     program = EXAMPLE / "positions.py"
-    commands, shown = re.findall(r"```(?:text)?\n(.*?)```", readme, re.DOTALL)
+    commands, expected_output = re.findall(r"```(?:text)?\n(.*?)```", readme, re.DOTALL)
     assert commands.splitlines() == [
         "codewheel generate specs/lika docs/example/tolvarn --target python -o out",
         "pip install out/python out/python/tolvarn_encoders",
@@ -103,7 +103,7 @@ def test_the_example(both: Path) -> None:
     ]
     folders = (both, both / NAMES[1], both / "runtime")
     done = run(sys.executable, program, folders=folders)
-    assert (done.stdout, done.stderr) == (shown, "")
+    assert (done.stdout, done.stderr) == (expected_output, "")
     done = run(sys.executable, "-m", "mypy", "--strict", "--no-incremental", program, folders=folders)
     assert done.returncode == 0, done.stdout
 
