@@ -294,7 +294,9 @@ def source(view: DeviceView) -> str:
     for item in view.alternatives:
         text = text.replace(_MARK, f"static {item.type} {item.type}_taken;\n{_MARK}")
         takes += _ANSWER.replace("@alternative@", item.item.name).replace("@type@", item.type)
-    members = {parameter.name for parameter in view.device.parameters if parameter.interface == view.interface.interface.name}
+    members = {
+        parameter.name for parameter in view.device.parameters if parameter.interface == view.interface.interface.name
+    }
     for alternative in view.device.alternatives:
         if alternative.default and alternative.parameter in members:
             takes += _MEMBER.replace("@parameter@", alternative.parameter)

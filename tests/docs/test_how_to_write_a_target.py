@@ -31,17 +31,17 @@ def installed(folder: Path) -> None:
         (folder / "source" / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / "source" / name).write_text(text, encoding="utf-8")
     command = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps"]
-    done = subprocess.run(
+    completed = subprocess.run(
         [*command, "--target", str(folder / "site"), str(folder / "source")],
         capture_output=True,
         text=True,
         check=False,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
+    assert completed.returncode == 0, completed.stdout + completed.stderr
 
 
 def run(site: Path, cwd: Path, *arguments: str, module: str = "codewheel") -> tuple[int, str, str]:
-    done = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "-m", module, *arguments],
         cwd=cwd,
         capture_output=True,
@@ -49,7 +49,7 @@ def run(site: Path, cwd: Path, *arguments: str, module: str = "codewheel") -> tu
         check=False,
         env={**os.environ, "PYTHONPATH": str(site)},
     )
-    return done.returncode, done.stdout, done.stderr
+    return completed.returncode, completed.stdout, completed.stderr
 
 
 def test_its_commands(site: Path, tmp_path: Path) -> None:

@@ -48,7 +48,7 @@ def test_its_commands(page: Path, tmp_path: Path) -> None:
     for name, content in files(text).items():
         (work / name).write_text(content, encoding="utf-8")
     for command, output in commands(text):
-        done = subprocess.run(
+        completed = subprocess.run(
             ["bash", "-c", command],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -58,7 +58,7 @@ def test_its_commands(page: Path, tmp_path: Path) -> None:
         )
         # Three dots replace omitted lines. All other lines are shown.
         pieces = output.split("...\n")
-        assert re.fullmatch("(?:.*\n)*".join(map(re.escape, pieces)), done.stdout), f"{command}\n{done.stdout}"
+        assert re.fullmatch("(?:.*\n)*".join(map(re.escape, pieces)), completed.stdout), f"{command}\n{done.stdout}"
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)

@@ -54,12 +54,12 @@ class Biss:
     wave: Wave = field(default_factory=Wave)
     delay: float = 0.1
     acknowledge: int = 3
-    rest: float = 30.0
+    idle_time: float = 30.0
     extra: int = 0
 
     def cycle(self, word: int, bits: int, cds: int = 0, cdm: int = 0, clocks: int | None = None) -> None:
         """Append one cycle. The last clock may be followed by ``extra`` ones, or there are only ``clocks``."""
-        wave, begin = self.wave, self.wave.now + self.rest
+        wave, begin = self.wave, self.wave.now + self.idle_time
         bits_sent = [0] * self.acknowledge + [1, cds] + [word >> place & 1 for place in range(bits - 1, -1, -1)] + [0]
         wanted = len(bits_sent) + 1 + self.extra
         count = wanted if clocks is None else clocks
@@ -84,11 +84,13 @@ class Biss:
         wave.now = end + 2
 
     def finish(self) -> Wave:
-        self.wave.now += self.rest
+        self.wave.now += self.idle_time
         return self.wave
 
 
-def ssi(words: Sequence[int], bits: int, delay: float = 0.1, idle_time: float = 30.0, clocks: int | None = None) -> Wave:
+def ssi(
+    words: Sequence[int], bits: int, delay: float = 0.1, idle_time: float = 30.0, clocks: int | None = None
+) -> Wave:
     """An SSI line with a clock of period 1: the first falling edge, then a bit at each rising edge."""
     wave = Wave()
     for word in words:

@@ -49,11 +49,14 @@ ROUNDS = 12
 
 TESTS = Path(__file__).resolve().parents[1]
 SPECS = TESTS.parent / "specs"
-FAMILIES = sorted(
-    path.stem
-    for path in SPECS.glob("*/*.yaml")
-    if path.stem != "manufacturer" and path.parent.name != "masters" and not is_second(path)
-)
+
+
+def is_family(path: Path) -> bool:
+    """Return whether a spec describes encoders, and is not a second reading."""
+    return path.stem != "manufacturer" and path.parent.name != "masters" and not is_second(path)
+
+
+FAMILIES = sorted(path.stem for path in SPECS.glob("*/*.yaml") if is_family(path))
 #: Specs with features that no device has.
 MADE_UP = {"words": TESTS / "specs", "odd_shapes": TESTS / "python" / "specs", "shapes": TESTS / "c" / "specs"}
 MADE_UP |= dict.fromkeys(
@@ -61,9 +64,8 @@ MADE_UP |= dict.fromkeys(
     TESTS / "specs",
 )
 MADE_UP |= {"as5047p": TESTS.parent / "examples" / "encoders" / "ams"}
-MADE_UP |= {
-    name: TESTS.parent / "examples" / "encoders" / maker for name, maker in (("amt21", "cui"), ("skm36", "sick"))
-}
+MADE_UP |= {"amt21": TESTS.parent / "examples" / "encoders" / "cui"}
+MADE_UP |= {"skm36": TESTS.parent / "examples" / "encoders" / "sick"}
 ALL = [*FAMILIES, *MADE_UP]
 
 
@@ -89,7 +91,7 @@ class Case:
 
     family: Family
     variant: Variant
-    made: Any
+    encoder: Any
     layout: Layout
     register: Register | None
     placed: PlacedLayout
@@ -112,7 +114,9 @@ def families(
     library: Library,
     import_generated: Callable[[Library, str], tuple[Path, ModuleType]],
 ) -> dict[str, Family]:
-    families_by_name = {device.name: Family(device, getattr(packages[device.name], device.name)) for device in library.devices}
+    families_by_name: dict[str, Family] = {}
+    for device in library.devices:
+        families_by_name[device.name] = Family(device, getattr(packages[device.name], device.name))
     for name, folder in MADE_UP.items():
         loaded_devices, report = load_library([folder / f"{name}.yaml", folder / "manufacturer.yaml"])
         assert not report, "\n".join(problem.format() for problem in report.problems)
@@ -134,31 +138,37 @@ def states(family: Family, variant: Variant) -> Iterator[tuple[Variant, Any]]:
     """Return the order code with its defaults, and with its run-time parameters at and between their bounds."""
     device, encoder = family.device, family.module.VARIANTS[variant.code]
     yield variant, encoder
-    interface_parameters = [
-        parameter for parameter in device.run_time_parameters if device.register(parameter.register).interface == variant.interface
-    ]
     source = random.Random(variant.code)
-    for kind in ("min", "max", "random", "random", "random") if interface_parameters else ():
+    registers = [register.name for register in device.registers if register.interface == variant.interface]
+    parameters = [parameter for parameter in device.run_time_parameters if parameter.register in registers]
+    for kind in ("min", "max", "random", "random", "random") if parameters else ():
         register_bytes: dict[int, int] = {}
-        for item in interface_parameters:
-            register = device.register(item.register)
-            field = register.layout.field(item.field)
-            low, high = item.min or 0, item.max if item.max is not None else (1 << field.widest) - 1
-            value = {"min": low, "max": high}.get(kind, source.randint(low, high))
-            place = field.low.constant
-            before = register.default or 0
-            before &= ~(((1 << field.widest) - 1) << place)
-            raw = value if value != field.number.zero_means else 0
-            if item.by_code:
-                raw = next(entry.code for entry in item.by_code if entry.value == value or kind == "random")
-            data = number_to_bytes(register.layout, before | raw << place, 8 * register.length)
+        for parameter in parameters:
+            register = device.register(parameter.register)
+            number = number_with_parameter(register, parameter, kind, source)
+            data = number_to_bytes(register.layout, number, 8 * register.length)
             register_bytes |= {register.address + index: byte for index, byte in enumerate(data)}
-        changed, changed_made = with_registers(device, variant, register_bytes), encoder.with_registers(register_bytes)
-        for parameter in device.parameters:
-            if not parameter.alternative and parameter.interface in ("", variant.interface):
-                package_value = getattr(changed_made, attribute(parameter.name, ("class",)))
-                assert package_value == changed.parameters[parameter.name]
-        yield changed, changed_made
+        changed_variant = with_registers(device, variant, register_bytes)
+        changed_encoder = encoder.with_registers(register_bytes)
+        for changed_parameter in device.parameters:
+            if not changed_parameter.alternative and changed_parameter.interface in ("", variant.interface):
+                package_value = getattr(changed_encoder, attribute(changed_parameter.name, ("class",)))
+                assert package_value == changed_variant.parameters[changed_parameter.name]
+        yield changed_variant, changed_encoder
+
+
+def number_with_parameter(register: Register, parameter: Any, kind: str, source: random.Random) -> int:
+    """Return the content of a register whose field has the lowest, the highest or any value of a parameter."""
+    field = register.layout.field(parameter.field)
+    mask = (1 << field.widest) - 1
+    low, high = parameter.min or 0, parameter.max if parameter.max is not None else mask
+    value = {"min": low, "max": high}.get(kind, source.randint(low, high))
+    raw = value if value != field.number.zero_means else 0
+    if parameter.by_code:
+        codes = [named.code for named in parameter.by_code if named.value == value or kind == "random"]
+        raw = codes[0]
+    place = field.low.constant
+    return (register.default or 0) & ~(mask << place) | raw << place
 
 
 def cases(family: Family) -> Iterator[Case]:
@@ -166,11 +176,11 @@ def cases(family: Family) -> Iterator[Case]:
     compared_keys = set()
     for variant in family.device.variants:
         for state, encoder in states(family, variant):
-            layouts: list[tuple[Layout, Register | None]] = [
-                (frame_layout, None) for frame_layout in family.device.interface(variant.interface).layouts
-            ]
-            layouts += [(interface_register.layout, interface_register) for interface_register in family.device.registers if interface_register.interface == variant.interface]
-            for layout, register, decided_state, answers in _decided(family, state, layouts):
+            frames = family.device.interface(variant.interface).layouts
+            layouts: list[tuple[Layout, Register | None]] = [(frame, None) for frame in frames]
+            registers = [register for register in family.device.registers if register.interface == variant.interface]
+            layouts += [(register.layout, register) for register in registers]
+            for layout, register, decided_state, answers in _with_answers(family, state, layouts):
                 placed = layout.place(decided_state.parameters)
                 key = (
                     layout.name,
@@ -185,17 +195,19 @@ def cases(family: Family) -> Iterator[Case]:
                     yield Case(family, decided_state, encoder, layout, register, placed, answers)
 
 
-def _decided(
+def _with_answers(
     family: Family, state: Variant, layouts: list[tuple[Layout, Register | None]]
 ) -> Iterator[tuple[Layout, Register | None, Variant, tuple[Any, ...]]]:
     """Return each layout with each answer to its open questions."""
     for layout, register in layouts:
         alternatives = family.device.alternatives_of(layout)
         for answers in itertools.product(*(alternative.answers for alternative in alternatives)):
-            names_of_answers = {alternative.name: answer.name for alternative, answer in zip(alternatives, answers, strict=True)}
-            kinds = [getattr(family.module, family.names.asked[alternative.name].kind) for alternative in alternatives]
-            members = tuple(kind[name.upper()] for kind, name in zip(kinds, names_of_answers.values(), strict=True))
-            yield layout, register, with_answers(family.device, state, names_of_answers), members
+            names = [alternative.name for alternative in alternatives]
+            answer_names = [answer.name for answer in answers]
+            kinds = [getattr(family.module, family.names.asked[name].kind) for name in names]
+            members = [kind[name.upper()] for kind, name in zip(kinds, answer_names, strict=True)]
+            decided_state = with_answers(family.device, state, dict(zip(names, answer_names, strict=True)))
+            yield layout, register, decided_state, tuple(members)
 
 
 def value_of(case: Case, field: Field, width: int, kind: str, source: random.Random) -> int | str | bool:
@@ -208,26 +220,15 @@ def value_of(case: Case, field: Field, width: int, kind: str, source: random.Ran
         return source.choice(field.values).value
     if isinstance(field.kind, Text):
         return "".join(chr(source.randrange(0x20, 0x7F)) for _ in range(width // 8))
-    register = case.register
-    lowest, largest = 0, (1 << width) - 1
-    if field.number.zero_means and kind == "ones" and (register is None or register.max is None):
+    return number_of(case, field, width, kind, source)
+
+
+def number_of(case: Case, field: Field, width: int, kind: str, source: random.Random) -> int:
+    """Return a number of this kind between the limits of the field."""
+    has_max = case.register is not None and case.register.max is not None
+    if field.number.zero_means and kind == "ones" and not has_max:
         return field.number.zero_means
-    if field.number.zero_means:
-        lowest, largest = 1, min(largest, field.number.zero_means)
-    if field.number.signed:
-        lowest, largest = -(1 << (width - 1)), (1 << (width - 1)) - 1
-    if isinstance(field.kind, Decimal):
-        largest = min(largest, field.kind.limit - 1)
-    valid = case.family.device.range_in(case.layout) if register is None else None
-    if valid is not None and valid.field.name == field.name:
-        lowest, largest = (bound.value(case.variant.parameters) for bound in (valid.lowest, valid.highest))
-    if (
-        register is not None
-        and register.limits_of == field.name
-        and register.min is not None
-        and register.max is not None
-    ):
-        lowest, largest = register.min.value(case.variant.parameters), register.max.value(case.variant.parameters)
+    lowest, largest = limits_of(case, field, width)
     if field.number.power_of_two:
         return 1 << source.randrange(min(width, largest.bit_length()))
     chosen = {
@@ -239,22 +240,42 @@ def value_of(case: Case, field: Field, width: int, kind: str, source: random.Ran
     return max(lowest, min(chosen.get(kind, source.randint(lowest, largest)), largest))
 
 
-def allowed(case: Case, number: int) -> bool:
+def limits_of(case: Case, field: Field, width: int) -> tuple[int, int]:
+    register, parameters = case.register, case.variant.parameters
+    if register is not None and register.limits_of == field.name and None not in (register.min, register.max):
+        lowest, largest = (limit.value(parameters) for limit in (register.min, register.max) if limit is not None)
+        return lowest, largest
+    valid = case.family.device.range_in(case.layout) if register is None else None
+    if valid is not None and valid.field.name == field.name:
+        return valid.lowest.value(parameters), valid.highest.value(parameters)
+    lowest, largest = 0, (1 << width) - 1
+    if field.number.zero_means:
+        lowest, largest = 1, min(largest, field.number.zero_means)
+    if field.number.signed:
+        lowest, largest = -(1 << (width - 1)), (1 << (width - 1)) - 1
+    if isinstance(field.kind, Decimal):
+        largest = min(largest, field.kind.limit - 1)
+    return lowest, largest
+
+
+def is_allowed(case: Case, number: int) -> bool:
     """Return True if the limits of the register allow the joined number to which they apply."""
     register = case.register
-    join = next((layout_join for layout_join in case.layout.joins if register is not None and layout_join.name == bounded(register)), None)
-    if register is None or join is None:
+    if register is None:
+        return True
+    join = next((join for join in case.layout.joins if join.name == bounded(register)), None)
+    if join is None:
         return True
     low, high = bounds(register, case.placed, (register.min, register.max), case.variant.parameters)
     return low <= codec.join_value(case.placed, join, number) <= high
 
 
 def values_of(case: Case, kind: str, source: random.Random) -> dict[str, int | str | bool]:
-    values = {
-        placed_field.name: value_of(case, placed_field.field, placed_field.width, kind, source)
-        for placed_field in case.placed.fields
-        if placed_field.field.carries_data
-    }
+    values = {}
+    for placed_field in case.placed.fields:
+        field = placed_field.field
+        if field.carries_data:
+            values[placed_field.name] = value_of(case, field, placed_field.width, kind, source)
     if case.layout.unused:
         every = unused_bits(case.placed)
         values["unused"] = {"zero": 0, "ones": every}.get(kind, source.getrandbits(64) & every)
@@ -267,20 +288,20 @@ def unused_bits(placed: PlacedLayout) -> int:
     return sum(masks.get(field.name, 0) << place for field, place in placed.layout.unused)
 
 
-def given(case: Case) -> list[Any]:
+def arguments_of(case: Case) -> list[Any]:
     """Return the members of a frame that are not fields."""
-    return [*([case.made] if "variant" in getattr(case.view, "_fields", ()) else []), *case.answers]
+    return [*([case.encoder] if "variant" in getattr(case.view, "_fields", ()) else []), *case.answers]
 
 
 def decode_generated(case: Case, number: int) -> Any:
     """Return the decoded object, or the kind of its error as the model calls it."""
     try:
-        return case.view.decode(case.carried(number), *given(case))
+        return case.view.decode(case.carried(number), *arguments_of(case))
     except ValueError as error:
         return KINDS[type(error).__name__]
 
 
-def told(report: Any) -> tuple[str, str, str]:
+def report_facts(report: Any) -> tuple[str, str, str]:
     """Return the facts of a report of the package or the model. Printed name and source belong to one frame."""
     return report.meaning, report.remedy, report.makes_position.value if report.makes_position is not None else ""
 
@@ -292,14 +313,16 @@ def compare_reports(family: Family, variant: Variant, expected: codec.Decoded, d
     if layout.sender == "encoder":
         verdict = getattr(decoded, "verdict", None)
         assert (verdict and verdict.value) == (expected_findings.verdict and expected_findings.verdict.value), decoded
-        assert sorted(map(told, decoded.reports)) == sorted(map(told, expected_findings.reports)), decoded
+        assert sorted(map(report_facts, decoded.reports)) == sorted(map(report_facts, expected_findings.reports)), (
+            decoded
+        )
         assert all(family.module.REPORTS[report.name] is report for report in decoded.reports)
     if layout.unused and layout.sender:
         assert not (decoded.unused and decoded.is_as_documented), decoded
         assert decoded._replace(unused=0).is_as_documented == (not expected_findings.differences), decoded
 
 
-def compare(expected: codec.Decoded, decoded: Any, layout: Layout) -> None:
+def compare_values(expected: codec.Decoded, decoded: Any, layout: Layout) -> None:
     """Compare the values that both read."""
     if not hasattr(decoded, "_fields"):
         assert decoded.name.lower() == expected.fields[0].value
@@ -321,22 +344,22 @@ def test_round_trip_of_every_order_code(family: Family) -> None:
     for case in cases(family):
         for kind in ["zero", "one", "ones", "top", *["random"] * ROUNDS]:
             number = codec.encode(family.device, case.placed, values_of(case, kind, source))
-            if not allowed(case, number):
+            if not is_allowed(case, number):
                 continue
             data = case.carried(number)
             decoded = decode_generated(case, number)
             assert not isinstance(decoded, str), (case.variant.code, case.layout.name, kind, decoded)
             assert decoded.encode() == data, (case.variant.code, case.layout.name, kind)
             expected = codec.decode(family.device, case.placed, number)
-            compare(expected, decoded, case.layout)
+            compare_values(expected, decoded, case.layout)
             compare_reports(family, case.variant, expected, decoded)
             for join in case.layout.joins:
-                extra_values = [
-                    value
-                    for name, value in zip(decoded._fields, decoded, strict=True)
-                    if name not in (*join.fields, "variant") and value not in case.answers
-                ]
-                again = getattr(case.view, f"from_{join.name}")(*given(case), getattr(decoded, join.name), *extra_values)
+                joined_names = (*join.fields, "variant")
+                extra_values = [getattr(decoded, name) for name in decoded._fields if name not in joined_names]
+                extra_values = [value for value in extra_values if value not in case.answers]
+                again = getattr(case.view, f"from_{join.name}")(
+                    *arguments_of(case), getattr(decoded, join.name), *extra_values
+                )
                 assert again == decoded
 
 
@@ -346,12 +369,13 @@ def test_faults_are_told_as_the_model_tells_them(family: Family) -> None:
     faults_of_frames, possible = set(), set()
     for case in cases(family):
         kinds = {type(field.kind) for field in case.layout.fields}
-        possible |= (
-            ({"crc"} if CrcValue in kinds else set())
-            | ({"constant"} if kinds & {Constant, Parity} else set())
-            | ({"length"} if case.layout.carried_as == "bits" else set())
-        )
-        for number in damaged(case, source):
+        if CrcValue in kinds:
+            possible.add("crc")
+        if kinds & {Constant, Parity}:
+            possible.add("constant")
+        if case.layout.carried_as == "bits":
+            possible.add("length")
+        for number in damaged_frames(case, source):
             expected = codec.decode(family.device, case.placed, number)
             if number >> case.placed.bits and case.layout.carried_as == "bytes":
                 continue
@@ -361,7 +385,7 @@ def test_faults_are_told_as_the_model_tells_them(family: Family) -> None:
                 assert decoded == expected.problems[0].fault.value, (case.variant.code, case.layout.name, hex(number))
             else:
                 assert not isinstance(decoded, str), (case.variant.code, case.layout.name, hex(number), decoded)
-                compare(expected, decoded, case.layout)
+                compare_values(expected, decoded, case.layout)
                 compare_reports(family, case.variant, expected, decoded)
     assert faults_of_frames >= possible
 
@@ -377,7 +401,7 @@ def test_an_encoder_whose_family_sends_bytes_alone(import_generated: Callable[..
     assert reply.position == 4711
 
 
-def damaged(case: Case, source: random.Random) -> Iterator[int]:
+def damaged_frames(case: Case, source: random.Random) -> Iterator[int]:
     """Frames with changed bits, some with a CRC that matches the change, and random numbers."""
     device, placed = case.family.device, case.placed
     sound = codec.encode(device, placed, values_of(case, "random", source))
@@ -387,48 +411,62 @@ def damaged(case: Case, source: random.Random) -> Iterator[int]:
     for bit in range(placed.bits):
         yield sound ^ 1 << bit
         if crc is not None:
-            yield repaired(device, placed, sound ^ 1 << bit)
+            yield with_matching_crc(device, placed, sound ^ 1 << bit)
     for _ in range(4 * ROUNDS):
         number = source.getrandbits(placed.bits)
         yield number
         if crc is not None:
-            yield repaired(device, placed, number)
+            yield with_matching_crc(device, placed, number)
 
 
-def repaired(device: Device, placed: PlacedLayout, number: int) -> int:
+def with_matching_crc(device: Device, placed: PlacedLayout, number: int) -> int:
     crc_field = next(crc_field for crc_field in placed.fields if isinstance(crc_field.field.kind, CrcValue))
     cleared = number & ~(crc_field.mask << crc_field.low)
     return cleared | codec.compute(device.crc(crc_field.field.kind.crc), placed, cleared) << crc_field.low
+
+
+def has_selector(device: Device, variant: Variant) -> bool:
+    """Return whether the frames of an order code have a field that selects their kind."""
+    return bool(device.interface(variant.interface).layouts[0].selector)
+
+
+def byte_frames(family: Family, layouts: tuple[Layout, ...], source: random.Random) -> list[bytes]:
+    """Return random bytes of many lengths and with every control field, also with a correct CRC at their end."""
+    frames = [source.randbytes(source.randrange(13)) for _ in range(1000)]
+    for control in range(256):
+        frames += [bytes([control]) + source.randbytes(length) for length in range(12)]
+    crc = next(filter(None, map(family.device.crc_of, layouts)))
+    size, compute = crc.width // 8, getattr(family.module, f"crc_{crc.name}")
+    order: Any = "little" if layouts[0].byte_order == "low_byte_first" else "big"
+    bodies = [frame[:-size] for frame in frames if len(frame) > size]
+    return frames + [body + compute(body).to_bytes(size, order) for body in bodies]
+
+
+def first_answers(family: Family) -> dict[str, Any]:
+    """Return the first answer to each open question, which the model uses."""
+    answers = {}
+    for alternative in family.names.asked.values():
+        kind = getattr(family.module, alternative.kind)
+        answers[alternative.name] = kind[alternative.alternative.answers[0].name.upper()]
+    return answers
+
+
+def decoder(family: Family, name: str) -> Callable[..., Any]:
+    """Return a function of the module with the first answers to the open questions that it takes."""
+    decode = getattr(family.module, name)
+    parameters = inspect.signature(decode).parameters
+    return partial(decode, **{key: answer for key, answer in first_answers(family).items() if key in parameters})
 
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
 def test_any_bytes_are_told_as_the_model_tells_them(family: Family) -> None:
     source = random.Random(5)
     device = family.device
-    for variant in [variant_ for variant_ in device.variants if device.interface(variant_.interface).layouts[0].selector][:2]:
-        frames = [bytes(source.getrandbits(8) for _ in range(source.randrange(13))) for _ in range(1000)]
-        frames += [
-            bytes([control]) + bytes(source.getrandbits(8) for _ in range(length))
-            for control in range(256)
-            for length in range(12)
-        ]
-        crc = next(filter(None, map(device.crc_of, device.interface(variant.interface).layouts)))
-        size, function = crc.width // 8, getattr(family.module, f"crc_{crc.name}")
-        order = device.interface(variant.interface).layouts[0].byte_order
-        frames += [
-            frame[:-size] + function(frame[:-size]).to_bytes(size, "little" if order == "low_byte_first" else "big")
-            for frame in frames
-            if len(frame) > size
-        ]
-        # The model uses the first answer to an open question.
-        answers = {
-            alternative.name: getattr(family.module, alternative.kind)[alternative.alternative.answers[0].name.upper()]
-            for alternative in family.names.asked.values()
-        }
+    variants = [variant for variant in device.variants if has_selector(device, variant)]
+    for variant in variants[:2]:
+        frames = byte_frames(family, device.interface(variant.interface).layouts, source)
         for sender, name in (("encoder", "decode_reply"), ("master", "decode_request")):
-            decode = getattr(family.module, name)
-            parameters = inspect.signature(decode).parameters
-            decode = partial(decode, **{key: answer for key, answer in answers.items() if key in parameters})
+            decode = decoder(family, name)
             for frame in frames:
                 expected = codec.decode_bytes(device, variant, sender, frame)
                 try:
@@ -439,7 +477,7 @@ def test_any_bytes_are_told_as_the_model_tells_them(family: Family) -> None:
                 else:
                     assert not expected.problems, frame.hex(" ")
                     assert expected.layout is not None, frame.hex(" ")
-                    compare(expected, decoded, expected.layout.layout)
+                    compare_values(expected, decoded, expected.layout.layout)
                     compare_reports(family, variant, expected, decoded)
 
 
@@ -451,31 +489,26 @@ def test_procedures_write_what_they_write_on_paper(family: Family) -> None:
         build = getattr(family.module, family.names.procedures[procedure.name])
         variants = [variant for variant in family.device.variants if variant.interface == procedure.interface]
         for variant in variants:
-            variants_first = [family.module.VARIANTS[variant.code]] if build.__code__.co_varnames[:1] == ("variant",) else []
+            takes_variant = build.__code__.co_varnames[:1] == ("variant",)
+            first_arguments = [family.module.VARIANTS[variant.code]] if takes_variant else []
             for _ in range(12 if procedure.arguments else 1):
-                arguments = {
-                    argument.name: 1 << source.randrange(25) | source.choice((0, 0, 1)) for argument in procedure.arguments
-                }
+                names = [argument.name for argument in procedure.arguments]
+                arguments = {name: 1 << source.randrange(25) | source.choice((0, 0, 1)) for name in names}
                 try:
                     expected = register_writes(family.device, procedure, variant, arguments)
                 except codec.EncodeError:
                     with pytest.raises(ValueError):
-                        build(*variants_first, *arguments.values())
+                        build(*first_arguments, *arguments.values())
                     continue
-                assert on_paper(family.device, build(*variants_first, *arguments.values())) == expected, (
-                    procedure.name,
-                    variant.code,
-                    arguments,
-                )
+                writes = writes_on_paper(family.device, build(*first_arguments, *arguments.values()))
+                assert writes == expected, (procedure.name, variant.code, arguments)
 
 
-def on_paper(device: Device, steps: Any) -> tuple[Write, ...]:
+def writes_on_paper(device: Device, steps: Any) -> tuple[Write, ...]:
     """Return the writes of generated steps. A register that is read first has its default or the written value."""
-    register_bytes = {
-        register.address + index: byte
-        for register in device.registers
-        for index, byte in enumerate(register.default_bytes() or bytes(register.length))
-    }
+    register_bytes: dict[int, int] = {}
+    for register in device.registers:
+        register_bytes |= enumerate(register.default_bytes() or bytes(register.length), register.address)
     writes = []
     for step in steps:
         kind = type(step).__name__
@@ -485,10 +518,8 @@ def on_paper(device: Device, steps: Any) -> tuple[Write, ...]:
             register = device.register(step.register)
             data = bytes(register_bytes[step.address + index] for index in range(step.length))
             number = number_from_bytes(register.layout, data) & ~step.mask | step.value
-            writes += [
-                Write(step.address + index, byte)
-                for index, byte in enumerate(number_to_bytes(register.layout, number, 8 * step.length))
-            ]
+            changed = number_to_bytes(register.layout, number, 8 * step.length)
+            writes += [Write(address, byte) for address, byte in enumerate(changed, step.address)]
         register_bytes |= {write.address: write.value for write in writes}
     return tuple(writes)
 

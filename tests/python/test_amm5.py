@@ -225,7 +225,9 @@ def test_published_single_cycles(
 ) -> None:
     devices, report = load_library([Path(__file__).parent.parent / "specs"])
     assert not report, "\n".join(problem.format() for problem in report.problems)
-    package: Any = import_generated(Library(tuple(device for device in devices if device.name == "bits22")), "test_encoders")[1]
+    package: Any = import_generated(
+        Library(tuple(device for device in devices if device.name == "bits22")), "test_encoders"
+    )[1]
     rows = [row for row in vectors if row["protocol"] == "BiSS-C SCD"]
     assert len(rows) == 9
     variant = package.lookup("T22SC")

@@ -64,7 +64,7 @@ def test_the_frames_are_the_published_ones(vectors: list[dict[str, Any]]) -> Non
         bytearray,
         memoryview,
         lambda data: memoryview(b"x" + data + b"y")[1:-1],
-        lambda data: memoryview(bytes(byte for item in data for byte in (item, 0)))[::2],
+        lambda data: memoryview(b"".join(bytes((byte, 0)) for byte in data))[::2],
         lambda data: array.array("B", data),
         lambda data: numpy.frombuffer(data, numpy.uint8),
         lambda data: numpy.frombuffer(data, numpy.int8),
@@ -170,9 +170,9 @@ def test_text_of_bits_has_every_bit(lika: Any, biss: Any) -> None:
             biss.decode(text)
         assert (caught.value.expected, caught.value.found, caught.value.unit) == (32, length, "bits")
     for text in (f"0x{int(BITS, 2):X}", "２" * 32, "１" * 32, BITS[:-1] + "2", "x" * 10**6):
-        with pytest.raises(lika.RangeError, match="the frame must be a string of 0 and 1") as wrong:
+        with pytest.raises(lika.RangeError, match="the frame must be a string of 0 and 1") as caught:
             biss.decode(text)
-        assert len(str(wrong.value)) < 200
+        assert len(str(caught.value)) < 200
 
 
 def test_a_count_of_bits_that_is_wrong_is_refused(lika: Any) -> None:
@@ -198,17 +198,18 @@ def test_a_count_of_bits_that_is_wrong_is_refused(lika: Any) -> None:
 def test_every_encoder_knows_the_length_of_its_frame(lika: Any, devices: Mapping[str, Device]) -> None:
     for device in devices.values():
         for variant in device.variants:
-            made = lika.lookup(variant.code)
-            layout = next(layout for layout in device.interface(variant.interface).layouts if layout.sender == "encoder")
+            listed_encoder = lika.lookup(variant.code)
+            layouts = device.interface(variant.interface).layouts
+            layout = next(layout for layout in layouts if layout.sender == "encoder")
             if layout.carried_as == "bytes":
                 with pytest.raises(ValueError, match="no frame bits over RS-485: frames are made of bytes"):
-                    _ = made.frame_bits
+                    _ = listed_encoder.frame_bits
                 continue
             if device.alternatives_of(layout):
                 with pytest.raises(ValueError, match="no frame bits over BiSS: the length depends on your choice"):
-                    _ = made.frame_bits
+                    _ = listed_encoder.frame_bits
                 continue
-            assert made.frame_bits == layout.bits.value(variant.parameters)
+            assert listed_encoder.frame_bits == layout.bits.value(variant.parameters)
     encoder = lika.lookup("AM3616/4096-I7")
     assert encoder.frame_bits - encoder.with_registers({0x56: 16}).frame_bits == 4
     amm5 = lika.lookup("AMM5A21/65KSC1")
@@ -364,15 +365,19 @@ def test_the_package_does_not_import_numpy(generated_python: tuple[Path, ModuleT
 
 def functions(module: Any) -> list[tuple[str, Any]]:
     """Return everything public of a family module that takes an encoder, with a name."""
-    found = []
+    named_functions = []
     for name in module.__all__:
         member = getattr(module, name)
         if inspect.isclass(member):
             members = [(f"{name}.{key}", getattr(member, key)) for key in vars(member) if not key.startswith("_")]
-            found += [(key, part) for key, part in members if inspect.isroutine(part)]
+            named_functions += [(key, method) for key, method in members if inspect.isroutine(method)]
         elif inspect.isfunction(member):
-            found.append((name, member))
-    return [(name, function) for name, function in found if "variant" in inspect.signature(function).parameters]
+            named_functions.append((name, member))
+    return [(name, function) for name, function in named_functions if takes_variant(function)]
+
+
+def takes_variant(function: Any) -> bool:
+    return "variant" in inspect.signature(function).parameters
 
 
 def test_an_encoder_of_another_family_or_interface_is_refused(lika: Any, devices: Mapping[str, Device]) -> None:
@@ -405,7 +410,8 @@ def test_an_encoder_of_another_family_or_interface_is_refused(lika: Any, devices
 def _call(function: Any, encoder: Any) -> object:
     """Call a function with the encoder by name, and with 0 for all other required arguments."""
     parameters = inspect.signature(function).parameters
-    needed = [key for key, parameter in parameters.items() if key != "variant" and parameter.default is inspect.Parameter.empty]
+    required = [key for key, parameter in parameters.items() if parameter.default is inspect.Parameter.empty]
+    needed = [key for key in required if key != "variant"]
     return function(**dict.fromkeys(needed, 0), variant=encoder)
 
 
@@ -447,7 +453,8 @@ def test_every_procedure_takes_the_encoder(lika: Any, devices: Mapping[str, Devi
         module = getattr(lika, device.name)
         for procedure in device.procedures:
             function = getattr(module, f"{procedure.name}_steps", None) or getattr(module, procedure.name)
-            encoder = next(candidate for candidate in module.VARIANTS.values() if candidate.interface.value == procedure.interface)
+            encoders = {encoder.interface.value: encoder for encoder in module.VARIANTS.values()}
+            encoder = encoders[procedure.interface]
             if not procedure.arguments:
                 assert function(encoder) == function(variant=encoder)
                 if inspect.signature(function).parameters["variant"].default is None:
@@ -514,9 +521,11 @@ def test_every_frame_and_register_is_equal_by_class(lika: Any, devices: Mapping[
     for device in devices.values():
         module = getattr(lika, device.name)
         public = [getattr(module, name) for name in module.__all__]
-        classes = [public_class for public_class in public if inspect.isclass(public_class) and hasattr(public_class, "_fields")]
+        classes = [member for member in public if inspect.isclass(member) and hasattr(member, "_fields")]
         assert len(classes) > 4
-        assert all(public_class.__eq__ is not tuple.__eq__ and public_class.__hash__ is not tuple.__hash__ for public_class in classes)
+        for frame_class in classes:
+            assert frame_class.__eq__ is not tuple.__eq__
+            assert frame_class.__hash__ is not tuple.__hash__
 
 
 def test_registers_and_special_labels_show_and_count(lika: Any) -> None:

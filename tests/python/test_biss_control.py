@@ -118,12 +118,8 @@ def test_the_crc_by_the_table(biss: Any) -> None:
 
 
 def test_the_crc_is_that_of_the_manuals(library: Library, biss: Any) -> None:
-    parameters = {
-        (crc.width, crc.poly, crc.init, crc.refin, crc.refout, crc.xorout)
-        for device in library.devices
-        for crc in device.crcs
-        if crc.name == "biss_4"
-    }
+    crcs = [crc for device in library.devices for crc in device.crcs if crc.name == "biss_4"]
+    parameters = {(crc.width, crc.poly, crc.init, crc.refin, crc.refout, crc.xorout) for crc in crcs}
     assert parameters == {(4, 0x3, 0, False, False, 0xF)}
     # Start value 0 and XOR 15: the CRC of only zeros. Polynomial 3: that of a single 1.
     assert biss.crc(0, 8) == 0xF
@@ -414,16 +410,14 @@ def test_id_lock(biss: Any, count: int) -> None:
         line.run()
     # The slave with SLI = 0, the last in the list, sees the first free bit first and has ID 0. Those above 8 have none.
     assert [slave.slave_id for slave in reversed(line.slaves)] == [*range(min(count, 8)), *[None] * (count - 8)]
-    assert [memory.writes for memory in reversed(memories)] == [
-        [(0x20, number)] if number < 8 else [] for number in range(count)
-    ]
+    for number, memory in enumerate(reversed(memories)):
+        assert memory.writes == ([(0x20, number)] if number < 8 else [])
 
 
 def test_id_lock_written_out(biss: Any) -> None:
     # Three slaves: the last takes IDL0, the next IDL1, the one at the master IDL2. The one in the middle answers.
-    line = Line(
-        PythonMaster(biss), [PythonSlave(biss) for _ in range(3)], [Memory({0x44: 0x40, 0x45: 0}) for _ in range(3)]
-    )
+    slaves = [PythonSlave(biss) for _ in range(3)]
+    line = Line(PythonMaster(biss), slaves, [Memory({0x44: 0x40, 0x45: 0}) for _ in slaves])
     line.master.read(0x44, 1, 1, 0)
     assert line.run() == "DONE"
     assert line.cds[15:47] == bits_of("1110000000000000 1 0 1 01000000 1000 0")
@@ -546,10 +540,10 @@ def test_a_start_bit_of_the_slave_that_is_lost(biss: Any) -> None:
 @given(data=st.data())
 def test_whatever_is_written_is_read_again(biss: Any, data: st.DataObject) -> None:
     count = data.draw(st.integers(1, 8), "slaves")
-    memories = [
-        Memory({address: data.draw(st.integers(0, 255)) if address % 16 == 0 else address for address in range(128)})
-        for _ in range(count)
-    ]
+    memories = []
+    for _ in range(count):
+        random_bytes = {address: data.draw(st.integers(0, 255)) for address in range(0, 128, 16)}
+        memories.append(Memory(dict(enumerate(range(128))) | random_bytes))
     line = Line(PythonMaster(biss), [PythonSlave(biss) for _ in range(count)], memories)
     registers = [dict(memory.registers) for memory in memories]
     for _ in range(data.draw(st.integers(1, 6), "accesses")):
@@ -578,9 +572,8 @@ def test_whatever_is_written_is_read_again(biss: Any, data: st.DataObject) -> No
 def test_only_where_a_family_speaks_biss(library: Library, tmp_path: Path) -> None:
     files = generate(Library((ssi_only(tmp_path),)))
     assert not any(path.endswith("_encoders/biss.py") for path in files)
-    assert not any(
-        re.search(r"import biss\b", text) for path, text in files.items() if not path.startswith("python/runtime/")
-    )
+    texts = [text for path, text in files.items() if not path.startswith("python/runtime/")]
+    assert not any(re.search(r"import biss\b", text) for text in texts)
     assert "python/lika_encoders/biss.py" in generate(library)
 
 

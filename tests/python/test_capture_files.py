@@ -71,9 +71,8 @@ def table(path: Path, line: Wave) -> Sequence[Path]:
 def changes(line: Wave) -> list[tuple[float, int, int]]:
     """Return time in seconds and level of each change: of the clock (0) and the data line (1)."""
     clock = [(at, 0, place & 1) for place, at in enumerate(line.clock)]
-    return sorted(
-        (at * RATE / HERTZ, channel, level) for at, channel, level in [*clock, *((t, 1, v) for t, v in line.data)]
-    )
+    data = [(at, 1, level) for at, level in line.data]
+    return sorted((at * RATE / HERTZ, channel, level) for at, channel, level in [*clock, *data])
 
 
 def saleae_csv(path: Path, line: Wave) -> Sequence[Path]:

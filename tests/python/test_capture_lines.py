@@ -38,7 +38,7 @@ def singleturn(position: int) -> bytes:
     return b"\x02" + reply(0x02, 0x00, *position.to_bytes(3, "little"))
 
 
-def found_in(lika: Any, wave: Wave, rate: float = 10, **options: Any) -> Any:
+def capture_of(lika: Any, wave: Wave, rate: float = 10, **options: Any) -> Any:
     samples = numpy.array(wave.samples(rate), numpy.uint8)
     # A bit lasts one unit of time, at 2.5 million bits per second.
     return lika.read_capture(SERIAL, samples, rate=rate * 2.5e6, data="2", **options)
@@ -57,7 +57,7 @@ def lika(generated_python: tuple[Path, ModuleType]) -> Any:
 def test_replies_between_requests(lika: Any, rate: float) -> None:
     positions = [7000519, 1, 0x7FFFFF, 0x2AAAAA]
     wave = serial([(30, singleturn(position)) for position in positions])
-    capture = found_in(lika, wave, rate)
+    capture = capture_of(lika, wave, rate)
     assert capture.table["singleturn"].tolist() == positions
     assert capture.lost == ()
     # The reply begins one byte after the request.
@@ -68,32 +68,32 @@ def test_replies_of_another_kind_are_counted(lika: Any) -> None:
     # Data ID 2 is the encoder ID 23h.
     encoder_id_reply = b"\x92" + reply(0x92, 0x00, 0x23)
     wave = serial([(20, singleturn(5)), (20, encoder_id_reply), (20, singleturn(6))])
-    capture = found_in(lika, wave)
+    capture = capture_of(lika, wave)
     assert capture.table["singleturn"].tolist() == [5, 6]
     assert (capture.lost, dict(capture.others)) == ((), {"encoder_id_reply": 1})
-    capture = found_in(lika, wave, layout="encoder_id_reply")
+    capture = capture_of(lika, wave, layout="encoder_id_reply")
     assert (capture.table.count, dict(capture.others)) == (1, {"singleturn_reply": 2})
 
 
 @pytest.mark.parametrize(
-    ("message", "message_"),
+    ("message", "reason"),
     [
         (b"\x02", "no reply to the request 02"),
         (singleturn(9)[:4], "4 bytes without a valid reply: 02 02 00 09"),
         (b"\xff\xff\xff", "3 bytes without a valid reply: FF FF FF"),
     ],
 )
-def test_each_fault_of_a_serial_line_has_one_message(lika: Any, message: bytes, message_: str) -> None:
+def test_each_fault_of_a_serial_line_has_one_message(lika: Any, message: bytes, reason: str) -> None:
     wave = serial([(40, singleturn(5)), (40, message), (40, singleturn(6)), (40, singleturn(7))])
-    capture = found_in(lika, wave)
+    capture = capture_of(lika, wave)
     assert capture.table["singleturn"].tolist() == [5, 6, 7]
-    assert [lost_cycle.reason for lost_cycle in capture.lost] == [message_]
+    assert [lost_cycle.reason for lost_cycle in capture.lost] == [reason]
 
 
 def test_a_disturbed_reply_is_a_row_with_an_error(lika: Any) -> None:
     broken = bytearray(singleturn(9))
     broken[4] ^= 0x10
-    capture = found_in(lika, serial([(40, singleturn(5)), (40, bytes(broken)), (40, singleturn(6))]))
+    capture = capture_of(lika, serial([(40, singleturn(5)), (40, bytes(broken)), (40, singleturn(6))]))
     assert capture.table["fault"].tolist() == [0, 2, 0]
     assert capture.table.usable.tolist() == [True, False, True]
     assert capture.lost == ()
@@ -104,7 +104,7 @@ def test_a_missing_stop_bit(lika: Any) -> None:
     wave = serial(
         [(40, singleturn(5)), (40, singleturn(6)), (40, singleturn(7))], stop=lambda number: int(number != 10)
     )
-    capture = found_in(lika, wave)
+    capture = capture_of(lika, wave)
     assert capture.table["singleturn"].tolist() == [5, 7]
     assert [lost_cycle.reason.partition(":")[0] for lost_cycle in capture.lost] == ["a byte without a stop bit"]
 
@@ -114,7 +114,7 @@ def test_a_long_serial_capture_in_pieces(lika: Any, monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(signals, "SAMPLES", 3001)
     chosen = random.Random(3)
     positions = [chosen.getrandbits(23) for _ in range(200)]
-    capture = found_in(lika, serial([(chosen.choice((0, 3, 40)), singleturn(position)) for position in positions]))
+    capture = capture_of(lika, serial([(chosen.choice((0, 3, 40)), singleturn(position)) for position in positions]))
     assert capture.table["singleturn"].tolist() == positions
     assert capture.lost == ()
 

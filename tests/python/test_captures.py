@@ -120,7 +120,9 @@ def test_encoder_that_never_starts() -> None:
             line.wave.data = [*before, line.wave.data[len(before)], (line.wave.now - 1, 1)]
     words_read, lost = read(line.finish(), 10)
     assert words_read == words[:3] + words[4:]
-    assert [lost_cycle.reason for lost_cycle in lost] == ["no start bit: the data line stays low after the acknowledgement"]
+    assert [lost_cycle.reason for lost_cycle in lost] == [
+        "no start bit: the data line stays low after the acknowledgement"
+    ]
 
 
 def test_data_line_that_is_low_at_rest() -> None:

@@ -47,6 +47,8 @@ def test_each_is_the_one_of_the_model(crcs: tuple[Device, Any]) -> None:
     for function_plan in crc_functions(device):
         function = getattr(module, f"crc_{function_plan.crc.name}")
         if function_plan.carrier is Carrier.BYTES:
-            assert function(b"\x12\x34\x56") == compute_bytes(function_plan.crc, b"\x12\x34\x56"), function_plan.crc.name
+            assert function(b"\x12\x34\x56") == compute_bytes(function_plan.crc, b"\x12\x34\x56"), (
+                function_plan.crc.name
+            )
         else:
             assert function(0x12345, 17) == compute_bits(function_plan.crc, 0x12345, 17), function_plan.crc.name

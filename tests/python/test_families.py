@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import random
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from types import ModuleType
@@ -21,9 +21,11 @@ from codewheel.model import (
     Layout,
     MeasureExample,
     ProcedureExample,
+    Register,
     RegisterExample,
     Text,
     Unused,
+    Variant,
 )
 from codewheel.order_codes.labels import UnknownOrderCode, find
 from codewheel.targets.python.context import Context
@@ -59,10 +61,10 @@ def values(decoded: Any, names: Mapping[str, object], layout: Layout) -> dict[st
     for field, place in (unused[name] for name in names if name in unused):
         assert isinstance(field.kind, Unused)
         attributes[field.name] = decoded.unused >> place & ((1 << field.widest) - 1) ^ field.kind.value
-    return {
-        name: value.name.lower() if hasattr(value, "name") and isinstance(names[name], str) else value
-        for name, value in attributes.items()
-    }
+    for name, value in attributes.items():
+        if hasattr(value, "name") and isinstance(names[name], str):
+            attributes[name] = value.name.lower()
+    return attributes
 
 
 # ------------------------------------------------------------------------------------------------------ worked examples
@@ -86,12 +88,11 @@ def test_procedure_examples(lika: Any, devices: Mapping[str, Device]) -> None:
     for device, module, _, example in examples(lika, devices, ProcedureExample):
         procedure = getattr(module, example.procedure)
         takes_variant = procedure.__code__.co_varnames[:1] == ("variant",)
-        steps = procedure(*([lika.lookup(example.order_code)] if takes_variant else []), *example.arguments.values())
-        register_bytes = {
-            register.address + index: byte
-            for register in module.REGISTERS.values()
-            for index, byte in enumerate(register.default or b"")
-        }
+        encoders = [lika.lookup(example.order_code)] if takes_variant else []
+        steps = procedure(*encoders, *example.arguments.values())
+        register_bytes: dict[int, int] = {}
+        for register in module.REGISTERS.values():
+            register_bytes |= enumerate(register.default or b"", register.address)
         writes = []
         for step in steps:
             if isinstance(step, lika.Write):
@@ -107,16 +108,9 @@ def test_frame_examples(lika: Any, devices: Mapping[str, Device]) -> None:
     for device, module, names, example in examples(lika, devices, FrameExample):
         variant = lika.lookup(example.order_code)
         frame = int(example.bits, 2) if example.bits else example.bytes
-        # An example without an answer to an open question has the first answer.
-        first = (
-            {alternative.name: alternative.answers[0].name for alternative in device.alternatives if not alternative.default}
-            if variant.interface.name == "RS485"
-            else {}
-        )
-        answers = {
-            name: getattr(module, names.asked[name].kind)[answer.upper()]
-            for name, answer in {**first, **example.alternatives}.items()
-        }
+        answers = {}
+        for name, answer in answers_of_example(device, variant.interface.name, example).items():
+            answers[name] = getattr(module, names.asked[name].kind)[answer.upper()]
         decode = variant.decode if example.sender == "encoder" else partial(module.decode_request, variant=variant)
         decode = partial(decode, **answers)
         if example.refused:
@@ -124,10 +118,20 @@ def test_frame_examples(lika: Any, devices: Mapping[str, Device]) -> None:
                 decode(frame)
             continue
         decoded = decode(frame)
-        layout = next(candidate for _, candidate in device.layouts() if names.frames[candidate.name] == type(decoded).__name__)
+        layouts = {names.frames[layout.name]: layout for _, layout in device.layouts()}
+        layout = layouts[type(decoded).__name__]
         assert example.layout in ("", layout.name)
         assert values(decoded, example.values, layout) == example.values, (device.name, example.name)
         assert decoded.encode() == frame, (device.name, example.name)
+
+
+def answers_of_example(device: Device, interface: str, example: FrameExample) -> dict[str, str]:
+    """Return the names of the answers to the open questions: over RS-485 the first ones, if the example has none."""
+    answers = {}
+    if interface == "RS485":
+        alternatives = [alternative for alternative in device.alternatives if not alternative.default]
+        answers = {alternative.name: alternative.answers[0].name for alternative in alternatives}
+    return {**answers, **example.alternatives}
 
 
 def test_crc_examples(lika: Any, devices: Mapping[str, Device]) -> None:
@@ -174,7 +178,10 @@ def test_the_order_codes_of_all_families(lika: Any, devices: Mapping[str, Device
                 )
                 for parameter in parameters:
                     if parameter.interface in ("", variant.interface):
-                        assert getattr(encoder, attribute(parameter.name, ("class",))) == variant.parameters[parameter.name]
+                        assert (
+                            getattr(encoder, attribute(parameter.name, ("class",)))
+                            == variant.parameters[parameter.name]
+                        )
             for part in device.order_code.parts:
                 for mistaken_text in ("", "ZZ9"):
                     code = spelled(device, {**variant.parts, part.name: mistaken_text})
@@ -439,14 +446,18 @@ def test_every_position_has_a_meaning(lika: Any, devices: Mapping[str, Device]) 
                 steps, turns = measurement.counts_per_turn.value(parameters), measurement.turns.value(parameters)
                 assert (encoder.counts_per_turn, encoder.modulus) == (steps, steps * turns)
                 assert (encoder.turns(steps), encoder.turns(steps // 2), encoder.turns(-steps)) == (1.0, 0.5, -1.0)
-                assert (encoder.degrees(steps // 4), encoder.degrees(steps), encoder.degrees(-steps // 4)) == (90.0, 0.0, 270.0)
+                assert (encoder.degrees(steps // 4), encoder.degrees(steps), encoder.degrees(-steps // 4)) == (
+                    90.0,
+                    0.0,
+                    270.0,
+                )
                 assert encoder.degrees(steps - 1) < 360
 
 
 def test_counts_go_on_where_the_position_starts_again(lika: Any, devices: Mapping[str, Device]) -> None:
     encoders = [lika.lookup(variant.code) for device in devices.values() for variant in device.variants]
     encoders.append(lika.lookup("AM3616/4096-I7").with_registers({0x4E: 0x07, 0x4F: 0xD0, 0x57: 11}))
-    for encoder in (range_of(lika, encoder_) for encoder_ in encoders):
+    for encoder in [range_of(lika, encoder) for encoder in encoders]:
         size, step = encoder.modulus, encoder.modulus // 2 - 1
         assert step > 0
         for direction in (1, -1):
@@ -471,21 +482,25 @@ def test_encoders_are_known_by_their_registers(lika: Any, devices: Mapping[str, 
                 continue
             register_bytes: dict[int, int] = {}
             for register in {register.name: register for register, _ in device.identity}.values():
-                number = 0
-                for placed_field in register.layout.place(variant.parameters).fields:
-                    expected = placed_field.field.equals
-                    if expected is not None:
-                        value = expected if isinstance(expected, (int, str)) else expected.value(variant.parameters)
-                        number |= (
-                            int.from_bytes(value.encode(), "big") if isinstance(value, str) else value
-                        ) << placed_field.low
-                    elif isinstance(placed_field.field.kind, Text):
-                        number |= int.from_bytes(b"0" * (placed_field.width // 8), "big") << placed_field.low
-                data = number.to_bytes(register.length, "little" if register.byte_order == "low_byte_first" else "big")
-                register_bytes |= {register.address + index: byte for index, byte in enumerate(data)}
+                register_bytes |= enumerate(documented_bytes(register, variant), register.address)
             codes = lika.identify(register_bytes)
             assert variant.code in codes
-            assert set(codes) <= {variant_.code for variant_ in device.variants}
+            assert set(codes) <= {listed.code for listed in device.variants}
+
+
+def documented_bytes(register: Register, variant: Variant) -> bytes:
+    """Return the content of a register that identifies an encoder, with zeros in place of undocumented text."""
+    number = 0
+    for placed_field in register.layout.place(variant.parameters).fields:
+        expected: Any = placed_field.field.equals
+        if expected is None:
+            expected = "0" * (placed_field.width // 8) if isinstance(placed_field.field.kind, Text) else 0
+        elif not isinstance(expected, (int, str)):
+            expected = expected.value(variant.parameters)
+        if isinstance(expected, str):
+            expected = int.from_bytes(expected.encode(), "big")
+        number |= expected << placed_field.low
+    return number.to_bytes(register.length, "little" if register.byte_order == "low_byte_first" else "big")
 
 
 def test_identification(lika: Any) -> None:
@@ -517,7 +532,9 @@ def test_registers_encode_what_they_decoded(lika: Any, devices: Mapping[str, Dev
     source, tried = random.Random(7), 0
     for device in devices.values():
         module, names = getattr(lika, device.name), Context(device).registers
-        for register in (register_ for register_ in device.registers if register_.name in names):
+        for register in device.registers:
+            if register.name not in names:
+                continue
             kind = getattr(module, names[register.name])
             takes = "variant" in inspect.signature(kind.decode).parameters
             speakers = [code for code in module.VARIANTS.values() if code.interface.value == register.interface]
@@ -562,7 +579,7 @@ def test_registers_hold_what_the_spec_says(lika: Any, devices: Mapping[str, Devi
 
 
 def check_fields(facts_of_fields: Any, fields: Any) -> None:
-    assert [facts.name for facts in facts_of_fields] == [facts.name for facts in fields]
+    assert [facts.name for facts in facts_of_fields] == [field.name for field in fields]
     for facts, field in zip(facts_of_fields, fields, strict=True):
         for name in (
             "meaning",
@@ -584,12 +601,10 @@ def test_facts_hold_what_the_spec_says(lika: Any, devices: Mapping[str, Device])
     for device in devices.values():
         module = getattr(lika, device.name)
         for table in tables:
-            assert [entry.name for entry in getattr(module, table.upper(), ())] == [
-                entry.name for entry in getattr(device, table)
-            ], (device.name, table)
-        assert [figure.content for figure in getattr(module, "LOST_FIGURES", ())] == [
-            figure.content for figure in device.lost_figures
-        ]
+            names = [facts.name for facts in getattr(module, table.upper(), ())]
+            assert names == [member.name for member in getattr(device, table)], (device.name, table)
+        contents = [figure.content for figure in getattr(module, "LOST_FIGURES", ())]
+        assert contents == [figure.content for figure in device.lost_figures]
         for facts, alarm in zip(module.ALARMS, device.alarms, strict=True):
             assert (facts.register, facts.field, facts.implemented) == (alarm.register, alarm.field, alarm.implemented)
         biss = device.over(Biss)
@@ -604,20 +619,22 @@ def test_bit_fields_are_those_of_the_model(lika: Any, devices: Mapping[str, Devi
     for device in devices.values():
         module, names = getattr(lika, device.name), Context(device)
         for variant in device.variants:
-            views = [(layout_, names.frames[layout_.name]) for layout_ in device.interface(variant.interface).layouts]
-            views += [
-                (register.layout, names.registers[register.name])
-                for register in device.registers
-                if register.interface == variant.interface
-            ]
+            frames = device.interface(variant.interface).layouts
+            views = [(frame, names.frames[frame.name]) for frame in frames]
+            registers = [register for register in device.registers if register.interface == variant.interface]
+            views += [(register.layout, names.registers[register.name]) for register in registers]
             for layout, name in views:
                 view = getattr(module, name)
                 if not hasattr(view, "bit_fields"):
                     continue
                 extra_arguments = [module.VARIANTS[variant.code]] if "variant" in view._fields else []
                 # The model uses the first answer to an open question.
-                extra_arguments += [next(iter(getattr(module, alternative.kind))) for alternative in names.asked_of(layout)]
-                fields = view.bit_fields(*extra_arguments)
-                assert {bit_field.name: (bit_field.low, bit_field.width) for bit_field in fields if bit_field.width} == {
-                    placed_field.name: (placed_field.low, placed_field.width) for placed_field in layout.place(variant.parameters).fields
-                }
+                kinds = [getattr(module, alternative.kind) for alternative in names.asked_of(layout)]
+                extra_arguments += [next(iter(kind)) for kind in kinds]
+                bit_fields = [field for field in view.bit_fields(*extra_arguments) if field.width]
+                placed_fields = layout.place(variant.parameters).fields
+                assert bits_by_name(bit_fields) == bits_by_name(placed_fields)
+
+
+def bits_by_name(fields: Iterable[Any]) -> dict[str, tuple[int, int]]:
+    return {field.name: (field.low, field.width) for field in fields}

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy
 import pytest
-from test_agreement import ALL, FAMILIES, Family, cases, families, family, given
+from test_agreement import ALL, FAMILIES, Family, arguments_of, cases, families, family
 from test_many import numbers
 
 #: Result of `try_decode`. Each package has its own FrameError.
@@ -20,7 +20,7 @@ __all__ = ["families", "family"]
 pytestmark = pytest.mark.slow
 
 
-def told(decode: Any, frame: object, **more: object) -> object:
+def frame_or_error(decode: Any, frame: object, **more: object) -> object:
     """Return the frame, or the error: its class, its text and its frame."""
     try:
         return decode(frame, **more)
@@ -34,24 +34,26 @@ def test_it_says_the_same(family: Family) -> None:
     source = random.Random(family.device.name)
     frame_count = 0
     for case in cases(family):
-        encoder = case.made
+        encoder = case.encoder
         if case.register is not None or case.layout.sender != "encoder":
             continue
         for number in numbers(case, 300, source):
             wire = case.carried(number)
-            decoded, tried = told(encoder.decode, wire), told(encoder.try_decode, wire)
+            decoded, tried = frame_or_error(encoder.decode, wire), frame_or_error(encoder.try_decode, wire)
             if isinstance(tried, FrameErrors):
-                assert decoded == told(raising, tried)
+                assert decoded == frame_or_error(raising, tried)
                 assert decoded[2:] == (wire, encoder.code)  # type: ignore[index]
             else:
                 assert decoded == tried
             if type(decoded) is case.view:
-                assert decoded == case.view.decode(wire, *given(case))
+                assert decoded == case.view.decode(wire, *arguments_of(case))
             frame_count += hasattr(decoded, "_fields")
         assert {"decode", "try_decode"} <= vars(encoder).keys()
         for odd in (-1, 1 << 80, "0101", b"", b"x", 1.5, None, True, numpy.uint32(5), "0b" + "0" * case.placed.bits):
-            tried = told(encoder.try_decode, odd)
-            assert told(encoder.decode, odd) == (told(raising, tried) if isinstance(tried, FrameErrors) else tried)
+            tried = frame_or_error(encoder.try_decode, odd)
+            assert frame_or_error(encoder.decode, odd) == (
+                frame_or_error(raising, tried) if isinstance(tried, FrameErrors) else tried
+            )
     assert frame_count or family.device.name not in FAMILIES
 
 

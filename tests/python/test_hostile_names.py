@@ -37,11 +37,14 @@ def words(folder: Path) -> list[str]:
     for name, text in generate(Library(_devices(["own_one", "own_two"], folder))).items():
         tree: ast.AST = ast.parse(text) if name.endswith(".py") else ast.Module([], [])
         inside = "/runtime/" in name
-        parts = [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef)] if inside else [tree]
-        nodes = (node for part in parts for node in (part.body if isinstance(part, ast.ClassDef) else ast.walk(part)))
+        nodes = list(ast.walk(tree))
+        if inside:
+            classes = [node for node in nodes if isinstance(node, ast.ClassDef)]
+            nodes = [node for class_node in classes for node in class_node.body]
         identifiers |= {word for node in nodes for word in _identifiers(node)}
     # BiSS defines the meaning of error and warning.
-    accepted = {name for name in identifiers - {"error", "warning"} if NAME.fullmatch(name) and not _OWN.fullmatch(name)}
+    names_of_specs = filter(NAME.fullmatch, identifiers - {"error", "warning"})
+    accepted = {name for name in names_of_specs if not _OWN.fullmatch(name)}
     return sorted(accepted | {"from_own_position", "own_preset_limits", "crc_own", "crc_own_of_bits"})
 
 
@@ -53,8 +56,8 @@ def _identifiers(node: ast.AST) -> Iterator[str]:
             yield name
         case ast.Assign(targets=targets):
             yield from (target.id for target in targets if isinstance(target, ast.Name))
-        case ast.alias(name=name, asname=other):
-            yield (other or name).partition(".")[0]
+        case ast.alias(name=name, asname=alias):
+            yield (alias or name).partition(".")[0]
         case ast.Constant(value=str(name)):
             yield name  # Slots, members of __all__, and keys.
 
@@ -106,7 +109,12 @@ def _layouts(index: int, word: str) -> Iterator[Item]:
     yield layout_of(f"own_bytes_{index}", *fields, carried_as="bytes", byte_order="low_byte_first")
     # The first word is a measurement and not a flag. No field may have the name of the number of all unused bits.
     reporting_flag = {"name": word if index else "own_told", "active": "low", "makes_position": "not_usable"}
-    summed = {"name": "own_flag", "active": "high", "makes_position": "usable_with_warning", "sums_up": [reporting_flag["name"]]}
+    summed = {
+        "name": "own_flag",
+        "active": "high",
+        "makes_position": "usable_with_warning",
+        "sums_up": [reporting_flag["name"]],
+    }
     spare = [] if word == "unused" else [{"name": "own_spare", "bits": 3, "unused": 5}]
     join = {"own_position": ["own_high", "own_low"]}
     yield layout_of(f"own_told_{index}", high, low, reporting_flag, summed, *spare, check, join=join)
@@ -123,17 +131,13 @@ def _registers(words: list[str]) -> list[Item]:
     return [
         {**register, "name": "own_setting", "address": 0x3C, **setting},
         {**register, "name": "own_number", "address": 0x3D},
-        *(
-            {
-                **register,
-                "name": f"own_preset_{index}",
-                "address": index,
-                "meanings": limits,
-                "fields": [{"name": word, "at": "6:0"}, {"name": "own_top", "at": 7}],
-            }
-            for index, word in enumerate(words)
-        ),
+        *(_preset(index, word, limits) | register for index, word in enumerate(words)),
     ]
+
+
+def _preset(index: int, word: str, limits: list[Item]) -> Item:
+    fields = [{"name": word, "at": "6:0"}, {"name": "own_top", "at": 7}]
+    return {"name": f"own_preset_{index}", "address": index, "meanings": limits, "fields": fields}
 
 
 def _procedure(index: int, word: str) -> Item:
@@ -170,10 +174,10 @@ def test_no_name_of_a_spec_is_one_that_the_package_has(
     assert len(words_of_part) > 60
     # A word has eight layouts, and an interface at most 256.
     for start in range(0, len(words_of_part), 32):
-        _works(words_of_part[start : start + 32], tmp_path / str(start), import_generated)
+        _check_package(words_of_part[start : start + 32], tmp_path / str(start), import_generated)
 
 
-def _works(hostile_words: list[str], folder: Path, import_generated: Callable[..., Any]) -> None:
+def _check_package(hostile_words: list[str], folder: Path, import_generated: Callable[..., Any]) -> None:
     folder.mkdir()
     devices = _devices(hostile_words, folder)
     package = import_generated(Library(devices), "test_encoders")[1]
@@ -181,7 +185,7 @@ def _works(hostile_words: list[str], folder: Path, import_generated: Callable[..
     for variant in devices[0].variants[-1:]:
         encoder = package.lookup(variant.code)
         for _, layout in devices[0].layouts():
-            _goes_there_and_back(devices[0], layout, variant, module, encoder)
+            _check_round_trip(devices[0], layout, variant, module, encoder)
         for index, word in enumerate(hostile_words):
             steps = getattr(module, f"own_set_{index}")(encoder, 5, 9)
             assert len(steps) == 2, word
@@ -194,7 +198,7 @@ def _works(hostile_words: list[str], folder: Path, import_generated: Callable[..
         assert {encoder.range_of(kind).unwrap(0, 1) for kind in kinds} == {1}
 
 
-def _goes_there_and_back(device: Device, layout: Layout, variant: Variant, module: Any, encoder: Any) -> None:
+def _check_round_trip(device: Device, layout: Layout, variant: Variant, module: Any, encoder: Any) -> None:
     """A frame of the model decodes to the model's numbers and encodes to the same frame.
 
     This also holds for one made from a joined number.
@@ -211,16 +215,16 @@ def _goes_there_and_back(device: Device, layout: Layout, variant: Variant, modul
     assert frame.encode() == wire
     for field in layout.data_fields:
         if isinstance(field.kind, Number):
-            assert _of(frame, field.name) == 3, (layout.name, field.name)
+            assert _attribute_of(frame, field.name) == 3, (layout.name, field.name)
     assert len(frame.reports) == (2 if layout.name.startswith("own_told") else 0), layout.name
     for join in layout.joins:
         whole = codec.join_value(placed, join, codec.from_gray(placed, number))
-        assert _of(frame, join.name) == whole
+        assert _attribute_of(frame, join.name) == whole
         joined = {f"{name}_" if f"{name}_" in frame_class._fields else name for name in join.fields}
         other_members = {name: getattr(frame, name) for name in frame_class._fields if name not in joined}
-        build = next(
-            method for name in (f"from_{join.name}", f"from_{join.name}_") if callable(method := getattr(frame_class, name, None))
-        )
+        build = getattr(frame_class, f"from_{join.name}", None)
+        if not callable(build):
+            build = getattr(frame_class, f"from_{join.name}_")
         assert build(**other_members, **{_spelled(build, join.name): whole}) == frame
 
 
@@ -229,6 +233,6 @@ def _spelled(build: Any, name: str) -> str:
     return name if name in names else f"{name}_"
 
 
-def _of(frame: Any, name: str) -> Any:
+def _attribute_of(frame: Any, name: str) -> Any:
     """Return the attribute with this name, or with a trailing underscore."""
     return getattr(frame, f"{name}_") if f"{name}_" in dir(frame) else getattr(frame, name)

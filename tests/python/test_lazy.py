@@ -20,8 +20,10 @@ def loaded(generated_python: tuple[Path, ModuleType], code: str) -> set[str]:
     """Return the modules that ``code`` loads."""
     script = f"import sys\nbefore = set(sys.modules)\n{code}\nprint(*sorted(set(sys.modules) - before))"
     environment = {**os.environ, "PYTHONPATH": python_path(generated_python[0])}
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=environment, check=True)
-    return set(done.stdout.split())
+    completed = subprocess.run(
+        [sys.executable, "-c", script], capture_output=True, text=True, env=environment, check=True
+    )
+    return set(completed.stdout.split())
 
 
 @pytest.mark.slow

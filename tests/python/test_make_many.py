@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy
 import pytest
-from test_agreement import ALL, Case, Family, families, family, given
-from test_many import by_layout, numbers, one_by_one
+from test_agreement import ALL, Case, Family, arguments_of, families, family
+from test_many import by_layout, decoded_one_by_one, numbers
 
 __all__ = ["families", "family"]
 pytestmark = pytest.mark.slow
@@ -20,8 +20,8 @@ FRAMES = 1_000
 def sound_columns(case: Case, source: random.Random) -> tuple[list[Any], list[Any], dict[str, Any]]:
     """Return valid frames that can be encoded again: as they are sent, as objects, and as columns."""
     wire = [case.carried(number) for number in numbers(case, max(40, FRAMES // 10), source)]
-    frames, _ = one_by_one(case, wire)
-    table = case.view.decode_many(wire, *given(case))
+    frames, _ = decoded_one_by_one(case, wire)
+    table = case.view.decode_many(wire, *arguments_of(case))
     sound_places = [place for place, frame in enumerate(frames) if frame is not None and can_be_encoded(frame)]
     columns = {name: table[name][sound_places] for name in table}
     return [wire[place] for place in sound_places], [frames[place] for place in sound_places], columns
@@ -48,12 +48,12 @@ def test_columns_make_the_frames_they_come_from(family: Family) -> None:
         for case in layout_cases:
             wire, _, columns = sound_columns(case, source)
             assert wire
-            encoded = case.view.encode_many(columns, *given(case))
+            encoded = case.view.encode_many(columns, *arguments_of(case))
             assert plain(encoded) == wire, (case.variant.code, name)
             assert encoded.dtype == (numpy.uint8 if case.layout.in_bytes else numpy.uint64)
             for join in case.layout.joins:
                 less = {key: value for key, value in columns.items() if key not in join.fields}
-                assert plain(case.view.encode_many(less, *given(case))) == wire, (name, join.name)
+                assert plain(case.view.encode_many(less, *arguments_of(case))) == wire, (name, join.name)
 
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
@@ -100,14 +100,15 @@ def refuses_alike(case: Case, frame: Any, columns: dict[str, Any], name: str, ro
     except ValueError as error:
         alone: Any = error
         with pytest.raises(ValueError) as caught:
-            case.view.encode_many(given_columns, *given(case))
+            case.view.encode_many(given_columns, *arguments_of(case))
         column_error: Any = caught.value
         assert type(alone).__name__ in {error_class.__name__ for error_class in type(column_error).__mro__}
         assert (column_error.row, column_error.value) == (row, alone.value), case.layout.name
         # A keyword of Python has another name in columns and attributes.
         assert column_error.field in (alone.field, f"{alone.field}_")
         return True
-    assert plain(case.view.encode_many(given_columns, *given(case)))[row] == expected, (case.layout.name, name, value)
+    encoded = plain(case.view.encode_many(given_columns, *arguments_of(case)))
+    assert encoded[row] == expected, (case.layout.name, name, value)
     return False
 
 

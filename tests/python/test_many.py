@@ -13,7 +13,7 @@ from codewheel.model import Verdict
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
 from codewheel.targets.python.names import CLASS_NAMES, attribute
-from test_agreement import ALL, KINDS, Case, Family, cases, families, family, given, values_of
+from test_agreement import ALL, KINDS, Case, Family, arguments_of, cases, families, family, values_of
 
 __all__ = ["families", "family"]
 pytestmark = pytest.mark.slow
@@ -36,12 +36,12 @@ def numbers(case: Case, count: int, source: random.Random) -> list[int]:
     return frame_numbers
 
 
-def one_by_one(case: Case, wire: list[Any]) -> tuple[list[Any], list[int]]:
+def decoded_one_by_one(case: Case, wire: list[Any]) -> tuple[list[Any], list[int]]:
     """Return the frames, with None for errors, and the errors."""
     frames, faults = [], []
     for data in wire:
         try:
-            frames.append(case.view.decode(data, *given(case)))
+            frames.append(case.view.decode(data, *arguments_of(case)))
             faults.append(0)
         except ValueError as error:
             frames.append(None)
@@ -49,7 +49,7 @@ def one_by_one(case: Case, wire: list[Any]) -> tuple[list[Any], list[int]]:
     return frames, faults
 
 
-def agree(case: Case, table: Any, frames: list[Any], faults: list[int]) -> None:
+def check_columns(case: Case, table: Any, frames: list[Any], faults: list[int]) -> None:
     """Compare the columns with the frames one by one."""
     assert table.fault.tolist() == faults, case.layout.name
     sound = [place for place, frame in enumerate(frames) if frame is not None]
@@ -63,19 +63,30 @@ def agree(case: Case, table: Any, frames: list[Any], faults: list[int]) -> None:
             continue
         number, scale = name.partition(" (")[0], table.scale(name)
         wanted = [getattr(frames[place], number) for place in sound]
-        wanted = wanted if scale is None else [scale.decimal(number_) for number_ in wanted]
+        if scale is not None:
+            wanted = [scale.decimal(value) for value in wanted]
         assert column[sound].tolist() == wanted, (case.layout.name, name)
     if hasattr(case.view, "verdict"):
         order = [verdict.name for verdict in type(frames[sound[0]].verdict)] if sound else []
         expected = [order.index(frame.verdict.name) if frame is not None else 0 for frame in frames]
         assert table.verdict.tolist() == expected, case.layout.name
     if hasattr(case.view, "reports"):
-        places_by_report = {name: set(numpy.flatnonzero(column).tolist()) for name, column in table.reports.items()}
-        named = {name: report.name for name, report in getattr(case.family.module, "REPORTS", {}).items()}
-        for name, places in places_by_report.items():
-            frame_places = {place for place in sound if any(report.name == named[name] for report in frames[place].reports)}
-            assert places == frame_places, (case.layout.name, name)
-        assert {report.name for place in sound for report in frames[place].reports} <= {named[name] for name in places_by_report}
+        check_report_columns(case, table, frames)
+
+
+def names_of_reports(frame: Any) -> set[str]:
+    """Return the names of the reports of a frame, or of no frame."""
+    return set() if frame is None else {report.name for report in frame.reports}
+
+
+def check_report_columns(case: Case, table: Any, frames: list[Any]) -> None:
+    """Compare the columns of the reports with the reports of the frames."""
+    named = {name: report.name for name, report in getattr(case.family.module, "REPORTS", {}).items()}
+    report_names = list(map(names_of_reports, frames))
+    for name, column in table.reports.items():
+        places = [place for place, names in enumerate(report_names) if named[name] in names]
+        assert numpy.flatnonzero(column).tolist() == places, (case.layout.name, name)
+    assert set().union(*report_names) <= {named[name] for name in table.reports}
 
 
 def by_layout(family: Family) -> dict[str, list[Case]]:
@@ -96,11 +107,11 @@ def test_columns_are_what_each_frame_is(family: Family) -> None:
         for case in layout_cases:
             frame_numbers = numbers(case, max(40, FRAMES // len(layout_cases)), source)
             wire = [case.carried(number) for number in frame_numbers]
-            frames, faults = one_by_one(case, wire)
+            frames, faults = decoded_one_by_one(case, wire)
             seen_faults |= set(faults)
-            agree(case, case.view.decode_many(wire, *given(case)), frames, faults)
+            check_columns(case, case.view.decode_many(wire, *arguments_of(case)), frames, faults)
             packed = b"".join(wire) if case.layout.in_bytes else numpy.array(frame_numbers, numpy.uint64)
-            agree(case, case.view.decode_many(packed, *given(case)), frames, faults)
+            check_columns(case, case.view.decode_many(packed, *arguments_of(case)), frames, faults)
         assert 0 in seen_faults, name
         assert not layout_cases[0].layout.crc_field or FAULTS["crc"] in seen_faults, name
 
@@ -113,10 +124,10 @@ def test_columns_are_what_the_model_says(family: Family) -> None:
         for case in layout_cases:
             frame_numbers = numbers(case, max(20, FRAMES_OF_THE_MODEL // len(layout_cases)), source)
             wire = b"".join(map(case.carried, frame_numbers)) if case.layout.in_bytes else frame_numbers
-            agree_with_the_model(case, case.view.decode_many(wire, *given(case)), frame_numbers)
+            check_columns_with_the_model(case, case.view.decode_many(wire, *arguments_of(case)), frame_numbers)
 
 
-def agree_with_the_model(case: Case, table: Any, frame_numbers: list[int]) -> None:
+def check_columns_with_the_model(case: Case, table: Any, frame_numbers: list[int]) -> None:
     device, names = case.family.device, {name: attribute(name, CLASS_NAMES) for name in model_names(case)}
     columns = {name: table[column].tolist() for name, column in names.items() if column in table}
     faults, reports = table.fault.tolist(), {name: column.tolist() for name, column in table.reports.items()}
@@ -140,7 +151,8 @@ def agree_with_the_model(case: Case, table: Any, frame_numbers: list[int]) -> No
 
 def model_names(case: Case) -> list[str]:
     """Return the names of the columns in the model."""
-    return [*(field.name for field in case.layout.fields), *(field.name for field in case.layout.joins), codec.UNUSED]
+    layout = case.layout
+    return [*(field.name for field in layout.fields), *(join.name for join in layout.joins), codec.UNUSED]
 
 
 def numbers_of(case: Case, name: str) -> dict[str, int]:

@@ -172,8 +172,8 @@ def test_si_units_of_a_file_with_a_time(lika: Any, decode: Any, tmp_path: Path, 
 )
 def test_si_units_of_a_file_without_a_time(decode: Any, tmp_path: Path, content: str, code: int, message: str) -> None:
     (tmp_path / "it.csv").write_text(content)
-    done, _, err = decode(CODE, "it.csv", "--si", "-o", "out.csv")
-    assert (done, message in err, err.count("\n")) == (code, True, 1), err
+    exit_code, _, err = decode(CODE, "it.csv", "--si", "-o", "out.csv")
+    assert (exit_code, message in err, err.count("\n")) == (code, True, 1), err
     assert not (tmp_path / "out.csv").exists()
 
 
@@ -245,13 +245,14 @@ def test_names_that_clash(decode: Any, tmp_path: Path, header: str, message: str
 )
 def test_the_form_that_fits_is_named(decode: Any, tmp_path: Path, code: str, form: str, kind: str, word: int) -> None:
     (tmp_path / "it.bin").write_bytes(numpy.full(2001, word, kind).tobytes())
-    done, out, _ = decode(code, "it.bin", "--words", form)
-    assert (done, set(column(out, "fault"))) == (0, {"none"})
+    exit_code, out, _ = decode(code, "it.bin", "--words", form)
+    assert (exit_code, set(column(out, "fault"))) == (0, {"none"})
     # Four bytes are also the packed form of a frame of 25 to 32 bits.
     for other_form in {"packed", "little", "big"} - {form} - ({"packed"} if form == "big32" else set()):
-        done, _, err = decode(code, "it.bin", "--words", other_form, "-o", "out.csv")
+        exit_code, _, err = decode(code, "it.bin", "--words", other_form, "-o", "out.csv")
         fitting = {form, "packed"} if form == "big32" else {form}
-        assert (done, any(f"with --words {fitting_form}, 100% are valid" in err for fitting_form in fitting)) == (1, True), err
+        assert exit_code == 1
+        assert any(f"with --words {fitting_form}, 100% are valid" in err for fitting_form in fitting), err
         assert not (tmp_path / "out.csv").exists()
 
 
@@ -283,9 +284,12 @@ def test_missing_frames_are_rows(lika: Any) -> None:
     assert encoder.decode_many(numpy.array([GOOD, None], object)).fault.tolist() == [0, 1]
     reply = bytes.fromhex("02 00 15 CD 5B 81")
     assert serial.decode_many([reply, None], lika.amm5.SingleturnReply).fault.tolist() == [0, 1]
-    for column_, message in (([1.5], "not an integer"), (numpy.array([1.0], numpy.float32), "cannot represent every frame")):
+    for unusable_words, message in (
+        ([1.5], "not an integer"),
+        (numpy.array([1.0], numpy.float32), "cannot represent every frame"),
+    ):
         with pytest.raises(TypeError, match=message):
-            encoder.decode_many(numpy.array(column_))
+            encoder.decode_many(numpy.array(unusable_words))
     decoded = lika.decode_partition(pyarrow.table({"word": [GOOD, None]}), encoder)
     assert (decoded["fault"].to_pylist(), decoded["position"].to_pylist()) == (["none", "length"], [POSITION, None])
     assert [decoded[name].to_pylist() for name in ("error", "warning")] == [[False, None]] * 2

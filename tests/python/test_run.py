@@ -16,7 +16,7 @@ class Memory:
     """Registers that keep written values. The access ``fails_at`` fails, and so do all after it if ``lost``."""
 
     def __init__(self, registers: dict[int, int] | None = None, fails_at: int = -1, lost: bool = False) -> None:
-        self.held = dict(registers or {})
+        self.registers = dict(registers or {})
         self.fails_at, self.lost, self.count = fails_at, lost, 0
         self.written: list[tuple[int, bytes]] = []
 
@@ -27,12 +27,12 @@ class Memory:
 
     def read(self, address: int, length: int, /) -> bytes:
         self._counted()
-        return bytes(self.held.get(address + place, 0) for place in range(length))
+        return bytes(self.registers.get(address + place, 0) for place in range(length))
 
     def write(self, address: int, data: bytes, /) -> None:
         self._counted()
         self.written.append((address, bytes(data)))
-        self.held.update(enumerate(data, address))
+        self.registers.update(enumerate(data, address))
 
 
 @pytest.fixture
@@ -44,7 +44,12 @@ def test_a_preset_as_the_manual_has_it(lika: Any) -> None:
     """The worked example: 1,000,003 with 21 bits, opened by 01h at 40h and closed before it is saved."""
     memory, waited, progress_calls = Memory(), [], []
     steps = lika.amm5.set_preset(lika.lookup("AMM5A21/65KSC1"), 1_000_003)
-    result = lika.run(steps, memory, wait=waited.append, progress=lambda at, step_count, step: progress_calls.append((at, step_count, step)))
+    result = lika.run(
+        steps,
+        memory,
+        wait=waited.append,
+        progress=lambda at, step_count, step: progress_calls.append((at, step_count, step)),
+    )
     assert result == ()
     assert bytes(data[0] for _, data in memory.written) == bytes.fromhex("01 00 30 24 f4 00 00 00 00 01 02")
     assert [address for address, _ in memory.written] == [0x40, *range(0x11, 0x18), 0x40, 0x77, 0x77]
@@ -62,7 +67,7 @@ def test_what_was_opened_is_closed_when_a_step_fails(lika: Any, at: int) -> None
     assert caught.value.left_open == ()
     assert caught.value.done == steps[: caught.value.at]
     # It is closed in any case, and no command was sent too early.
-    assert memory.held.get(0x40, 0) == 0
+    assert memory.registers.get(0x40, 0) == 0
     assert [data for address, data in memory.written if address == 0x77] == [b"\x01", b"\x02"][: max(0, at - 10)]
     assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
 
@@ -86,7 +91,7 @@ def test_an_interrupted_run_closes_too(lika: Any) -> None:
 
     with pytest.raises(KeyboardInterrupt):
         lika.run(lika.amm5.set_preset(lika.lookup("AMM5A21/65KSC1"), 5), memory, progress=interrupt)
-    assert memory.held[0x40] == 0
+    assert memory.registers[0x40] == 0
 
 
 def test_bits_that_were_changed_are_put_back(lika: Any) -> None:
@@ -96,10 +101,10 @@ def test_bits_that_were_changed_are_put_back(lika: Any) -> None:
     before = 0xFF & ~change.mask
     sound, broken = Memory({change.address: before}), Memory({change.address: before}, fails_at=4)
     lika.run(steps, sound, wait=lambda seconds: None)
-    assert sound.held[change.address] == before | change.value
+    assert sound.registers[change.address] == before | change.value
     with pytest.raises(lika.StepError):
         lika.run(steps, broken, wait=lambda seconds: None)
-    assert broken.held[change.address] == before
+    assert broken.registers[change.address] == before
 
 
 def test_byte_order_of_a_step(lika: Any) -> None:
@@ -115,9 +120,8 @@ def test_byte_order_of_a_step(lika: Any) -> None:
 def test_what_is_read_is_given(lika: Any) -> None:
     steps = lika.asc85.reset_errors(lika.lookup("ASC8525/SC1"))
     reads = lika.run(steps, Memory({0x69: 7}))
-    assert [(result.step.register, len(result.data)) for result in reads] == [
-        (step.register, step.length) for step in steps if isinstance(step, lika.Read)
-    ]
+    expected = [(step.register, step.length) for step in steps if isinstance(step, lika.Read)]
+    assert [(result.step.register, len(result.data)) for result in reads] == expected
     assert reads[0].data == b"\x07"
 
 
@@ -215,19 +219,25 @@ def test_a_disturbed_preset_is_never_saved(lika: Any, register: int, bit: int) -
         def write(self, address: int, data: bytes, /) -> None:
             super().write(address, data)
             if address == register:
-                self.held[address] ^= 1 << bit
+                self.registers[address] ^= 1 << bit
 
     memory, preset_bytes = Disturbed(), bytes.fromhex("00 30 24 f4 00 00 00")
     with pytest.raises(lika.StepError) as caught:
         lika.run(lika.amm5.set_preset(lika.lookup("AMM5A21/65KSC1"), 1_000_003), memory, wait=lambda seconds: None)
-    assert 0x77 not in memory.held
-    assert (memory.held[0x40], caught.value.left_open) == (0, ())
+    assert 0x77 not in memory.registers
+    assert (memory.registers[0x40], caught.value.left_open) == (0, ())
     error, stored_bytes = caught.value.__cause__, bytearray(preset_bytes)
     stored_bytes[register - 0x11] ^= 1 << bit
     assert isinstance(error, lika.VerifyError)
-    assert (error.register, error.address, error.written, error.found) == ("preset", 0x11, preset_bytes, bytes(stored_bytes))
+    assert (error.register, error.address, error.written, error.found) == (
+        "preset",
+        0x11,
+        preset_bytes,
+        bytes(stored_bytes),
+    )
+    stored = stored_bytes.hex(" ").upper()
     assert str(caught.value) == (
-        f"step 9, Verify: register preset at 11h holds {stored_bytes.hex(' ').upper()}, but 00 30 24 F4 00 00 00 was written"
+        f"step 9, Verify: register preset at 11h holds {stored}, but 00 30 24 F4 00 00 00 was written"
     )
     assert str(pickle.loads(pickle.dumps(error))) == str(error)
 
@@ -239,9 +249,9 @@ def test_bits_that_do_not_count_may_differ(lika: Any) -> None:
         memory = Memory()
         lika.run([*steps[:2]], memory)
         memory.write = lambda address, data: None  # type: ignore[method-assign]
-        memory.held[6] = 7
+        memory.registers[6] = 7
         assert lika.run(steps, memory) == ()
-        memory.held[5] = 7
+        memory.registers[5] = 7
         with pytest.raises(lika.StepError, match="register it at 05h holds 07 07, but 01 02 was written"):
             lika.run(steps, memory)
     with pytest.raises(lika.StepError, match="no earlier step wrote to it, so it cannot be verified"):
@@ -258,9 +268,9 @@ def test_each_byte_is_compared_with_its_last_value(lika: Any) -> None:
     verified = lika.Verify(5, 2, "it", 0xFFFF)
     memory = Memory({5: 0, 6: 0})
     assert lika.run([both_bytes, second, verified], memory) == ()
-    assert (memory.held[5], memory.held[6]) == (1, 7)
+    assert (memory.registers[5], memory.registers[6]) == (1, 7)
     assert lika.run([second, both_bytes, verified, lika.Verify(6, 1, "other", 0xFF)], memory) == ()
-    assert (memory.held[5], memory.held[6]) == (1, 2)
+    assert (memory.registers[5], memory.registers[6]) == (1, 2)
     memory.write = lambda address, data: None  # type: ignore[method-assign]
     with pytest.raises(lika.StepError, match="register it at 05h holds 01 02, but 01 07 was written"):
         lika.run([both_bytes, second, verified], memory)

@@ -30,9 +30,8 @@ def test_rows_and_slices(lika: Any, table: Any) -> None:
     rows = [*table.rows()]
     assert [row["position"] for row in rows] == [POSITION, None, None, POSITION]
     assert [row["fault"] for row in rows] == [lika.ErrorKind(number) for number in (0, 2, 0, 0)]
-    assert [row["verdict"] for row in rows] == [
-        lika.Verdict(word) for word in ("usable", *["not_usable"] * 2, "usable")
-    ]
+    assert [row["verdict"].value for row in rows] == ["usable", "not_usable", "not_usable", "usable"]
+    assert all(isinstance(row["verdict"], lika.Verdict) for row in rows)
     assert table[-1] == rows[3]
     assert isinstance(table, lika.Table)
     part = table[1:3]
@@ -100,7 +99,9 @@ def test_duckdb_reads_and_gives_the_stream(lika: Any, table: Any) -> None:
     duckdb = pytest.importorskip("duckdb", reason="duckdb is not installed: its relations are not tried")
     connection = duckdb.connect()
     connection.register("frames", table.to_arrow())
-    counted = connection.sql("select fault, count(*), max(position) from frames group by fault order by fault").fetchall()
+    counted = connection.sql(
+        "select fault, count(*), max(position) from frames group by fault order by fault"
+    ).fetchall()
     assert counted == [("crc", 1, None), ("none", 3, POSITION)]
     relation = connection.sql(f"select 7 as time, {GOOD} as word")
     assert lika.decode_partition(relation, "AMM5A21/65KSC1", "word").column("position").to_pylist() == [POSITION]
@@ -113,10 +114,10 @@ def test_encoders_of_every_interface_have_the_same_members(lika: Any) -> None:
     for label in ("AMM5A21/65KSC1", "AMM5A23/65KBG1", "SMA21-SC1-0050"):
         encoder: Any = lika.lookup(label)
         frame = encoder.encode_many({"position": [7]}).tolist()[0]
-        frame_ = encoder.try_decode(frame)
-        assert isinstance(frame_, lika.PositionFrame)
-        assert encoder.unwrap(frame_.position, frame_.position) == frame_.position
-        assert encoder.decode_many([frame]).position.tolist() == [frame_.position]
+        decoded = encoder.try_decode(frame)
+        assert isinstance(decoded, lika.PositionFrame)
+        assert encoder.unwrap(decoded.position, decoded.position) == decoded.position
+        assert encoder.decode_many([frame]).position.tolist() == [decoded.position]
         assert encoder.frame_bits >= 20
     serial = lika.lookup("AMM5A23/65KJP1")
     assert not isinstance(serial.decode(bytes.fromhex("02 00 C7 D1 6A 7E")), lika.PositionFrame)

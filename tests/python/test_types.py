@@ -131,8 +131,8 @@ STRICT = {
 def strict(folder: Path, *files: Path) -> str:
     """Return the messages of mypy about these files, which use the package in ``folder``."""
     command = [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", "--python-version", "3.10"]
-    done = subprocess.run([*command, *map(str, files)], capture_output=True, text=True, cwd=folder)
-    return done.stdout + done.stderr
+    completed = subprocess.run([*command, *map(str, files)], capture_output=True, text=True, cwd=folder)
+    return completed.stdout + completed.stderr
 
 
 #: Inside the package, modules use each other's private names, and functions check the types of arguments
@@ -144,11 +144,11 @@ def pyright(folder: Path, *files: Path, setting: Mapping[str, object] = STRICT) 
     """Return pyright's messages about these files, with their names. It needs Node, and fetches it if it is missing."""
     command = [sys.executable, "-m", "pyright", "--outputjson", "--pythonpath", sys.executable]
     (folder / "pyrightconfig.json").write_text(json.dumps(setting), encoding="utf-8")
-    done = subprocess.run([*command, *map(str, files)], capture_output=True, text=True, cwd=folder)
+    completed = subprocess.run([*command, *map(str, files)], capture_output=True, text=True, cwd=folder)
     try:
-        report = json.loads(done.stdout)
+        report = json.loads(completed.stdout)
     except ValueError:
-        words = f"pyright does not start here, so what it says is not shown: {(done.stderr or done.stdout)[-200:]}"
+        words = f"pyright does not start here, so what it says is not shown: {(completed.stderr or completed.stdout)[-200:]}"
         if os.environ.get("CODEWHEEL_REQUIRE_TOOLS"):
             pytest.fail(words)
         warnings.warn(words, stacklevel=2)
@@ -214,7 +214,7 @@ def test_examples_of_every_readme_pass_pyright(package: Path) -> None:
     assert pyright(package, *programs(package, examples())) == []
 
 
-def found(lines_by_program: Mapping[str, list[str]], message_of: Callable[[Mistake], str]) -> None:
+def check_mistakes(lines_by_program: Mapping[str, list[str]], message_of: Callable[[Mistake], str]) -> None:
     """Each mistake is found by its message, and the program without one passes."""
     for name, mistake in MISTAKES.items():
         lines = lines_by_program.get(stem(name), [])
@@ -226,19 +226,21 @@ def test_mypy_finds_mistakes(package: Path) -> None:
     lines: dict[str, list[str]] = defaultdict(list)
     for line in strict(package, *wrong_programs(package)).splitlines():
         lines[line.partition(".py:")[0]].append(line)
-    found(lines, lambda mistake: mistake.mypy)
+    check_mistakes(lines, lambda mistake: mistake.mypy)
 
 
 def test_pyright_finds_mistakes(package: Path) -> None:
     lines: dict[str, list[str]] = defaultdict(list)
     for file, message in pyright(package, *wrong_programs(package)):
         lines[file].append(message)
-    found(lines, lambda mistake: mistake.pyright)
+    check_mistakes(lines, lambda mistake: mistake.pyright)
 
 
 def wrong_programs(folder: Path) -> list[Path]:
     """Return the programs with a mistake each, and one without."""
-    return programs(folder, {**{name: HEAD + mistake.code for name, mistake in MISTAKES.items()}, "sound": HEAD + SOUND})
+    return programs(
+        folder, {**{name: HEAD + mistake.code for name, mistake in MISTAKES.items()}, "sound": HEAD + SOUND}
+    )
 
 
 def test_every_listed_code_has_its_class(package: Path, generated_python: tuple[Path, ModuleType]) -> None:

@@ -37,7 +37,7 @@ def names(frame: Any) -> list[str]:
     return [report.name for report in frame.reports]
 
 
-def sent(devices: Mapping[str, Device]) -> Iterator[tuple[Device, Layout, Variant, PlacedLayout]]:
+def encoder_frames(devices: Mapping[str, Device]) -> Iterator[tuple[Device, Layout, Variant, PlacedLayout]]:
     """Return every frame of the encoders, each for one order code that has it."""
     for device in devices.values():
         for interface, layout in device.layouts():
@@ -46,17 +46,19 @@ def sent(devices: Mapping[str, Device]) -> Iterator[tuple[Device, Layout, Varian
                 yield device, layout, variant, layout.place(variant.parameters)
 
 
-def usual(placed: PlacedLayout) -> dict[str, int | str | bool]:
+def values_without_reports(placed: PlacedLayout) -> dict[str, int | str | bool]:
     """Return values of a frame that reports nothing."""
     layout = placed.layout
-    values: dict[str, int | str | bool] = {placed_field.name: 0 for placed_field in placed.fields if placed_field.field.carries_data}
+    data_fields = [placed_field for placed_field in placed.fields if placed_field.field.carries_data]
+    values: dict[str, int | str | bool] = {placed_field.name: 0 for placed_field in data_fields}
     values |= {field.name: False for field in layout.fields if isinstance(field.kind, Flag)}
     return values | ({layout.selector: layout.selects[0]} if layout.selector else {})
 
 
 def answers(view: Any, device: Device, layout: Layout) -> dict[str, Any]:
     """Return the first answers to the open questions about a frame, which the model uses."""
-    return {alternative.name: next(iter(getattr(view, alternative.kind))) for alternative in Context(device).asked_of(layout)}
+    kinds = {alternative.name: alternative.kind for alternative in Context(device).asked_of(layout)}
+    return {name: next(iter(getattr(view, kind))) for name, kind in kinds.items()}
 
 
 def carried(placed: PlacedLayout, number: int) -> Any:
@@ -132,8 +134,9 @@ def test_the_published_frames(lika: Any, vectors: list[dict[str, Any]]) -> None:
     for row in rows:
         frame = encoder.decode("00" + row["frame_hex_or_bits"])
         error, warning = not row["fields"]["nE"], not row["fields"]["nW"]
-        assert frame.verdict is lika.Verdict(WORDS[0 if error else 2 if warning else 3])
-        assert names(frame) == [name for name, active in (("error", error), ("warning", warning)) if active]
+        expected = "usable_with_warning" if warning else "usable"
+        assert frame.verdict is lika.Verdict("not_usable" if error else expected)
+        assert names(frame) == ["error"] * error + ["warning"] * warning
     # EE_1 is set in the reply of the T-format, and data ID 0 does not show which of four errors it is.
     reply = next(row for row in vectors if row["protocol"].startswith("Tamagawa T-format response"))
     frame = lika.lookup("AMM5A23/65KJP1").decode(bytes.fromhex(reply["frame_hex_or_bits"]))
@@ -167,13 +170,14 @@ def test_the_only_printed_reply_to_data_id_5_decodes(lika: Any) -> None:
 def test_every_state_of_the_flags(lika: Any, devices: Mapping[str, Device]) -> None:
     """All of them together with no unused bit, with one, and with several."""
     source = random.Random("flags")
-    for device, layout, variant, placed in sent(devices):
+    for device, layout, variant, placed in encoder_frames(devices):
         view = getattr(lika, device.name)
         encoder, frames = view.VARIANTS[variant.code], Context(device).frames
         flags = [field.name for field in layout.fields if isinstance(field.kind, Flag)]
         ones = sum(((1 << field.widest) - 1) << place for field, place in layout.unused)
-        masks = [0, *(1 << bit for bit in range(64) if ones >> bit & 1), *(source.getrandbits(64) & ones for _ in "12")]
-        values, given_answers = usual(placed), answers(view, device, layout)
+        single_bits = [1 << bit for bit in range(64) if ones >> bit & 1]
+        masks = [0, *single_bits, source.getrandbits(64) & ones, source.getrandbits(64) & ones]
+        values, given_answers = values_without_reports(placed), answers(view, device, layout)
         for states, unused in itertools.product(itertools.product((False, True), repeat=len(flags)), set(masks)):
             values_of_state = values | dict(zip(flags, states, strict=True)) | ({"unused": unused} if ones else {})
             number = codec.encode(device, placed, values_of_state)
@@ -181,13 +185,15 @@ def test_every_state_of_the_flags(lika: Any, devices: Mapping[str, Device]) -> N
             expected_findings = findings(device, variant, codec.decode(device, placed, number))
             assert type(frame).__name__ == frames[layout.name]
             verdict = frame.verdict.value if hasattr(frame, "verdict") else None
-            assert verdict == (expected_findings.verdict.value if expected_findings.verdict is not None else None), (frame, expected_findings)
-            assert sorted(report.meaning for report in frame.reports) == sorted(report.meaning for report in expected_findings.reports)
+            expected = expected_findings.verdict.value if expected_findings.verdict is not None else None
+            assert verdict == expected, (frame, expected_findings)
+            meanings = [report.meaning for report in frame.reports]
+            assert sorted(meanings) == sorted(report.meaning for report in expected_findings.reports)
             assert getattr(frame, "unused", 0) == unused
 
 
 def test_a_frame_with_a_position_has_a_verdict(lika: Any, devices: Mapping[str, Device]) -> None:
-    for device, layout, variant, _ in sent(devices):
+    for device, layout, variant, _ in encoder_frames(devices):
         view = getattr(getattr(lika, device.name), Context(device).frames[layout.name])
         assert hasattr(view, "verdict") == device.tells_position(variant.interface, layout)
 
@@ -202,7 +208,8 @@ def test_a_report_says_what_the_manual_says_of_its_field(lika: Any, devices: Map
             for field in (*layout.fields, *unexplained):
                 alarm = alarm_of(device, field)
                 report_texts = (field.printed_name, meaning(field, alarm), remedy(field, alarm))
-                reported_names |= {key for key, report in reports.items() if key.endswith(field.name) and report[1:4] == report_texts}
+                of_field = {key: report for key, report in reports.items() if key.endswith(field.name)}
+                reported_names |= {key for key, report in of_field.items() if report[1:4] == report_texts}
         assert reported_names == set(reports)
         assert all(key == report.name for key, report in reports.items())
 
@@ -213,15 +220,15 @@ def test_a_report_says_what_the_manual_says_of_its_field(lika: Any, devices: Map
 def test_other_bits_than_the_unused_ones_are_refused(lika: Any, devices: Mapping[str, Device]) -> None:
     """The package and the model agree."""
     with_unused = 0
-    for device, layout, variant, placed in sent(devices):
+    for device, layout, variant, placed in encoder_frames(devices):
         ones = sum(((1 << field.widest) - 1) << place for field, place in layout.unused)
         view = getattr(lika, device.name)
-        encoder, number = view.VARIANTS[variant.code], codec.encode(device, placed, usual(placed))
+        encoder, number = view.VARIANTS[variant.code], codec.encode(device, placed, values_without_reports(placed))
         frame = encoder.decode(carried(placed, number), **answers(view, device, layout))
         assert hasattr(frame, "unused") == bool(ones)
         with_unused += bool(ones)
         for bit in range(layout.unused_width + 2) if ones else ():
-            values = usual(placed) | {"unused": 1 << bit}
+            values = values_without_reports(placed) | {"unused": 1 << bit}
             if ones >> bit & 1:
                 assert frame._replace(unused=1 << bit).encode() == carried(placed, codec.encode(device, placed, values))
                 continue
@@ -250,7 +257,12 @@ def test_unused_is_the_last_and_can_be_left_out(lika: Any) -> None:
     assert (with_unused != frame, hash(with_unused) != hash(frame), with_unused.is_as_documented) == (True, True, False)
     assert repr(with_unused) == repr(frame).replace("unused=0", "unused=256")
     for kept_frame in (frame, with_unused):
-        assert encoder.decode(kept_frame.encode()) == kept_frame == pickle.loads(pickle.dumps(kept_frame)) == copy.deepcopy(kept_frame)
+        assert (
+            encoder.decode(kept_frame.encode())
+            == kept_frame
+            == pickle.loads(pickle.dumps(kept_frame))
+            == copy.deepcopy(kept_frame)
+        )
 
 
 # ------------------------------------------------------------ objects
@@ -276,8 +288,8 @@ print(sound.reports, wrong.verdict.name, "_items" in vars(amm5.REPORTS))
 print(len(wrong.reports), "_items" in vars(amm5.REPORTS))
 """
     environment = {**os.environ, "PYTHONPATH": python_path(generated_python[0])}
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=environment)
-    assert (done.stdout, done.stderr) == ("() NOT_USABLE False\n1 True\n", "")
+    completed = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=environment)
+    assert (completed.stdout, completed.stderr) == ("() NOT_USABLE False\n1 True\n", "")
 
 
 def test_the_words_are_those_of_the_command_line(lika: Any) -> None:

@@ -30,8 +30,8 @@ def release(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a source archive and a wheel of the package and of the runtime, as in a release."""
     folder = tmp_path_factory.mktemp("release")
     for project in (source, source / "runtime"):
-        done = run("build", "--quiet", "--no-isolation", "--outdir", folder, project)
-        assert done.returncode == 0, done.stdout + done.stderr
+        completed = run("build", "--quiet", "--no-isolation", "--outdir", folder, project)
+        assert completed.returncode == 0, completed.stdout + completed.stderr
     return folder
 
 
@@ -62,13 +62,13 @@ def test_pip_refuses_a_runtime_that_does_not_fit(release: Path, tmp_path: Path, 
     (name,) = (path.name for path in release.glob("codewheel_runtime-*.whl"))
     other_wheel = tmp_path / name.replace("1.0.0", version)
     with zipfile.ZipFile(release / name) as old, zipfile.ZipFile(other_wheel, "w") as new:
-        for name_ in old.namelist():
-            text = old.read(name_).replace(b"Version: 1.0.0", f"Version: {version}".encode())
-            new.writestr(name_.replace("1.0.0", version), text)
+        for path in old.namelist():
+            text = old.read(path).replace(b"Version: 1.0.0", f"Version: {version}".encode())
+            new.writestr(path.replace("1.0.0", version), text)
     place = ["install", "--quiet", "--no-index", "--target", tmp_path / "there", "--disable-pip-version-check"]
-    done = run("pip", *place, next(release.glob("lika_encoders-*.whl")), other_wheel)
-    assert (done.returncode == 0) == version.startswith("1."), done.stderr
-    assert done.returncode == 0 or "have conflicting dependencies" in done.stderr
+    completed = run("pip", *place, next(release.glob("lika_encoders-*.whl")), other_wheel)
+    assert (completed.returncode == 0) == version.startswith("1."), completed.stderr
+    assert completed.returncode == 0 or "have conflicting dependencies" in completed.stderr
 
 
 @pytest.mark.slow
