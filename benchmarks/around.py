@@ -14,7 +14,7 @@ import argparse
 import json
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -111,7 +111,7 @@ def _buffer(acknowledge: int) -> str:
 def _samples(acknowledge: int) -> str:
     """Return samples of bit 3 of a port, whose other bits differ from sample to sample."""
     port = (0x51 + 37 * at & 0xF7 | int(bit) << 3 for at, bit in enumerate(_line(acknowledge)))
-    listed = ", ".join(f"0x{item:02X}U" for item in port)
+    listed = ", ".join(f"0x{sample:02X}U" for sample in port)
     return f"static const uint8_t samples[] __attribute__((aligned(4))) = {{ {listed} }};\nstatic uint8_t rx[12];\n"
 
 
@@ -139,54 +139,58 @@ static const uint64_t position = 100U;
 _RECEIVED = "result == 0U && word == UINT64_C(0x%x)"
 
 
-def _receivers() -> Sequence[Part]:
-    parts = []
+def _buffer_receivers(acknowledge: int) -> Iterator[Part]:
+    """Yield receivers of a buffer of bits, ours and by hand."""
+    named = f"acknowledge of {acknowledge} bits"
+    buffer = _buffer(acknowledge)
+    yield Part(
+        f"BiSS buffer to usable position, {named}",
+        (BISS.header, "codewheel/receive.h"),
+        "const uint8_t *rx, uint64_t *position",
+        _to_position(_RX),
+        call=Call(buffer + _POSITION_OUT, "rx, &position", _FOUND, {"cortex-m0plus": 260, "cortex-m4": 200}),
+    )
+    yield Part(
+        f"the same by hand, {named}",
+        BY_HAND,
+        "const uint8_t *rx, hand_biss *out",
+        "return hand_receive47(rx, out) != HAND_OK || out->error;",
+        call=Call(buffer + "static hand_biss out;\n", "rx, &out", _HAND_FOUND),
+    )
+
+
+def _sample_receivers(acknowledge: int) -> Iterator[Part]:
+    """Yield receivers of samples of a pin, ours and by hand."""
+    named = f"acknowledge of {acknowledge} bits"
+    samples = _samples(acknowledge)
+    yield Part(
+        f"{BUFFER} samples of a pin to usable position, {named}",
+        (BISS.header, "codewheel/receive.h"),
+        "const uint8_t *samples, uint8_t *rx, uint64_t *position",
+        f"(void)cw_received_samples(samples, {BUFFER}U, 0x08U, rx);\n    " + _to_position(_RX),
+        call=Call(samples + _POSITION_OUT, "samples, rx, &position", _FOUND, {"cortex-m4": 400}),
+    )
+    yield Part(
+        f"the same samples by hand, {named}",
+        BY_HAND,
+        "const uint8_t *samples, uint8_t *rx, hand_biss *out",
+        "return hand_samples47(samples, rx, out) != HAND_OK || out->error;",
+        call=Call(samples + "static hand_biss out;\n", "samples, rx, &out", _HAND_FOUND),
+    )
+
+
+def _receivers() -> Iterator[Part]:
     for acknowledge in (4, 20):
-        named = f"acknowledge of {acknowledge} bits"
-        parts += [
-            Part(
-                f"BiSS buffer to usable position, {named}",
-                (BISS.header, "codewheel/receive.h"),
-                "const uint8_t *rx, uint64_t *position",
-                _to_position(_RX),
-                call=Call(
-                    _buffer(acknowledge) + _POSITION_OUT,
-                    "rx, &position",
-                    _FOUND,
-                    {"cortex-m0plus": 260, "cortex-m4": 200},
-                ),
-            ),
-            Part(
-                f"the same by hand, {named}",
-                BY_HAND,
-                "const uint8_t *rx, hand_biss *out",
-                "return hand_receive47(rx, out) != HAND_OK || out->error;",
-                call=Call(_buffer(acknowledge) + "static hand_biss out;\n", "rx, &out", _HAND_FOUND),
-            ),
-            Part(
-                f"{BUFFER} samples of a pin to usable position, {named}",
-                (BISS.header, "codewheel/receive.h"),
-                "const uint8_t *samples, uint8_t *rx, uint64_t *position",
-                f"(void)cw_received_samples(samples, {BUFFER}U, 0x08U, rx);\n    " + _to_position(_RX),
-                call=Call(_samples(acknowledge) + _POSITION_OUT, "samples, rx, &position", _FOUND, {"cortex-m4": 400}),
-            ),
-            Part(
-                f"the same samples by hand, {named}",
-                BY_HAND,
-                "const uint8_t *samples, uint8_t *rx, hand_biss *out",
-                "return hand_samples47(samples, rx, out) != HAND_OK || out->error;",
-                call=Call(_samples(acknowledge) + "static hand_biss out;\n", "samples, rx, &out", _HAND_FOUND),
-            ),
-            Part(
-                f"receive: a BiSS frame of 47 bits, {named}",
-                ("codewheel/receive.h",),
-                "const uint8_t *rx, uint64_t *word",
-                f"return (uint32_t)cw_biss_receive(rx, {BUFFER // 8}U, {BITS}U, word);",
-                300,
-                Call(_buffer(acknowledge) + "static uint64_t word;\n", "rx, &word", _RECEIVED % WORD),
-            ),
-        ]
-    return parts
+        yield from _buffer_receivers(acknowledge)
+        yield from _sample_receivers(acknowledge)
+        yield Part(
+            f"receive: a BiSS frame of 47 bits, acknowledge of {acknowledge} bits",
+            ("codewheel/receive.h",),
+            "const uint8_t *rx, uint64_t *word",
+            f"return (uint32_t)cw_biss_receive(rx, {BUFFER // 8}U, {BITS}U, word);",
+            300,
+            Call(_buffer(acknowledge) + "static uint64_t word;\n", "rx, &word", _RECEIVED % WORD),
+        )
 
 
 PARTS = (

@@ -29,12 +29,11 @@ def drawn(mutants: Iterable[Mutant], number: int, seed: int) -> list[Mutant]:
     mistakes: dict[tuple[str, str], dict[str, list[Mutant]]] = defaultdict(lambda: defaultdict(list))
     for mutant in mutants:
         mistakes[mutant.file, mutant.fact][mutant.mistake].append(mutant)
-    columns = [list(_in_turns([_shuffled(item, draw) for item in kinds.values()])) for kinds in mistakes.values()]
+    columns = []
+    for kinds in mistakes.values():
+        shuffled = [draw.sample(same_mistake, len(same_mistake)) for same_mistake in kinds.values()]
+        columns.append(list(_in_turns(shuffled)))
     return [mutant for _, mutant in zip(range(number), _in_turns(columns), strict=False)]
-
-
-def _shuffled(mutants: Sequence[Mutant], draw: random.Random) -> list[Mutant]:
-    return draw.sample(mutants, len(mutants))
 
 
 def _in_turns(columns: Sequence[Sequence[Mutant]]) -> Iterator[Mutant]:

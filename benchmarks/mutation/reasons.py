@@ -70,16 +70,16 @@ def reason(mutant: Mutant) -> str:
 
 def explanation(name: str) -> str:
     """Return a reason as a sentence."""
-    return next(text for known, text, _ in _REASONS if known == name)
+    return next(text for reason_name, text, _ in _REASONS if reason_name == name)
 
 
 def _fitting(mutant: Mutant) -> Iterator[str]:
-    of = {
+    facts = {
         "fact": mutant.fact,
         "keys": mutant.place.keys,
         "mistake": mutant.mistake,
         "file": mutant.file.rpartition("/")[2].removesuffix(".yaml"),
     }
     for name, _, wanted in _REASONS:
-        if all(re.fullmatch(pattern, of[about]) for about, pattern in wanted.items()):
+        if all(re.fullmatch(pattern, facts[about]) for about, pattern in wanted.items()):
             yield name

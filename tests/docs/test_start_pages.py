@@ -58,7 +58,9 @@ def test_its_commands(page: Path, tmp_path: Path) -> None:
         )
         # Three dots replace omitted lines. All other lines are shown.
         pieces = output.split("...\n")
-        assert re.fullmatch("(?:.*\n)*".join(map(re.escape, pieces)), completed.stdout), f"{command}\n{done.stdout}"
+        assert re.fullmatch("(?:.*\n)*".join(map(re.escape, pieces)), completed.stdout), (
+            f"{command}\n{completed.stdout}"
+        )
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)

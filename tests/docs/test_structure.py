@@ -39,9 +39,8 @@ def test_what_belongs_to_an_interface_is_on_its_page(library: Library, pages: Fi
         for interface in device.interfaces:
             page = pages[f"docs/{device.name}/{interface.name}.md"]
             names = [f"layout-{layout.name}" for layout in interface.layouts]
-            names += [
-                f"register-{register.name}" for register in device.registers if register.interface == interface.name
-            ]
+            registers = [register for register in device.registers if register.interface == interface.name]
+            names += [f"register-{register.name}" for register in registers]
             procedures = [procedure for procedure in device.procedures if procedure.interface == interface.name]
             names += [f"procedure-{procedure.name}" for procedure in procedures]
             connectors = [connector for connector in device.connectors if interface.name in connector.interfaces]

@@ -200,9 +200,8 @@ def test_where_the_manual_is_silent_the_erratum_is_named(library: Library, page:
     ],
 )
 def test_a_remedy_of_the_manual_is_named(library: Library, page: str, family: str, name: str, remedy: str) -> None:
-    rows_of_family = [
-        row for device, row in by_family(library, page, "Meaning of each report") if device.name == family
-    ]
+    meanings = by_family(library, page, "Meaning of each report")
+    rows_of_family = [row for device, row in meanings if device.name == family]
     assert [row[2] for row in rows_of_family if plain(row[0]).strip("`") == name] == [remedy]
 
 
@@ -219,11 +218,8 @@ def test_every_report_is_there_and_each_frame_says_which(library: Library, page:
         reported.setdefault(device.name, set()).update(re.findall("`([a-z0-9_]+)`", row[2]))
         for layout in frames(device, row[1]):
             assert layout.sender == "encoder"
-            expected = {
-                report.field
-                for field in layout.fields
-                for report in findings_of_frame(device, layout, field.name).reports
-            }
+            frame_findings = [findings_of_frame(device, layout, field.name) for field in layout.fields]
+            expected = {report.field for findings in frame_findings for report in findings.reports}
             flags = (field for field in layout.fields if isinstance(field.kind, Flag) and field.kind.only)
             expected |= {f"{field.name}_unexplained" for field in flags}
             if device.alternatives_of(layout) == ():

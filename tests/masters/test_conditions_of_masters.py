@@ -172,9 +172,8 @@ def test_remainder_gray_code_of_omron(masters: Any, record_of: RecordOf) -> None
     (refusal,) = sheet(masters["omron_nx"], multi).refusals
     assert refusal.reason.startswith("For a multiturn encoder with Gray code, Encoder Resolution must be 0.")
     unknown = changed(single, counts_per_turn=None, singleturn_codes="unknown")
-    (setting,) = [
-        setting for setting in sheet(masters["omron_nx"], unknown).settings if setting.name == "Encoder Resolution"
-    ]
+    settings = sheet(masters["omron_nx"], unknown).settings
+    (setting,) = [setting for setting in settings if setting.name == "Encoder Resolution"]
     assert (setting.value, setting.text) == (None, "unknown: not in the encoder's spec (counts per revolution)")
 
 

@@ -36,9 +36,8 @@ def servo(request: pytest.FixtureRequest) -> Iterator[Any]:
     running.start()
     connection = network.EthernetNetwork()
     connected = connection.connect_to_slave("127.0.0.1", dictionary, port)
-    connected.max_position_bits, connected.missing_registers = next(
-        drive_limits[1:] for drive_limits in DRIVES if drive_limits[0] == request.param
-    )
+    limits = {name: drive_limits for name, *drive_limits in DRIVES}
+    connected.max_position_bits, connected.missing_registers = limits[request.param]
     yield connected
     connection.disconnect_from_slave(connected)
     running.stop()

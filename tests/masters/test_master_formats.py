@@ -44,7 +44,7 @@ EL5042: readers.Objects = {
 #: The EJ5042 has no supply voltage, and CRC Polynomial has 8 bytes: infosys ej5042/10839989899.
 EJ5042: readers.Objects = {**EL5042, (0x8008, 0x11): (0x43, 8)}
 #: The page of the EP7041-4032 gives no type for Mode and Offset LSB Bit.
-EP7041: readers.Objects = {key: found for key, found in EL5042.items() if key[1] not in (0x17, 0x18)}
+EP7041: readers.Objects = {key: value for key, value in EL5042.items() if key[1] not in (0x17, 0x18)}
 #: 32EF: 2^21 steps, 2^16 turns, layout 0, no fill bits, 10,000 kHz, inverted. The page of the polynomial has no type.
 AX8000: readers.Objects = {
     (0x32EF, 0x02): (0, 4),
@@ -128,7 +128,7 @@ def test_the_second_channel_is_a_comment(written: Written) -> None:
     text = written("beckhoff_el5042", "ethercat_driver_ros2")
     lines = [line.replace("  # - {", "  - {") for line in text.splitlines() if "0x8018" in line]
     second = readers.ethercat_driver_ros2("\n".join(["sdo:", *lines]))
-    assert second == {(0x8018, subindex): found for (_, subindex), found in EL5042.items()}
+    assert second == {(0x8018, subindex): value for (_, subindex), value in EL5042.items()}
 
 
 def test_a_code_word_comes_first(
@@ -363,11 +363,8 @@ def test_bulk_files_have_every_order_code_as_a_comment(library: Library) -> None
     files = generate(library)
     assert 100 < len(files) < 200
     # LinuxCNC takes at most 32 position bits of a BiSS frame. A few iC-MU have 38.
-    codes = {
-        encoder_record.code
-        for _, encoder_record in records(library)
-        if (encoder_record.numbers["position_bits"] or 0) <= 32
-    }
+    all_records = [encoder_record for _, encoder_record in records(library)]
+    codes = {encoder.code for encoder in all_records if (encoder.numbers["position_bits"] or 0) <= 32}
     for path, text in files.items():
         if path.endswith((".yaml", ".cmd", ".cfg", ".hal", ".h", ".csv", ".dmc")):
             assert all(line.startswith(("#", "//", "REM")) for line in text.splitlines() if line), path
@@ -448,9 +445,8 @@ def test_a_missing_choice_and_a_master_without_files(capsys: pytest.CaptureFixtu
 
 def test_data_name_the_formats(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["master", CODE, "--json"]) == 0
-    files = {
-        master_data["name"]: master_data["files"] for master_data in json.loads(capsys.readouterr().out)["masters"]
-    }
+    masters = json.loads(capsys.readouterr().out)["masters"]
+    files = {master["name"]: master["files"] for master in masters}
     assert {"format": "fastcat", "devices": ["EL5042"]} in files["beckhoff_el5042"]
     assert (files["keb_f5"], files["omron_nx"]) == ([], [])
 

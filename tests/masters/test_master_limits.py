@@ -167,9 +167,8 @@ def test_the_module_with_fewer_clocks(
 
 def test_unknown_is_said(masters: dict[str, Master], record_of: RecordOf) -> None:
     settings_sheet = sheet(masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_max_hz=None))
-    clock = next(
-        setting for setting in settings_sheet.settings if setting.name == "Clock Frequency, EL5042 and EP7041-4032"
-    )
+    settings = {setting.name: setting for setting in settings_sheet.settings}
+    clock = settings["Clock Frequency, EL5042 and EP7041-4032"]
     assert (clock.value, clock.text) == (
         None,
         "unknown: not in the encoder's spec (fastest clock of the encoder, in Hz)",

@@ -71,9 +71,13 @@ EJ5042_SETTINGS: list[Row] = [
     ("Offset LSB Bit [Bit]", 0x17, "UINT8", "unsigned", 8, "bits", 0, 0),
 ]
 EJ5042 = rows_of_channels("EJ5042", EJ5042_SETTINGS)
+AKD2G_SETTING = ("Unsigned8", "unsigned", 8, "bits", 12, 16)
 AKD2G: list[Row] = [
-    ("FB#.MULTITURNBITS", "AKD2G", f"FB{number}", 0x34FF + number, 0x0C, "Unsigned8", "unsigned", 8, "bits", 12, 16)
-    for number in (1, 2, 3, 4, 5)
+    ("FB#.MULTITURNBITS", "AKD2G", "FB1", 0x3500, 0x0C, *AKD2G_SETTING),
+    ("FB#.MULTITURNBITS", "AKD2G", "FB2", 0x3501, 0x0C, *AKD2G_SETTING),
+    ("FB#.MULTITURNBITS", "AKD2G", "FB3", 0x3502, 0x0C, *AKD2G_SETTING),
+    ("FB#.MULTITURNBITS", "AKD2G", "FB4", 0x3503, 0x0C, *AKD2G_SETTING),
+    ("FB#.MULTITURNBITS", "AKD2G", "FB5", 0x3504, 0x0C, *AKD2G_SETTING),
 ]
 
 #: The manual of the AKD has an object only for FB1.ENCRES, and gives no width. 2 to the power of 32 - 16 is 65536.

@@ -96,6 +96,6 @@ def test_as_data(capsys: pytest.CaptureFixture[str]) -> None:
     voltage = next(setting for setting in data["settings"] if setting["name"] == "Supply Voltage")
     assert voltage["value"] == 50
     assert [(place["default"], place["is_default"]) for place in voltage["places"]] == [(50, True), (50, True)]
-    rules = [item for item in data["writing"] if item["of"] == ["Supply Voltage"]]
-    assert [item["value"] for rule in rules for item in rule["needs"]] == [0x72657375]
+    rules = [rule for rule in data["writing"] if rule["of"] == ["Supply Voltage"]]
+    assert [write["value"] for rule in rules for write in rule["needs"]] == [0x72657375]
     assert [rule["takes_effect"]["in_state"] for rule in rules if rule["takes_effect"]] == ["INIT"]

@@ -556,7 +556,7 @@ def test_memory_is_bounded_however_long_a_column_is(generated_python: tuple[Path
         "--max-errors",
         "100",
     )
-    assert outcome.said.startswith("8000000 frames")
+    assert outcome.output.startswith("8000000 frames")
     assert outcome.peak_mb < 200, outcome
 
 

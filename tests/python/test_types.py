@@ -148,7 +148,8 @@ def pyright(folder: Path, *files: Path, setting: Mapping[str, object] = STRICT) 
     try:
         report = json.loads(completed.stdout)
     except ValueError:
-        words = f"pyright does not start here, so what it says is not shown: {(completed.stderr or completed.stdout)[-200:]}"
+        output = completed.stderr or completed.stdout
+        words = f"pyright does not start here, so what it says is not shown: {output[-200:]}"
         if os.environ.get("CODEWHEEL_REQUIRE_TOOLS"):
             pytest.fail(words)
         warnings.warn(words, stacklevel=2)
