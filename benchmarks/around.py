@@ -95,22 +95,22 @@ POSITION = WORD >> 8
 BY_HAND = f"{HERE}/c/hand.h", f"{HERE}/c/hand_biss47.c", f"{HERE}/c/hand_receive.c"
 
 
-def _line(acknowledge: int) -> str:
+def _line_bits(acknowledge: int) -> str:
     """Return the bits of a BiSS buffer: rest, acknowledge, start, CDS, word, stop, then rest again."""
     return ("11" + "0" * acknowledge + "10" + f"{WORD:0{BITS}b}" + "0").ljust(BUFFER, "1")
 
 
-def _bytes(bits: str) -> str:
+def _c_bytes(bits: str) -> str:
     return ", ".join(f"0x{int(bits[at : at + 8], 2):02X}U" for at in range(0, len(bits), 8))
 
 
 def _buffer(acknowledge: int) -> str:
-    return f"static const uint8_t rx[] = {{ {_bytes(_line(acknowledge))} }};\n"
+    return f"static const uint8_t rx[] = {{ {_c_bytes(_line_bits(acknowledge))} }};\n"
 
 
 def _samples(acknowledge: int) -> str:
     """Return samples of bit 3 of a port, whose other bits differ from sample to sample."""
-    port = (0x51 + 37 * at & 0xF7 | int(bit) << 3 for at, bit in enumerate(_line(acknowledge)))
+    port = (0x51 + 37 * at & 0xF7 | int(bit) << 3 for at, bit in enumerate(_line_bits(acknowledge)))
     listed = ", ".join(f"0x{sample:02X}U" for sample in port)
     return f"static const uint8_t samples[] __attribute__((aligned(4))) = {{ {listed} }};\nstatic uint8_t rx[12];\n"
 
@@ -131,7 +131,7 @@ _POSITION_OUT = "static uint64_t position;\n"
 _FOUND = f"result == 0U && position == UINT64_C({POSITION:#x})"
 _HAND_FOUND = f"result == 0U && out.position == UINT64_C({POSITION:#x})"
 _RX = f"cw_biss_receive(rx, {BUFFER // 8}U, {BITS}U, &word)"
-_SSI_RX = f"static const uint8_t rx[] = {{ {_bytes('1' + f'{POSITION:039b}' + '0' * 8)} }};\n"
+_SSI_RX = f"static const uint8_t rx[] = {{ {_c_bytes('1' + f'{POSITION:039b}' + '0' * 8)} }};\n"
 _AXIS = """static cw_tracker axis = { 1U, 0U, 1000U, 0U, 250U, 1062500U, 0U, 0xFFFFFFFFU, 0xFFFFFFFFU,
     UINT64_C(0x8000000000), UINT64_C(0x7FFFFFFFFF), 0x7FFFFFFFFF, 100 };
 static const uint64_t position = 100U;

@@ -45,10 +45,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         PAGE.write_text(page(outcome, "make mutants", files), encoding="utf-8")
     print("\n".join(["", *table(outcome), ""] + ([] if options.write else list(survivors(outcome)))))
     print(f"{len(chosen)} of {len(all_mutants)} mutants in {time.monotonic() - started:.0f} seconds")
-    return _judged(outcome)
+    return _print_violations(outcome)
 
 
-def _judged(outcome: Outcome) -> int:
+def _print_violations(outcome: Outcome) -> int:
     """Print each violated limit, and return the exit code."""
     sums = dict(outcome.sums())
     violations = [f"crash: {crash}" for crash in outcome.crashes]

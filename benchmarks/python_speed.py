@@ -36,11 +36,11 @@ def main() -> None:
     sys.path[:0] = PATHS
     print(f"Python {sys.version.split()[0]}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}\n")
     compare("one BiSS frame of 45 bits, ns", {**biss_by_hand(), **peers_of_biss()}, CALLS, 1)
-    compare("500 different BiSS frames in a loop, as in the README, ns each", reading(), CALLS // 500, 500)
+    compare("500 different BiSS frames in a loop, as in the README, ns each", position_loops(), CALLS // 500, 500)
     compare("one RS-485 reply of 6 bytes, ns", {**serial_by_hand(), **peers_of_serial()}, CALLS, 1)
-    compare("a million frames, ns each", many(), 1, MANY)
+    compare("a million frames, ns each", decoders_of_many(), 1, MANY)
     compare("lookup, ns", lookups(), CALLS, 1)
-    loading()
+    print_import_times()
 
 
 def compare(title: str, candidates: Candidates, calls: int, frames_per_call: int) -> None:
@@ -97,7 +97,7 @@ def biss_by_hand() -> Candidates:
     }
 
 
-def reading() -> Candidates:
+def position_loops() -> Candidates:
     """Return loops that read positions: by shifts without a call, and as the README of the package does."""
     from lika_encoders import FrameError, amm5
 
@@ -233,7 +233,7 @@ def peer(name: str) -> Any:
 # -- many frames
 
 
-def many() -> Candidates:
+def decoders_of_many() -> Candidates:
     import numpy
     from lika_encoders import amm5
 
@@ -320,7 +320,7 @@ def lookups() -> Candidates:
     return {f"lookup({label!r})": lambda label=label: lika_encoders.lookup(label) for label in labels}
 
 
-def loading() -> None:
+def print_import_times() -> None:
     """Print the time of an import from bytecode, without the start of the interpreter."""
     print("import with bytecode, ms of CPU time without that of the interpreter")
     cases = ("pass", "import typing, enum", "import lika_encoders", *(f"import lika_encoders.{n}" for n in families()))

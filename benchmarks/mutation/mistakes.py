@@ -39,7 +39,7 @@ class Mutant:
     @property
     def difference(self) -> str:
         """Return the mistake as one line of Markdown, as a diff of the files would show it."""
-        return f"{_shown(self.place.value)} -> {_shown(self.changes[0][1])}"
+        return f"{_as_code(self.place.value)} -> {_as_code(self.changes[0][1])}"
 
     @property
     def is_left_out(self) -> bool:
@@ -85,11 +85,11 @@ def mutated(document: Document, mutant: Mutant) -> dict[str, Any]:
     """Return the data of a document with the mistake. Unchanged parts are shared."""
     data = document.data
     for path, new in mutant.changes:
-        data = _replaced(data, path, new)
+        data = _with_value(data, path, new)
     return data
 
 
-def _replaced(node: Any, path: Path, new: Any) -> Any:
+def _with_value(node: Any, path: Path, new: Any) -> Any:
     step, remaining_path = path[0], path[1:]
     if isinstance(node, list):
         assert isinstance(step, int)
@@ -97,12 +97,12 @@ def _replaced(node: Any, path: Path, new: Any) -> Any:
             return node[:step] + node[step + 1 :]
         return [
             *node[:step],
-            new if not remaining_path else _replaced(node[step], remaining_path, new),
+            new if not remaining_path else _with_value(node[step], remaining_path, new),
             *node[step + 1 :],
         ]
     if not remaining_path and new is Gone.GONE:
         return {key: value for key, value in node.items() if key != step}
-    return {**node, step: new if not remaining_path else _replaced(node[step], remaining_path, new)}
+    return {**node, step: new if not remaining_path else _with_value(node[step], remaining_path, new)}
 
 
 def _mistakes(place: Place, document: Document) -> Iterator[tuple[str, tuple[Change, ...]]]:
@@ -115,7 +115,7 @@ def _mistakes(place: Place, document: Document) -> Iterator[tuple[str, tuple[Cha
         of_value = _mistakes_in_value(place, document)
         yield from ((mistake, ((path, new),)) for mistake, new in of_value if new != value)
         if not in_prose:
-            yield from _exchanged(place, document)
+            yield from _exchange_with_next(place, document)
     if in_prose:
         return
     if isinstance(path[-1], int) or place.keys.endswith(".NAME"):
@@ -136,7 +136,7 @@ def _mistakes_in_value(place: Place, document: Document) -> Iterator[tuple[str, 
         yield "sign lost", -value
         yield from ((mistake, -number) for mistake, number in _mistakes_in_number(-value, str(-value)))
     elif isinstance(value, int):
-        yield from _mistakes_in_number(value, _written(place, document))
+        yield from _mistakes_in_number(value, _number_as_written(place, document))
     elif isinstance(value, float):
         yield from ((mistake, float(text)) for mistake, text in _mistakes_in_text(str(value), bare=False))
     elif isinstance(value, str) and "enum" in schema:
@@ -152,7 +152,7 @@ def _mistakes_in_value(place: Place, document: Document) -> Iterator[tuple[str, 
                 yield from _mistakes_in_expression(value, document.data.get("parameters", {}))
 
 
-def _written(place: Place, document: Document) -> str:
+def _number_as_written(place: Place, document: Document) -> str:
     """Return a number as it is written in the file."""
     line, column = document.position(place.path)
     match = _NUMBER.match(document.line(line), column - 1)
@@ -222,7 +222,7 @@ def _mistakes_in_label(label: str) -> Iterator[tuple[str, str]]:
             yield mistake, label[: match.start()] + digits + label[match.end() :]
 
 
-def _exchanged(place: Place, document: Document) -> Iterator[tuple[str, tuple[Change, ...]]]:
+def _exchange_with_next(place: Place, document: Document) -> Iterator[tuple[str, tuple[Change, ...]]]:
     """Yield the exchange of this value and the next one, as if a reader had confused two rows of a table."""
     path = place.path
     for depth in (1, 2):
@@ -230,7 +230,7 @@ def _exchanged(place: Place, document: Document) -> Iterator[tuple[str, tuple[Ch
             return
         owner, step, remaining_path = path[: -depth - 1], path[-depth - 1], path[-depth:]
         siblings = _value_at(document.data, owner)
-        following = _following(siblings, step, place)
+        following = _next_step(siblings, step, place)
         if following is None:
             continue
         neighbour = (*owner, following, *remaining_path)
@@ -240,7 +240,7 @@ def _exchanged(place: Place, document: Document) -> Iterator[tuple[str, tuple[Ch
         return
 
 
-def _following(siblings: Any, step: str | int, place: Place) -> str | int | None:
+def _next_step(siblings: Any, step: str | int, place: Place) -> str | int | None:
     """Return the step to the item after this one, in a list or in a map with free names."""
     if isinstance(siblings, list) and isinstance(step, int):
         return step + 1 if step + 1 < len(siblings) else None
@@ -260,7 +260,7 @@ def _value_at(data: Any, path: Path) -> Any:
     return data
 
 
-def _shown(value: Any) -> str:
+def _as_code(value: Any) -> str:
     if isinstance(value, Gone):
         return value.value
     text = " ".join(str(value).split())

@@ -127,7 +127,7 @@ def places(document: Document) -> Iterator[Place]:
     """Yield every value in a device or manufacturer file. Containers come after their content."""
     kind = "device" if "device" in document.data else "manufacturer"
     schema = load_schema(kind)
-    yield from (place for place in _inside((), "", document.data, schema, _Language(schema)) if place.keys)
+    yield from (place for place in _places_inside((), "", document.data, schema, _Language(schema)) if place.keys)
 
 
 @dataclass(frozen=True)
@@ -145,7 +145,7 @@ class _Language:
         return inner or name, {**schema, **definition}
 
 
-def _inside(
+def _places_inside(
     path: Path, keys: str, value: Any, schema: Mapping[str, Any], language: _Language, optional: bool = False
 ) -> Iterator[Place]:
     kind, followed = language.followed(schema)
@@ -157,11 +157,13 @@ def _inside(
             below = "interfaces.NAME" if keys == "interfaces" else below
             inner = properties[key] if key in properties else followed.get("additionalProperties", {})
             free = key not in followed.get("required", ())
-            yield from _inside((*path, key), below, member, inner if isinstance(inner, dict) else {}, language, free)
+            yield from _places_inside(
+                (*path, key), below, member, inner if isinstance(inner, dict) else {}, language, free
+            )
     elif isinstance(value, list):
         for index, member in enumerate(value):
             below = f"{keys}.HAZARD" if keys == "characteristics" and _is_hazard(member) else keys
-            yield from _inside((*path, index), below, member, followed.get("items", {}), language)
+            yield from _places_inside((*path, index), below, member, followed.get("items", {}), language)
 
 
 def _is_hazard(characteristic: Mapping[str, Any]) -> bool:

@@ -65,7 +65,7 @@ _REASONS = (
 
 def reason(mutant: Mutant) -> str:
     """Return the reason why a mutant passes. If it is empty, the mutant is a gap."""
-    return next(_fitting(mutant), "")
+    return next(_matching_reasons(mutant), "")
 
 
 def explanation(name: str) -> str:
@@ -73,7 +73,7 @@ def explanation(name: str) -> str:
     return next(text for reason_name, text, _ in _REASONS if reason_name == name)
 
 
-def _fitting(mutant: Mutant) -> Iterator[str]:
+def _matching_reasons(mutant: Mutant) -> Iterator[str]:
     facts = {
         "fact": mutant.fact,
         "keys": mutant.place.keys,

@@ -9,7 +9,7 @@ from pathlib import PurePath
 
 from codewheel.language.second_reading import is_second
 
-from .campaign import Tried
+from .campaign import TriedMutant
 from .effects import Effect
 from .mistakes import code_span
 from .places import MOST, STRICT, WITNESSES
@@ -68,7 +68,7 @@ class Outcome:
         crashes: Crashes of the tool itself.
     """
 
-    def __init__(self, trial: Trial, tried_mutants: Iterable[Tried]) -> None:
+    def __init__(self, trial: Trial, tried_mutants: Iterable[TriedMutant]) -> None:
         self.rows: dict[str, Row] = {}
         self.passed: list[Passed] = []
         self.crashes: list[str] = []
@@ -76,7 +76,7 @@ class Outcome:
             self._add(trial, tried)
         self.passed.sort(key=lambda passed: (passed.reason, passed.place, passed.difference))
 
-    def _add(self, trial: Trial, tried: Tried) -> None:
+    def _add(self, trial: Trial, tried: TriedMutant) -> None:
         mutant, word = tried.mutant, tried.verdict.word
         row = self.rows.setdefault("second readings" if is_second(mutant.file) else mutant.fact, Row())
         row.mutants += 1
@@ -89,7 +89,7 @@ class Outcome:
         else:
             self._add_passed(trial, tried, row)
 
-    def _add_passed(self, trial: Trial, tried: Tried, row: Row) -> None:
+    def _add_passed(self, trial: Trial, tried: TriedMutant, row: Row) -> None:
         mutant, effect = tried.mutant, tried.verdict.effect
         if mutant.is_left_out or effect is Effect.READING:
             row.left_out += 1
@@ -115,18 +115,18 @@ class Outcome:
 
     def sums(self) -> Iterator[tuple[str, Row]]:
         """Yield the sums below the table."""
-        yield "classes with *", self.of(self._known & STRICT)
-        yield "all classes", self.of(self._known)
+        yield "classes with *", self.of(self._classes & STRICT)
+        yield "all classes", self.of(self._classes)
 
     @property
-    def _known(self) -> set[str]:
+    def _classes(self) -> set[str]:
         return set(self.rows) - {"second readings"}
 
 
 def table(outcome: Outcome) -> list[str]:
     """Return the table of a campaign as Markdown. An asterisk marks classes in which no mutant may pass."""
     rows = [("class", _HEADINGS), ("---", ("---:",) * len(_HEADINGS))]
-    rows += [(f"{name}{' *' * (name in STRICT)}", outcome.rows[name].cells()) for name in _sorted(outcome.rows)]
+    rows += [(f"{name}{' *' * (name in STRICT)}", outcome.rows[name].cells()) for name in _sorted_classes(outcome.rows)]
     rows += [(f"**{name}**", row.cells()) for name, row in outcome.sums()]
     width = max(len(name) for name, _ in rows)
     lines = []
@@ -136,7 +136,7 @@ def table(outcome: Outcome) -> list[str]:
     return lines
 
 
-def _sorted(names: Iterable[str]) -> list[str]:
+def _sorted_classes(names: Iterable[str]) -> list[str]:
     return sorted(names, key=lambda name: (name not in STRICT, name in WITNESSES, name.casefold()))
 
 
@@ -147,7 +147,7 @@ def exceeded(outcome: Outcome) -> list[str]:
     return [f"{name}: {share:.1%} pass, at most {MOST[name]:.0%} may" for name, share in excessive.items()]
 
 
-def _listed(words: Iterable[str]) -> str:
+def _joined_words(words: Iterable[str]) -> str:
     *first, last = words
     return f"{', '.join(first)} and {last}" if first else last
 
@@ -172,7 +172,7 @@ def page(outcome: Outcome, command: str, files: Sequence[str]) -> str:
 # Mutants
 
 This page shows which mistakes of a transcriber `check` detects. `{command}` plants mistakes, one at a time, in
-{_listed(map(code_span, files))}, and runs `check` on each. The command writes this page, so do not edit it.
+{_joined_words(map(code_span, files))}, and runs `check` on each. The command writes this page, so do not edit it.
 
 A mistake is a lost, swapped or misread digit, an extra zero, a number that is off by one, a flipped bit or boolean,
 another word of a list, another name, a lost letter in a name, an omitted item or key, two items in the wrong order, or

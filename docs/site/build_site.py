@@ -103,11 +103,11 @@ def _own_page(name: str) -> str:
     """Return a page next to this script with its links moved to the top of the site, where the page is."""
     folder = HERE.relative_to(ROOT).as_posix()
 
-    def moved(match: re.Match[str]) -> str:
+    def move_link(match: re.Match[str]) -> str:
         target = posixpath.normpath(posixpath.join(folder, match[2])).removeprefix(f"{folder}/")
         return match[1] + target
 
-    return _OWN_LINK.sub(moved, (HERE / name).read_text(encoding="utf-8"))
+    return _OWN_LINK.sub(move_link, (HERE / name).read_text(encoding="utf-8"))
 
 
 def linked(source: Path) -> Iterator[Path]:

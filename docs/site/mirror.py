@@ -34,10 +34,10 @@ class Mirror(SphinxTransform):
         self._name_headings()
         for reference in self.document.findall(nodes.reference):
             if "refuri" in reference:
-                reference["refuri"] = self._leads_to(reference["refuri"])
+                reference["refuri"] = self._resolved(reference["refuri"])
         anchors = [name for section in self.document.findall(nodes.section) for name in section["ids"]]
         for raw in list(self.document.findall(nodes.raw)):
-            html = _TARGET.sub(lambda match: f'{match[1]}="{self._leads_to(match[3])}"', raw.rawsource or raw.astext())
+            html = _TARGET.sub(lambda match: f'{match[1]}="{self._resolved(match[3])}"', raw.rawsource or raw.astext())
             raw.clear()
             raw.rawsource = html
             raw.append(nodes.Text(html))
@@ -59,7 +59,7 @@ class Mirror(SphinxTransform):
             if name:
                 section["ids"] = [name]
 
-    def _leads_to(self, target: str) -> str:
+    def _resolved(self, target: str) -> str:
         path, mark, anchor = target.partition("#")
         if not path or ":" in path:
             return target

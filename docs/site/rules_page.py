@@ -49,7 +49,7 @@ class Example:
         faulty = lines[self.line - 1]
         depth = len(faulty) - len(faulty.lstrip())
         above = [line for line in lines[: self.line - 1] if len(line) - len(line.lstrip()) < depth]
-        return [_cut(line) for line in [*above[-1:], faulty]]
+        return [_shortened(line) for line in [*above[-1:], faulty]]
 
 
 def examples() -> dict[str, Example]:
@@ -70,11 +70,17 @@ def _complexity(example: Example) -> tuple[int, int, int]:
 
 
 def rules_page() -> str:
-    parts = [_INTRODUCTION, "## Rules of check", *map(_shown, examples().values()), "## Rules of diff", _diff_rules()]
+    parts = [
+        _INTRODUCTION,
+        "## Rules of check",
+        *map(_example_section, examples().values()),
+        "## Rules of diff",
+        _diff_rules(),
+    ]
     return "\n\n".join(parts) + "\n"
 
 
-def _shown(example: Example) -> str:
+def _example_section(example: Example) -> str:
     yaml_lines = "\n".join(example.lines)
     path = example.spec.relative_to(ROOT).as_posix()
     head = f"### {text(example.rule)}\n\n{text(example.message)}"
@@ -89,7 +95,7 @@ def _diff_rules() -> str:
     return table(["Rule", "When", *TITLES.values(), "Why"], rows)
 
 
-def _cut(line: str) -> str:
+def _shortened(line: str) -> str:
     return line if len(line) <= _WIDEST else line[: _WIDEST - 1] + "…"
 
 

@@ -201,7 +201,10 @@ class Encoders(Domain):
     def _page_with(self, device: Device, entry: SearchEntry) -> str:
         """Return the page that describes an entry: the page for its interface, or otherwise the first one."""
         pages = self._pages_with.get((device.name, entry.anchor), ())
-        return next((page for page in pages if entry.interface and _is_of(page, entry.interface)), (*pages, "")[0])
+        return next(
+            (page for page in pages if entry.interface and _is_page_of_interface(page, entry.interface)),
+            (*pages, "")[0],
+        )
 
     @cached_property
     def _pages_with(self) -> dict[tuple[str, str], list[str]]:
@@ -216,7 +219,7 @@ class Encoders(Domain):
         return pages_by_anchor
 
 
-def _is_of(page: str, interface: str) -> bool:
+def _is_page_of_interface(page: str, interface: str) -> bool:
     return interface in page.rpartition("/")[2].split("-")
 
 

@@ -31,15 +31,15 @@ class Line:
         The label is a whole line in one of the first two cells.
         """
         if len(self.cells) == 1:
-            return any(_in(label, line) and _in(value, line) for line in self.cells[0])
-        return self.is_called(label) and any(_in(value, line) for cell in self.cells for line in cell)
+            return any(_contains_words(label, line) and _contains_words(value, line) for line in self.cells[0])
+        return self.is_called(label) and any(_contains_words(value, line) for cell in self.cells for line in cell)
 
     def is_called(self, label: str) -> bool:
         called = self.cells[: max(2, len(self.cells) - 1)]
-        return any(_same(label, line) or label in _listed(line) for cell in called for line in cell)
+        return any(_is_same_text(label, line) or label in _contacts_in(line) for cell in called for line in cell)
 
     def has_cell(self, value: str) -> bool:
-        return any(_same(value, line) for cell in self.cells for line in cell)
+        return any(_is_same_text(value, line) for cell in self.cells for line in cell)
 
 
 @dataclass
@@ -51,22 +51,24 @@ class Section:
     lines: list[Line] = field(default_factory=list)
     inner: list[Section] = field(default_factory=list)
 
-    def every(self) -> Iterator[Section]:
+    def all_sections(self) -> Iterator[Section]:
         yield self
         for section in self.inner:
-            yield from section.every()
+            yield from section.all_sections()
 
     def statements(self) -> Iterator[Line]:
         """Return everything in it, including headings."""
-        for section in self.every():
+        for section in self.all_sections():
             yield Line(((section.heading,),))
             yield from section.lines
 
     def within(self, words: str) -> list[Section]:
         """Return the inner sections whose heading has the words, or else those whose first line has them."""
-        inside = [section for section in self.every() if section is not self]
-        titled = [section for section in inside if _in(words, section.heading)]
-        return titled or [section for section in inside if section.lines and _in(words, _first(section))]
+        inside = [section for section in self.all_sections() if section is not self]
+        titled = [section for section in inside if _contains_words(words, section.heading)]
+        return titled or [
+            section for section in inside if section.lines and _contains_words(words, _first_line(section))
+        ]
 
 
 def read(page: str) -> Section:
@@ -98,7 +100,7 @@ def _heading(row: str) -> tuple[int, str] | None:
     return (2, heading[1]) if (heading := _FOLD.fullmatch(row)) else None
 
 
-def _listed(line: str) -> set[str]:
+def _contacts_in(line: str) -> set[str]:
     """Return the contacts in a cell of a table of pins: ``7, 8 (8 pins), 7 to 12 (12 pins)``."""
     contacts = set[str]()
     if ":" in line:
@@ -147,16 +149,16 @@ def _plain(text: str) -> str:
     return " ".join(words.replace("**", "").split())
 
 
-def _first(section: Section) -> str:
+def _first_line(section: Section) -> str:
     return " ".join(line for cell in section.lines[0].cells for line in cell)
 
 
-def _in(words: str, line: str) -> bool:
+def _contains_words(words: str, line: str) -> bool:
     """Return True if the line has the words, in any case, but not as parts of other words, numbers or ranges."""
     alone = rf"(?<![\w:.])(?<!to ){re.escape(words)}(?!\w|[:.]\d| to \d)"
     return re.search(alone, line, re.IGNORECASE) is not None
 
 
-def _same(words: str, line: str) -> bool:
+def _is_same_text(words: str, line: str) -> bool:
     """Return True if the words are the whole line, ignoring case and spaces."""
     return "".join(words.casefold().split()) == "".join(line.casefold().split())

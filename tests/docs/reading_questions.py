@@ -73,9 +73,9 @@ class Reading:
         quantities = _numbers(sets)
         for name, parameter in self.facts["parameters"].items():
             if "equals" in parameter:
-                quantities[name] = evaluated(parameter["equals"], quantities)
+                quantities[name] = evaluate(parameter["equals"], quantities)
             elif "read_from" in parameter:
-                quantities[name] = self.delivered(parameter["read_from"])
+                quantities[name] = self.default_of(parameter["read_from"])
         for sets in reversed(self.decisions.values()):
             quantities |= sets
         return quantities
@@ -86,7 +86,7 @@ class Reading:
         values = self.facts.get("alternatives", [{"values": {}}])[-1]["values"]
         return {name: _numbers(answer["sets"]) for name, answer in values.items()}
 
-    def delivered(self, path: str) -> int:
+    def default_of(self, path: str) -> int:
         register_name, _, field_name = path.partition(".")
         register = next(raw for raw in self.facts["registers"] if raw["name"] == register_name)
         field = next(raw for raw in register["fields"] if raw["name"] == field_name)
@@ -109,14 +109,14 @@ def _numbers(texts: Mapping[str, str]) -> dict[str, int]:
     return {name: int(text, 0) for name, text in texts.items()}
 
 
-def evaluated(text: str, quantities: Numbers) -> int:
+def evaluate(text: str, quantities: Numbers) -> int:
     """Return the value of a sum, difference, product or power of numbers and quantities."""
-    return _value(ast.parse(text.replace("^", "**"), mode="eval").body, quantities)
+    return _evaluate(ast.parse(text.replace("^", "**"), mode="eval").body, quantities)
 
 
-def _value(node: ast.expr, quantities: Numbers) -> int:
+def _evaluate(node: ast.expr, quantities: Numbers) -> int:
     if isinstance(node, ast.BinOp):
-        first, second = _value(node.left, quantities), _value(node.right, quantities)
+        first, second = _evaluate(node.left, quantities), _evaluate(node.right, quantities)
         signs = {ast.Add: first.__add__, ast.Sub: first.__sub__, ast.Mult: first.__mul__, ast.Pow: first.__pow__}
         return int(signs[type(node.op)](second))
     return quantities[node.id] if isinstance(node, ast.Name) else int(ast.unparse(node), 0)
@@ -131,7 +131,7 @@ def questions(only: str = "") -> list[Question]:
             codes = [code for code in reading.codes if template.is_about(*code[:2]) and only in ("", code[0])]
             if codes:
                 code, _, sets = codes[next(turn) % len(codes)]
-                all_questions.append(template.of(reading.family, code, reading.numbers(sets)))
+                all_questions.append(template.question_for(reading.family, code, reading.numbers(sets)))
     return [question for question in all_questions if question.answer]
 
 
@@ -159,7 +159,7 @@ class QuestionTemplate:
         """Return True if an order code with this interface has it."""
         return interface == self.interface and applies_to(self.only, order_code)
 
-    def of(self, family: str, order_code: str, numbers: Numbers) -> Question:
+    def question_for(self, family: str, order_code: str, numbers: Numbers) -> Question:
         answer = self.answer if isinstance(self.answer, str) else self.answer(numbers)
         whole = self.kind in ("pin", "colour")
         codes = self.near_only or ("",) * len(self.near)
@@ -220,22 +220,22 @@ def _about_frame(reading: Reading, interface: str, layouts: Sequence[Raw], layou
         if "name" in field:
             in_bytes = layout.get("carried_as", "bytes" if interface == "rs485" else "bits") == "bytes"
             answer = _in_bytes(layout, field) if in_bytes else _in_bits(reading, layout, field)
-            yield QuestionTemplate(interface, "bit", where, _labels(field), answer, data_ids)
+            yield QuestionTemplate(interface, "bit", where, _labels_of(field), answer, data_ids)
 
 
 def _about_group(group: Raw) -> Iterator[QuestionTemplate]:
-    where = (("Frames",), _labels(group))
+    where = (("Frames",), _labels_of(group))
     for field in group["fields"]:
         if "at" in field:
-            yield QuestionTemplate("rs485", "bit", where, _labels(field), _at(field))
+            yield QuestionTemplate("rs485", "bit", where, _labels_of(field), _place_of(field))
 
 
-def _at(field: Raw) -> str:
+def _place_of(field: Raw) -> str:
     high, _, low = field["at"].partition(":")
     return place(int(high), int(low or high))
 
 
-def _labels(described: Raw) -> tuple[str, ...]:
+def _labels_of(described: Raw) -> tuple[str, ...]:
     """Return the possible labels of its line: the manual's name, ours, and ours in words."""
     names = (described["name"], described["name"].replace("_", " "), described.get("printed_name", ""))
     return tuple(dict.fromkeys(filter(None, names)))
@@ -266,7 +266,7 @@ def _in_bits(reading: Reading, layout: Raw, field: Raw) -> Callable[[Numbers], s
 def _width(reading: Reading, field: Raw, numbers: Numbers) -> int:
     if "crc" in field:
         return next(int(crc["width"]) for crc in reading.facts["crcs"] if crc["name"] == field["crc"])
-    return evaluated(field.get("bits", "1"), numbers)
+    return evaluate(field.get("bits", "1"), numbers)
 
 
 def _in_bytes(layout: Raw, field: Raw) -> Callable[[Numbers], str]:
@@ -281,7 +281,7 @@ def _in_bytes(layout: Raw, field: Raw) -> Callable[[Numbers], str]:
                 else int(earlier_field.get("padded_to", earlier_field.get("bits", "8"))) // 8
             )
             if earlier_field is field:
-                is_sent = "crc" in earlier_field or evaluated(earlier_field["bits"], numbers) > 0
+                is_sent = "crc" in earlier_field or evaluate(earlier_field["bits"], numbers) > 0
                 where = f"byte {first}" if size == 1 else f"bytes {first} to {first + size - 1}"
                 return where if is_sent else ""
             first += size
@@ -314,7 +314,7 @@ def _about_register(register: Raw) -> Iterator[QuestionTemplate]:
     first, last = f"{address:02X}h", f"{address + length - 1:02X}h"
     addresses = first if length == 1 else f"{first} to {last}"
     interface, where = register.get("interface", "biss"), (("Registers",), (addresses,))
-    yield QuestionTemplate(interface, "address", (("Registers",),), _labels(register), addresses)
+    yield QuestionTemplate(interface, "address", (("Registers",),), _labels_of(register), addresses)
     if length > 1:
         order = register["byte_order"].replace("_", " ")
         yield QuestionTemplate(interface, "byte order", where, ("Byte order",), f"{order}, at {first}")
@@ -327,20 +327,20 @@ def _about_register(register: Raw) -> Iterator[QuestionTemplate]:
     fields = register.get("fields", [])
     if len(fields) > 1 or (fields and "at" in fields[0]):
         for field in fields:
-            yield QuestionTemplate(interface, "bit", where, _labels(field), _in_register(register, field))
+            yield QuestionTemplate(interface, "bit", where, _labels_of(field), _in_register(register, field))
 
 
 def _in_register(register: Raw, field: Raw) -> str | Callable[[Numbers], str]:
     if "at" in field:
-        return _at(field)
+        return _place_of(field)
 
     def answer(numbers: Numbers) -> str:
         if "top_bit" in field:
-            high, width = int(field["top_bit"]), evaluated(field["bits"], numbers)
+            high, width = int(field["top_bit"]), evaluate(field["bits"], numbers)
             return place(high, high - width + 1) if width else ""
         high = 8 * int(register["length"]) - 1
         for upper_field in register["fields"]:
-            width = evaluated(upper_field["bits"], numbers)
+            width = evaluate(upper_field["bits"], numbers)
             if upper_field is field:
                 return place(high, high - width + 1)
             high -= width
@@ -362,7 +362,7 @@ def _about_procedure(procedure: Raw) -> Iterator[QuestionTemplate]:
 
 
 def _about_alarm(reading: Reading, alarm: Raw) -> Iterator[QuestionTemplate]:
-    where = (("Errors and warnings",), _labels(alarm))
+    where = (("Errors and warnings",), _labels_of(alarm))
     interface = "rs485" if "group" in alarm else "biss"
     assert interface in reading.facts["interfaces"]
     only = alarm.get("only", "")

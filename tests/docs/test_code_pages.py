@@ -33,7 +33,7 @@ def page_of(files: Files, code: str) -> str:
     return files[f"docs/{links[0]}"]
 
 
-def of_codes(files: Files) -> Files:
+def order_code_pages(files: Files) -> Files:
     """Return the pages of order codes: those whose names have capital letters."""
     return {name: page for name, page in files.items() if re.fullmatch(r"docs/[^/]+/.*[A-Z].*\.md", name)}
 
@@ -49,11 +49,11 @@ def test_the_index_leads_from_every_order_code_to_a_page_that_names_it(library: 
 
 def test_there_is_no_page_beside_them(library: Library, pages: Files) -> None:
     linked = set(re.findall(r"\[`[^]]*\]\(([^)]+/[^)]+\.md)\)", pages["docs/README.md"]))
-    assert linked == {name.removeprefix("docs/") for name in of_codes(pages)}
+    assert linked == {name.removeprefix("docs/") for name in order_code_pages(pages)}
 
 
 def test_numbers_stand_in_place_of_quantities(pages: Files) -> None:
-    for name, page in of_codes(pages).items():
+    for name, page in order_code_pages(pages).items():
         before, _, after = page.partition('<a id="quantities"></a>')
         besides = before + after.partition("</details>")[2]
         spans = [span for line in besides.splitlines() for span in line.split("`")[1::2]]
@@ -114,7 +114,7 @@ def test_a_width_is_that_of_the_order_code(pages: Files) -> None:
     assert "It has 37 bits, most significant" in biss
     assert "The word has as many bits as the position, 37, and starts" in ssi
     assert "| 37 bits | Width of the whole position, revolutions included. The manual calls it" in biss
-    for page in of_codes(pages).values():
+    for page in order_code_pages(pages).values():
         assert not re.search(r"\b(?:17 to 39|20 to 25)\b", page.partition('<a id="errata">')[0])
     assert "It has 17 to 39 bits" in pages["docs/amm5/biss.md"]
 

@@ -37,7 +37,7 @@ def hostile_files(hostile: Library) -> Files:
     return generate(hostile)
 
 
-def of_family(files: Files, name: str) -> str:
+def family_pages_text(files: Files, name: str) -> str:
     """Return the pages of a family, except those of order codes, as one text."""
     family_pages = [page for path, page in files.items() if re.fullmatch(rf"docs/{name}(/[a-z0-9]+)?\.md", path)]
     return "\n".join(family_pages)
@@ -88,7 +88,7 @@ def unlinked(page: str) -> str:
 
 def test_everything_is_named(library: Library, files: Files) -> None:
     for device in library.devices:
-        page = of_family(files, device.name)
+        page = family_pages_text(files, device.name)
         missing = [name for name in names(device) if f"`{name}`" not in page and f"### {heading(name)}\n" not in page]
         assert missing == []
         missing_sources = [source for source in sources(device) if source not in page]
@@ -189,7 +189,7 @@ def test_what_a_flag_makes_of_the_position(files: Files) -> None:
 def test_every_text_of_the_plain_data_is_on_the_page(library: Library, files: Files) -> None:
     """Names in every language, meanings, notes, signals, table cells: everything that show --json prints is there."""
     for device in library.devices:
-        page = unlinked(of_family(files, device.name))
+        page = unlinked(family_pages_text(files, device.name))
         expected = [(key, value) for key, value in leaves(device_dump(device)) if key not in WORDS]
         missing = {(key, value) for key, value in expected if not is_on_page(value, page)}
         of_editions = [erratum for erratum in device.errata if erratum.edition]
@@ -213,7 +213,7 @@ def is_on_page(value: str, page: str) -> bool:
 def test_every_erratum_is_named_where_it_matters(library: Library, files: Files) -> None:
     for device in library.devices:
         other_files = {name: page for name, page in files.items() if name != f"docs/{device.name}/errata.md"}
-        family_text = of_family(other_files, device.name)
+        family_text = family_pages_text(other_files, device.name)
         affecting = [erratum.name for erratum in device.errata if erratum.affects]
         assert [name for name in affecting if f"errata.md#erratum-{name})" not in family_text] == []
 
@@ -351,7 +351,7 @@ def test_pictures_are_well_formed_and_nothing_leaves_the_card(files: Files) -> N
 
 
 def test_places_as_worked_out_by_hand(files: Files) -> None:
-    page = of_family(files, "amm5")
+    page = family_pages_text(files, "amm5")
     assert "| `AMM5A21/65KSC1`, `AMM5B21/65KSC1` | 45 | 44:29 | 28:8 |" in page
     assert "| `AMM5A17/1SC1`, `AMM5B17/1SC1` | – | 48:33 | 32:16 | 15:0 |" in page
     assert f"| with its top bit | {code('0x43')} = 67 = {code('1000011b')} |" in page
@@ -391,7 +391,7 @@ def page_of(tmp_path: Path, *changes: tuple[str, str]) -> str:
     )
     devices, report = load_library([tmp_path])
     assert not report.problems, report.problems[0].format()
-    return of_family(generate(Library(devices)), "minimal")
+    return family_pages_text(generate(Library(devices)), "minimal")
 
 
 def test_no_table_is_empty(files: Files, tmp_path: Path) -> None:
@@ -442,7 +442,7 @@ def test_the_bank_stands_in_the_table_of_registers(files: Files) -> None:
 
 def test_one_of_a_thing_is_no_plural(files: Files) -> None:
     """ASC85 has no turns, and prints one time-out."""
-    page = of_family(files, "asc85")
+    page = family_pages_text(files, "asc85")
     assert ", 1 revolution |" in page
     assert not re.search(r"\b1 revolutions\b", page)
     assert "| Time-out | varies with the clock, 350 ns at 10 MHz |" in page

@@ -36,7 +36,7 @@ def files(root: Path, place: str) -> list[Path]:
     return sorted({path for pattern in PLACES[place] for path in root.glob(pattern) if path.is_file()})
 
 
-def once(paths: list[Path]) -> Iterator[tuple[Path, Text]]:
+def distinct_texts(paths: list[Path]) -> Iterator[tuple[Path, Text]]:
     """Yield the texts of the files, without repetitions."""
     yielded = set()
     for path in paths:
@@ -77,7 +77,7 @@ def densities(samples: list[Text]) -> tuple[int, dict[str, float]]:
     "place", [pytest.param(place, marks=pytest.mark.slow) if place in LAST else place for place in PLACES]
 )
 def test_texts_avoid_the_phrases_and_patterns(place: str) -> None:
-    found_texts = list(once(files(ROOT, place)))
+    found_texts = list(distinct_texts(files(ROOT, place)))
     lines = [line for path, text in found_texts for line in findings(ROOT, path, text)]
     words, measured = densities([text for _, text in found_texts])
     if words >= ENOUGH_WORDS:

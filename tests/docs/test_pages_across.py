@@ -69,7 +69,7 @@ def numbers(text: str, base: int) -> list[int]:
     return [int(number, base) for number in re.findall(pattern, text)]
 
 
-def holds(cell: str, value: object) -> bool:
+def shows_value(cell: str, value: object) -> bool:
     """Return True if a cell shows this content: a number, a text, or an expression by its parameter."""
     inner = cell.split("`")[1]
     if cell.endswith("by order code"):
@@ -85,7 +85,7 @@ def test_addresses_and_contents_by_which_an_encoder_is_recognised(devices: Mappi
         ((addresses, device, register_name),) = LINK.findall(where)
         (register,) = (register for register in devices[device].registers if register.name == register_name)
         assert numbers(addresses, 16) == sorted({register.address, register.address + register.length - 1}), where
-        assert any(holds(content, field.equals) for field in register.layout.fields), (name, content)
+        assert any(shows_value(content, field.equals) for field in register.layout.fields), (name, content)
     for _, _, links in cells(page, "## Byte order of registers"):
         for addresses, device, register_name in LINK.findall(links):
             (register,) = (register for register in devices[device].registers if register.name == register_name)

@@ -42,7 +42,7 @@ def places(page: Section, question: Question) -> list[Section]:
     for names in question.where:
         sections = _within(sections, names)
     if question.near:
-        sections = [inner for section in sections for inner in section.every()]
+        sections = [inner for section in sections for inner in section.all_sections()]
     matching = [section for section in sections if _has_all(section, question.near)]
     return sorted(matching, key=lambda section: len(section.lines))
 

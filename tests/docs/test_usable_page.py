@@ -97,7 +97,7 @@ def test_the_table_is_what_the_reference_codec_decides(library: Library, page: s
             assert f"`{decided.value}`" == verdict, (layout.name, name)
             names_by_layout.setdefault((device.name, layout.name), set()).add(speaks)
             if speaks in {field.name for field in layout.fields}:
-                assert when.startswith(level(layout, speaks)), (layout.name, name)
+                assert when.startswith(active_value(layout, speaks)), (layout.name, name)
     deciding_fields = {}
     for device in library.devices:
         for kind, layout in device.layouts():
@@ -108,7 +108,7 @@ def test_the_table_is_what_the_reference_codec_decides(library: Library, page: s
     assert all(names & {"none of these", "no field decides"} for names in names_by_layout.values())
 
 
-def level(layout: Layout, name: str) -> str:
+def active_value(layout: Layout, name: str) -> str:
     field = layout.field(name)
     match field.kind:
         case Flag(active_low=low):

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from codewheel.commands.cli import main
 from codewheel.masters.sheet import sheet
-from test_master_limits import changed
+from test_master_limits import record_with
 
 RecordOf = Callable[[str], Any]
 
@@ -132,7 +132,7 @@ def test_power_fail_bit_in_the_gray_code_of_keb(
     assert settings["SSI data format"].split()[0] == str(2 + 8 + 16)
     for master in ("omron_nx", "siemens_posinput", "synapticon", "linuxcnc_hostmot2", "galil_ssi", "beckhoff_el5042"):
         assert settings_of(capsys, tmp_path, master)["refusals"], master
-    low = changed(record_of("AM3616/4096-GG"), coding="gray_with_status", status_active="low", status_bits=1)
+    low = record_with(record_of("AM3616/4096-GG"), coding="gray_with_status", status_active="low", status_bits=1)
     assert [refusal.reason for refusal in sheet(masters["keb_f6"], low).refusals] == [
         "A Power Fail Bit is 1 for an error. For this encoder: status active low."
     ]
@@ -165,13 +165,13 @@ def test_encoder_resolution_of_omron(
 def test_remainder_gray_code_of_omron(masters: Any, record_of: RecordOf) -> None:
     """W524 p. 7-46: a singleturn encoder has its resolution, a multiturn encoder in Gray code must have 0."""
     encoder = record_of("AM3616/4096-GG")
-    single = changed(encoder, multiturn_bits=0, singleturn_bits=9, counts_per_turn=360, singleturn_codes="some")
+    single = record_with(encoder, multiturn_bits=0, singleturn_bits=9, counts_per_turn=360, singleturn_codes="some")
     values = {setting.name: setting.value for setting in sheet(masters["omron_nx"], single).settings}
     assert values["Encoder Resolution"] == 360
-    multi = changed(encoder, singleturn_bits=9, counts_per_turn=360, singleturn_codes="some")
+    multi = record_with(encoder, singleturn_bits=9, counts_per_turn=360, singleturn_codes="some")
     (refusal,) = sheet(masters["omron_nx"], multi).refusals
     assert refusal.reason.startswith("For a multiturn encoder with Gray code, Encoder Resolution must be 0.")
-    unknown = changed(single, counts_per_turn=None, singleturn_codes="unknown")
+    unknown = record_with(single, counts_per_turn=None, singleturn_codes="unknown")
     settings = sheet(masters["omron_nx"], unknown).settings
     (setting,) = [setting for setting in settings if setting.name == "Encoder Resolution"]
     assert (setting.value, setting.text) == (None, "unknown: not in the encoder's spec (counts per revolution)")

@@ -77,7 +77,7 @@ OBJECTS = [
 
 SheetOf = Callable[[str, str], Sheet]
 RecordOf = Callable[[str], Record]
-Written = Callable[..., str]
+FileOf = Callable[..., str]
 
 
 def format_names(master: Master) -> list[str]:
@@ -89,7 +89,7 @@ def rule_of(master: Master, name: str) -> Raw:
 
 
 @pytest.fixture
-def written(devices: Mapping[str, Device], sheet_of: SheetOf) -> Written:
+def file_of(devices: Mapping[str, Device], sheet_of: SheetOf) -> FileOf:
     """Return the file of a master for an order code."""
 
     def written_file(
@@ -105,8 +105,8 @@ def written(devices: Mapping[str, Device], sheet_of: SheetOf) -> Written:
 
 @pytest.mark.parametrize("name", SDO)
 @pytest.mark.parametrize(("master", "on", "expected"), OBJECTS)
-def test_objects_as_typed(written: Written, master: str, on: str, expected: readers.Objects, name: str) -> None:
-    assert getattr(readers, name)(written(master, name, on=on)) == expected
+def test_objects_as_typed(file_of: FileOf, master: str, on: str, expected: readers.Objects, name: str) -> None:
+    assert getattr(readers, name)(file_of(master, name, on=on)) == expected
 
 
 #: EL5042 for a scale of 4 zeros and 20 bits with BiSS, and for one with SSI: 22 bits in Gray code and an error bit.
@@ -118,26 +118,26 @@ OTHERS = [
 
 @pytest.mark.parametrize("name", SDO)
 @pytest.mark.parametrize(("code", "expected"), OTHERS)
-def test_other_encoders_as_typed(written: Written, code: str, expected: dict[int, int], name: str) -> None:
-    objects = getattr(readers, name)(written("beckhoff_el5042", name, code))
+def test_other_encoders_as_typed(file_of: FileOf, code: str, expected: dict[int, int], name: str) -> None:
+    objects = getattr(readers, name)(file_of("beckhoff_el5042", name, code))
     sizes = {subindex: 4 if subindex == 0x11 else 1 for subindex in expected}
     assert objects == {(0x8008, subindex): (value, sizes[subindex]) for subindex, value in expected.items()}
 
 
-def test_the_second_channel_is_a_comment(written: Written) -> None:
-    text = written("beckhoff_el5042", "ethercat_driver_ros2")
+def test_the_second_channel_is_a_comment(file_of: FileOf) -> None:
+    text = file_of("beckhoff_el5042", "ethercat_driver_ros2")
     lines = [line.replace("  # - {", "  - {") for line in text.splitlines() if "0x8018" in line]
     second = readers.ethercat_driver_ros2("\n".join(["sdo:", *lines]))
     assert second == {(0x8018, subindex): value for (_, subindex), value in EL5042.items()}
 
 
 def test_a_code_word_comes_first(
-    written: Written, masters: dict[str, Master], record_of: Callable[[str], Record]
+    file_of: FileOf, masters: dict[str, Master], record_of: Callable[[str], Record]
 ) -> None:
     """An encoder for 7 V to 30 V needs 9 V: F008 = 72657375h is written before 8008:12 = 90."""
     record = record_of(CODE)
     record = replace(record, numbers={**record.numbers, "supply_min_mv": 7000, "supply_max_mv": 30_000})
-    text = written("beckhoff_el5042", "ecmc", found=sheet(masters["beckhoff_el5042"], record))
+    text = file_of("beckhoff_el5042", "ecmc", found=sheet(masters["beckhoff_el5042"], record))
     objects = readers.ecmc(text)
     order = list(objects)
     assert order.index((0xF008, 0)) + 1 == order.index((0x8008, 0x12))
@@ -145,7 +145,7 @@ def test_a_code_word_comes_first(
 
 
 def test_a_device_without_a_clock_does_not_bar_the_others(
-    written: Written, masters: dict[str, Master], record_of: RecordOf
+    file_of: FileOf, masters: dict[str, Master], record_of: RecordOf
 ) -> None:
     """The EJ5042 has no clock between 500 kHz and 2.5 MHz, but the EL5042 has 1 MHz, which is 9."""
     record = record_of(CODE)
@@ -156,19 +156,19 @@ def test_a_device_without_a_clock_does_not_bar_the_others(
         "Not for EJ5042. Clock Frequency, EJ5042: no clock is between 1 MHz and 1 MHz"
     )
     assert settings_sheet.devices_with({}) == ["EL5042", "EP7041-4032"]
-    assert readers.ecmc(written("beckhoff_el5042", "ecmc", found=settings_sheet))[0x8008, 0x13] == (9, 1)
+    assert readers.ecmc(file_of("beckhoff_el5042", "ecmc", found=settings_sheet))[0x8008, 0x13] == (9, 1)
 
 
-def test_fastcat_as_typed(written: Written) -> None:
+def test_fastcat_as_typed(file_of: FileOf) -> None:
     expected = {1: 0, 2: 0, 3: 1, 0x11: 67, 0x12: 50, 0x13: 0, 0x14: 0, 0x15: 16, 0x16: 21, 0x17: 0, 0x18: 0}
-    assert readers.fastcat(written("beckhoff_el5042", "fastcat")) == expected
+    assert readers.fastcat(file_of("beckhoff_el5042", "fastcat")) == expected
     # SSI at 1 MHz, in Gray code: 22 bits, of which the lowest is the error bit after 4 zeros.
-    ssi = readers.fastcat(written("beckhoff_el5042", "fastcat", "SMA21-GG1-0010"))
+    ssi = readers.fastcat(file_of("beckhoff_el5042", "fastcat", "SMA21-GG1-0010"))
     assert (ssi[0x18], ssi[0x14], ssi[0x02], ssi[0x11], ssi[0x13]) == (1, 1, 1, 0, 9)
 
 
-def test_moteus_as_typed(written: Written) -> None:
-    assert readers.conf_set(written("moteus", "conf_set")) == {
+def test_moteus_as_typed(file_of: FileOf) -> None:
+    assert readers.conf_set(file_of("moteus", "conf_set")) == {
         "enabled": 1,
         "rate_hz": 1_000_000,
         "data_bits": 37,
@@ -176,14 +176,14 @@ def test_moteus_as_typed(written: Written) -> None:
     }
 
 
-def test_hostmot2_as_typed(written: Written) -> None:
+def test_hostmot2_as_typed(file_of: FileOf) -> None:
     config = "biss_chan_0=crc%6pnwarning%1bnerror%1bpositionlow%21lposition%16mh"
-    assert readers.hal(written("linuxcnc_hostmot2", "hal")) == (config, 10_000)
+    assert readers.hal(file_of("linuxcnc_hostmot2", "hal")) == (config, 10_000)
 
 
-def test_novanta_as_typed(written: Written) -> None:
+def test_novanta_as_typed(file_of: FileOf) -> None:
     """25 bits in all, 17 of them position from bit 8 up."""
-    assert readers.xcf(written("novanta", "xcf", "AMM5A17/1SC1")) == {
+    assert readers.xcf(file_of("novanta", "xcf", "AMM5A17/1SC1")) == {
         "FBK_BISS1_SSI1_PROTOCOL": 0,
         "FBK_BISS1_SSI1_FRAME_SIZE": 25,
         "FBK_BISS1_SSI1_FRAME_TYPE": 3,
@@ -195,8 +195,8 @@ def test_novanta_as_typed(written: Written) -> None:
     }
 
 
-def test_c_as_typed(written: Written) -> None:
-    assert readers.members(written("ti_c2000", "c_struct")) == {
+def test_c_as_typed(file_of: FileOf) -> None:
+    assert readers.members(file_of("ti_c2000", "c_struct")) == {
         "crcBits": 6,
         "crcPoly": 3,
         "crcStart": 0,
@@ -204,17 +204,17 @@ def test_c_as_typed(written: Written) -> None:
         "positionSTBits": 21,
     }
     expected = {"multi_turn_len": 16, "single_turn_len": 21, "baud_rate": 10}
-    assert readers.members(written("ti_motor_control_sdk", "c_struct")) == expected
+    assert readers.members(file_of("ti_motor_control_sdk", "c_struct")) == expected
 
 
-def test_registers_as_typed(written: Written) -> None:
+def test_registers_as_typed(file_of: FileOf) -> None:
     """B1CLTCONx: SCDLEN 38 in 5:0, SCDEN in 6, CRCLEN in 14:8. iC-MB3: SDLEN 38, ENSENS in 6, 21h, INVCRCS in 7."""
-    dspic = readers.defines(written("microchip_dspic33a", "c_registers"))
+    dspic = readers.defines(file_of("microchip_dspic33a", "c_registers"))
     for client in range(4):
         assert dspic[f"AMM5A21_65KSC1_B1CLTCON{client}_VALUE"] == 38 | 1 << 6 | 6 << 8
         assert dspic[f"AMM5A21_65KSC1_B1CLTCON{client}_MASK"] == 0xFFFFFFFF
     assert len(dspic) == 8
-    mb3 = readers.defines(written("ic_mb", "c_registers"))
+    mb3 = readers.defines(file_of("ic_mb", "c_registers"))
     assert len(mb3) == 18
     for slave in range(3):
         start = f"AMM5A21_65KSC1_ADDRESS_{192 + 4 * slave}"
@@ -225,9 +225,9 @@ def test_registers_as_typed(written: Written) -> None:
         assert (mb3[f"{start}_VALUE"], mb3[f"{start}_MASK"]) == (0, 0x80)
 
 
-def test_ax5000_as_typed(written: Written) -> None:
+def test_ax5000_as_typed(file_of: FileOf) -> None:
     """Bit offsets of P-0-0150 from its pages, UINT of 16 bits, little-endian."""
-    text = written("beckhoff_ax5000", "soe_structure")
+    text = file_of("beckhoff_ax5000", "soe_structure")
     rows = [line.split(";") for line in text.splitlines() if line.startswith("P-0-0150")]
     channel, biss = "P-0-0150 Parameter channel", "P-0-0150 Parameter channel / Data / BiSS"
     assert {(row[0], int(row[2])): (int(row[3]), int(row[4]), row[5]) for row in rows} == {
@@ -245,9 +245,9 @@ def test_ax5000_as_typed(written: Written) -> None:
 
 
 @pytest.mark.parametrize(("on", "divider"), [("Optima and Econo", 24), ("Accelera", 24)])
-def test_galil_as_typed(written: Written, on: str, divider: int) -> None:
+def test_galil_as_typed(file_of: FileOf, on: str, divider: int) -> None:
     """SMA21-GG1 takes 1 MHz: 25 MHz / (2 * 13) is 961,538 Hz with 12, and 27 MHz / (2 * 14) is 964,286 Hz with 13."""
-    text = written("galil_ssi", "dmc", "AMM5A21/65KBG1", on)
+    text = file_of("galil_ssi", "dmc", "AMM5A21/65KBG1", on)
     assert text.splitlines()[-1] == "SIA=1,37,21,0<4>1"
     assert all(line.startswith("REM ") for line in text.splitlines()[:-1])
 
@@ -284,7 +284,7 @@ def _with_mistake(master: Master, setting: str, key: str, wrong_value: Any) -> M
 def test_a_planted_mistake_changes_the_file(
     masters: dict[str, Master],
     record_of: Callable[[str], Record],
-    written: Written,
+    file_of: FileOf,
     master: str,
     name: str,
     setting: str,
@@ -292,10 +292,10 @@ def test_a_planted_mistake_changes_the_file(
     wrong_value: Any,
 ) -> None:
     """Every mistake reaches the file, so the typed values above fail with it."""
-    right_text = written(master, name)
+    right_text = file_of(master, name)
     wrong_sheet = sheet(_with_mistake(masters[master], setting, key, wrong_value), record_of(CODE))
     assert not wrong_sheet.refusals
-    wrong_text = written(master, name, found=wrong_sheet)
+    wrong_text = file_of(master, name, found=wrong_sheet)
     reader = getattr(readers, name, None)
     if reader is None:
         assert wrong_text != right_text
@@ -374,7 +374,7 @@ def test_bulk_files_have_every_order_code_as_a_comment(library: Library) -> None
 
 @pytest.mark.parametrize("name", [*SDO, "c_struct", "xcf"])
 def test_hostile_names_stay_in_comments(
-    masters: dict[str, Master], written: Written, record_of: RecordOf, name: str
+    masters: dict[str, Master], file_of: FileOf, record_of: RecordOf, name: str
 ) -> None:
     """A setting or document whose name would end a comment changes no value."""
     masters_with_format = (master for master in masters.values() if name in format_names(master))
@@ -386,8 +386,8 @@ def test_hostile_names_stay_in_comments(
         replace(master, settings=tuple(settings), documents=documents, writing=()), record_of("AMM5A17/1SC1")
     )
     reader = getattr(readers, name, readers.members)
-    text = written(master.name, name, found=hostile_sheet)
-    assert reader(text) == reader(written(master.name, name, "AMM5A17/1SC1"))
+    text = file_of(master.name, name, found=hostile_sheet)
+    assert reader(text) == reader(file_of(master.name, name, "AMM5A17/1SC1"))
     assert not any(line.endswith("\\") for line in text.splitlines() if line.startswith("//"))
 
 
@@ -451,6 +451,6 @@ def test_data_name_the_formats(capsys: pytest.CaptureFixture[str]) -> None:
     assert (files["keb_f5"], files["omron_nx"]) == ([], [])
 
 
-def test_the_command_prints_the_file(capsys: pytest.CaptureFixture[str], written: Written) -> None:
+def test_the_command_prints_the_file(capsys: pytest.CaptureFixture[str], file_of: FileOf) -> None:
     assert main(["master", CODE, "--master", "moteus", "--format", "conf_set"]) == 0
-    assert capsys.readouterr().out == written("moteus", "conf_set")
+    assert capsys.readouterr().out == file_of("moteus", "conf_set")

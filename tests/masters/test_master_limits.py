@@ -13,7 +13,7 @@ from codewheel.masters.sheet import Master, load_masters, sheet
 RecordOf = Callable[[str], Record]
 
 
-def changed(record: Record, **items: int | str | None) -> Record:
+def record_with(record: Record, **items: int | str | None) -> Record:
     words = {name: str(items.get(name, value)) for name, value in record.words.items()}
     numbers: Mapping[str, int | None]
     numbers = {name: items.get(name, value) for name, value in record.numbers.items()}  # type: ignore[misc]
@@ -115,8 +115,8 @@ def test_limits(
     reason: str,
 ) -> None:
     sound = record_of("AMM5A17/1SC1")
-    assert sheet(masters[master], changed(sound, **within)).refusals == ()
-    assert reason in [refusal.reason for refusal in sheet(masters[master], changed(sound, **beyond)).refusals]
+    assert sheet(masters[master], record_with(sound, **within)).refusals == ()
+    assert reason in [refusal.reason for refusal in sheet(masters[master], record_with(sound, **beyond)).refusals]
 
 
 @pytest.mark.parametrize(
@@ -133,7 +133,7 @@ def test_the_fastest_clock_that_both_have(
     masters: dict[str, Master], record_of: RecordOf, slowest: int, fastest: int, clock: int
 ) -> None:
     settings_sheet = sheet(
-        masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_min_hz=slowest, clock_max_hz=fastest)
+        masters["beckhoff_el5042"], record_with(record_of("AMM5A17/1SC1"), clock_min_hz=slowest, clock_max_hz=fastest)
     )
     assert {setting.name: setting.value for setting in settings_sheet.settings}[
         "Clock Frequency, EL5042 and EP7041-4032"
@@ -142,13 +142,13 @@ def test_the_fastest_clock_that_both_have(
 
 def test_no_clock_that_both_have(masters: dict[str, Master], record_of: RecordOf) -> None:
     sound = record_of("AMM5A17/1SC1")
-    slow = sheet(masters["beckhoff_el5042"], changed(sound, clock_min_hz=50_000, clock_max_hz=249_999))
+    slow = sheet(masters["beckhoff_el5042"], record_with(sound, clock_min_hz=50_000, clock_max_hz=249_999))
     limits = "no clock is between 50 kHz and 249.999 kHz, the limits of the encoder."
     assert [refusal.reason for refusal in slow.refusals] == [
         f"Clock Frequency, EL5042 and EP7041-4032: {limits}",
         f"Clock Frequency, EJ5042: {limits}",
     ]
-    fast = sheet(masters["moteus"], changed(sound, clock_min_hz=2_000_000))
+    fast = sheet(masters["moteus"], record_with(sound, clock_min_hz=2_000_000))
     assert [refusal.reason for refusal in fast.refusals] == [
         "The master supports clocks of at most 1 MHz, but the encoder needs 2 MHz to 10 MHz."
     ]
@@ -160,13 +160,13 @@ def test_the_module_with_fewer_clocks(
 ) -> None:
     """The EJ5042 has no 5 MHz, 2 MHz and 1 MHz."""
     settings_sheet = sheet(
-        masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_min_hz=50_000, clock_max_hz=fastest)
+        masters["beckhoff_el5042"], record_with(record_of("AMM5A17/1SC1"), clock_min_hz=50_000, clock_max_hz=fastest)
     )
     assert {setting.name: setting.value for setting in settings_sheet.settings}["Clock Frequency, EJ5042"] == clock
 
 
 def test_unknown_is_said(masters: dict[str, Master], record_of: RecordOf) -> None:
-    settings_sheet = sheet(masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_max_hz=None))
+    settings_sheet = sheet(masters["beckhoff_el5042"], record_with(record_of("AMM5A17/1SC1"), clock_max_hz=None))
     settings = {setting.name: setting for setting in settings_sheet.settings}
     clock = settings["Clock Frequency, EL5042 and EP7041-4032"]
     assert (clock.value, clock.text) == (
@@ -186,7 +186,7 @@ def test_unknown_is_said(masters: dict[str, Master], record_of: RecordOf) -> Non
 def test_polynomials_of_microchip(
     masters: dict[str, Master], record_of: RecordOf, polynomial: int, bits: int, expected: dict[str, int]
 ) -> None:
-    record = changed(
+    record = record_with(
         record_of("AMM5A17/1SC1"),
         crc_polynomial=polynomial,
         crc_bits=bits,

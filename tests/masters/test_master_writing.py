@@ -14,7 +14,7 @@ from codewheel.masters.writing import Effect, Writing
 SheetOf = Callable[[str, str], Sheet]
 
 
-def about(settings_sheet: Sheet, name: str) -> list[Writing]:
+def rules_about(settings_sheet: Sheet, name: str) -> list[Writing]:
     return [rule for rule in settings_sheet.writing if name in rule.of]
 
 
@@ -28,7 +28,7 @@ def test_supply_of_el5042(sheet_of: SheetOf) -> None:
         settings_sheet = sheet_of("beckhoff_el5042", code)
         voltage = next(setting for setting in settings_sheet.settings if setting.name == "Supply Voltage")
         assert (voltage.at, voltage.value, voltage.is_default) == ("8008:12", 50, True)
-        rules = about(settings_sheet, "Supply Voltage")
+        rules = rules_about(settings_sheet, "Supply Voltage")
         assert [(write.object, write.value) for rule in rules for write in rule.needs] == [
             ("F008", int.from_bytes(b"user", "little"))
         ]
@@ -54,7 +54,7 @@ def test_mode_of_el5042_comes_first(sheet_of: SheetOf) -> None:
     ],
 )
 def test_when_it_takes_effect(sheet_of: SheetOf, master: str, code: str, name: str, effect: Effect) -> None:
-    assert effects(about(sheet_of(master, code), name)) == [effect]
+    assert effects(rules_about(sheet_of(master, code), name)) == [effect]
 
 
 def test_of_all_settings(sheet_of: SheetOf) -> None:
@@ -70,7 +70,7 @@ def test_of_all_settings(sheet_of: SheetOf) -> None:
 
 def test_an_order_names_only_settings_of_the_sheet(sheet_of: SheetOf) -> None:
     """CRCPOLYx is not a setting for a polynomial that CRCLENx selects."""
-    rules = about(sheet_of("microchip_dspic33a", "AMM5A21/65KSC1"), "SCDENx")
+    rules = rules_about(sheet_of("microchip_dspic33a", "AMM5A21/65KSC1"), "SCDENx")
     assert [rule.after for rule in rules] == [("SCDLENx", "CRCSELx", "CRCLENx")]
 
 

@@ -65,7 +65,7 @@ FILES: list[tuple[str, str, Values, dict[int, str]]] = [
 ]
 
 
-def ours(capsys: pytest.CaptureFixture[str], code: str) -> Values:
+def generated_values(capsys: pytest.CaptureFixture[str], code: str) -> Values:
     assert main(["master", code, "--master", "beckhoff_el5042", "--format", "ecmc", "--specs", str(ENCODERS)]) == 0
     objects = readers.ecmc(capsys.readouterr().out)
     assert {index for index, _ in objects} == {0x8008}
@@ -78,7 +78,7 @@ def ours(capsys: pytest.CaptureFixture[str], code: str) -> Values:
 def test_every_difference_is_explained(
     capsys: pytest.CaptureFixture[str], code: str, name: str, theirs: Values, why: dict[int, str]
 ) -> None:
-    our_values = ours(capsys, code)
+    our_values = generated_values(capsys, code)
     subindexes = theirs.keys() | our_values.keys()
     different = {subindex for subindex in subindexes if theirs.get(subindex) != our_values.get(subindex)}
     assert different == set(why), name

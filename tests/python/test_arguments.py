@@ -390,14 +390,14 @@ def test_an_encoder_of_another_family_or_interface_is_refused(lika: Any, devices
         for name, function in taking:
             for encoder in encoders:
                 with pytest.raises(lika.FamilyError) as caught:
-                    _call(function, encoder)
+                    _call_with(function, encoder)
                 wanted = f"{encoder.code} belongs to the family {encoder.family.name}, not to {device.name}"
                 assert str(caught.value) == wanted, name
             kinds = {variant.interface: variant for variant in module.VARIANTS.values()}
             refused = 0
             for encoder in kinds.values():
                 try:
-                    _call(function, encoder)
+                    _call_with(function, encoder)
                 except lika.InterfaceError as error:
                     assert encoder.code in str(error)
                     assert error.found is encoder.interface
@@ -407,7 +407,7 @@ def test_an_encoder_of_another_family_or_interface_is_refused(lika: Any, devices
             assert refused == len(kinds) - 1, name
 
 
-def _call(function: Any, encoder: Any) -> object:
+def _call_with(function: Any, encoder: Any) -> object:
     """Call a function with the encoder by name, and with 0 for all other required arguments."""
     parameters = inspect.signature(function).parameters
     required = [key for key, parameter in parameters.items() if parameter.default is inspect.Parameter.empty]

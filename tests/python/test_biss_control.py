@@ -463,7 +463,7 @@ def test_commands_pass(biss: Any) -> None:
 HEAD, BYTE = range(1, 16), range(19, 31)
 
 
-def disturbed(biss: Any, write: bool, bit: int, of_cds: bool, value: int = 0x40) -> tuple[str, Line]:
+def run_with_flipped_bit(biss: Any, write: bool, bit: int, of_cds: bool, value: int = 0x40) -> tuple[str, Line]:
     line = line_of(biss, {0x44: 0xEE if write else value})
     frame = 14 + bit
     if of_cds:
@@ -479,12 +479,12 @@ def disturbed(biss: Any, write: bool, bit: int, of_cds: bool, value: int = 0x40)
 
 @pytest.mark.parametrize("bit", range(-14, 32))
 def test_a_flipped_bit_on_its_way_to_the_slave(biss: Any, bit: int) -> None:
-    outcome, line = disturbed(biss, False, bit, False)
+    outcome, line = run_with_flipped_bit(biss, False, bit, False)
     # Read. Twelve zeros and P have no effect, 11 in place of 10 is sent back, and without S the slave is lost.
     expected = "DONE" if bit in BYTE or bit == 31 else {17: "REFUSED", 18: "BUSY"}.get(bit, "NO_ANSWER")
     assert outcome == expected
     assert line.master.data == (b"\x40" if expected == "DONE" else b"")
-    outcome, line = disturbed(biss, True, bit, False)
+    outcome, line = run_with_flipped_bit(biss, True, bit, False)
     # Write. A header that no slave understands looks like a refusal, 00.
     if bit < 1:
         expected = "NO_ANSWER"
@@ -498,14 +498,14 @@ def test_a_flipped_bit_on_its_way_to_the_slave(biss: Any, bit: int) -> None:
 
 @pytest.mark.parametrize("bit", [*range(18), *range(19, 32)])
 def test_a_flipped_bit_on_its_way_to_the_master(biss: Any, bit: int) -> None:
-    outcome, line = disturbed(biss, False, bit, True)
+    outcome, line = run_with_flipped_bit(biss, False, bit, True)
     # IDL bits of other slaves change only their apparent number.
     expected = (
         "DONE" if bit in HEAD or bit == 31 else {0: "NO_ANSWER", 16: "NO_ANSWER", 17: "REFUSED"}.get(bit, "BAD_CRC")
     )
     assert outcome == expected
     assert line.master.data == (b"\x40" if expected == "DONE" else b"")
-    outcome, line = disturbed(biss, True, bit, True)
+    outcome, line = run_with_flipped_bit(biss, True, bit, True)
     expected = "DONE" if bit in HEAD or bit == 31 else {0: "NO_ANSWER", 17: "REFUSED"}.get(bit, "BAD_ECHO")
     assert outcome == expected
     # The master notices a wrong echo of the byte when the slave already has it.
@@ -520,14 +520,14 @@ def test_a_start_bit_of_the_slave_that_is_lost(biss: Any) -> None:
         # Read: the first 1 of the byte is taken as S, the bits after it as the byte, and zeros fill it up.
         follows = byte_and_crc << 13 - byte_and_crc.bit_length() & 0xFFF
         assert remainder(follows >> 4, 8) != follows & 0xF
-        outcome, line = disturbed(biss, False, 18, True, value)
+        outcome, line = run_with_flipped_bit(biss, False, 18, True, value)
         assert outcome == "BAD_CRC"
         assert line.master.data == b""
         # Write: the S that the master sends again is taken as DATA7.
         # The slave then has left when the last bit of the CRC comes.
         shifted = 1 << 11 | byte_and_crc >> 1
         assert remainder(shifted >> 4, 8) != shifted & 0xF
-        outcome, line = disturbed(biss, True, 18, True, value)
+        outcome, line = run_with_flipped_bit(biss, True, 18, True, value)
         assert line.memories[0].writes == [], value
         assert outcome == ("BAD_ECHO" if byte_and_crc & 1 else "DONE"), value
 

@@ -438,11 +438,11 @@ def test_an_interruption_leaves_nothing(start: Any, tmp_path: Path, interruption
 def test_a_full_disk_leaves_nothing(start: Any, tmp_path: Path) -> None:
     (tmp_path / "it.bin").write_bytes(packed(range(200_000)))
 
-    def little() -> None:
+    def limit_file_size() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (2_000, 2_000))
 
     for name in ("out.parquet", "out.csv", "out.arrow"):
-        process = start(CODE, "it.bin", "-o", name, cwd=tmp_path, preexec_fn=little)
+        process = start(CODE, "it.bin", "-o", name, cwd=tmp_path, preexec_fn=limit_file_size)
         _, err = process.communicate(timeout=60)
         assert (process.returncode, "File too large" in err, "Traceback" in err) == (1, True, False), err
         assert [path.name for path in tmp_path.iterdir()] == ["it.bin"]

@@ -54,7 +54,7 @@ def examples(
     assert has_examples
 
 
-def values(decoded: Any, names: Mapping[str, object], layout: Layout) -> dict[str, object]:
+def values_by_name(decoded: Any, names: Mapping[str, object], layout: Layout) -> dict[str, object]:
     """Return attributes as the specs write them: a named value by its name, and unused bits by those of their field."""
     unused = {field.name: (field, place) for field, place in layout.unused}
     attributes = {name: getattr(decoded, attribute(name, CLASS_NAMES)) for name in names if name not in unused}
@@ -78,7 +78,7 @@ def test_register_examples(lika: Any, devices: Mapping[str, Device]) -> None:
         decoded = register.decode(example.bytes, *extra_arguments)
         if hasattr(decoded, "_fields"):
             layout = device.register(example.register).layout
-            assert values(decoded, example.values, layout) == example.values, (device.name, example.name)
+            assert values_by_name(decoded, example.values, layout) == example.values, (device.name, example.name)
         else:
             assert [decoded.name.lower()] == list(example.values.values()), (device.name, example.name)
         assert decoded.encode() == example.bytes, (device.name, example.name)
@@ -121,7 +121,7 @@ def test_frame_examples(lika: Any, devices: Mapping[str, Device]) -> None:
         layouts = {names.frames[layout.name]: layout for _, layout in device.layouts()}
         layout = layouts[type(decoded).__name__]
         assert example.layout in ("", layout.name)
-        assert values(decoded, example.values, layout) == example.values, (device.name, example.name)
+        assert values_by_name(decoded, example.values, layout) == example.values, (device.name, example.name)
         assert decoded.encode() == frame, (device.name, example.name)
 
 
@@ -184,7 +184,7 @@ def test_the_order_codes_of_all_families(lika: Any, devices: Mapping[str, Device
                         )
             for part in device.order_code.parts:
                 for mistaken_text in ("", "ZZ9"):
-                    code = spelled(device, {**variant.parts, part.name: mistaken_text})
+                    code = order_code_with(device, {**variant.parts, part.name: mistaken_text})
                     with pytest.raises(lika.OrderCodeError) as caught:
                         lika.lookup(code)
                     assert caught.value.part == part.name, code
@@ -195,7 +195,7 @@ def test_the_order_codes_of_all_families(lika: Any, devices: Mapping[str, Device
                     assert caught.value.nearest[0] in str(caught.value)
 
 
-def spelled(device: Device, parts: Mapping[str, str]) -> str:
+def order_code_with(device: Device, parts: Mapping[str, str]) -> str:
     """Return the order code with these texts in its parts."""
     return re.sub(r"\{(\w+)\}", lambda brace: parts[brace[1]], device.order_code.pattern)
 
@@ -209,7 +209,7 @@ def test_labels_are_read_as_the_model_reads_them(lika: Any, devices: Mapping[str
         for variant in device.variants:
             for part in device.order_code.parts:
                 texts = [value.text for value in part.values] + (["9", "17", "8192", "x"] if part.open else ["x"])
-                labels += [spelled(device, {**variant.parts, part.name: text}) for text in texts]
+                labels += [order_code_with(device, {**variant.parts, part.name: text}) for text in texts]
         for label in [text + tail for text in dict.fromkeys(labels) for tail in ("", "-R2", "/S1", "-X/S77")]:
             try:
                 match = find(device, label)

@@ -41,7 +41,7 @@ def test_it_says_the_same(family: Family) -> None:
             wire = case.carried(number)
             decoded, tried = frame_or_error(encoder.decode, wire), frame_or_error(encoder.try_decode, wire)
             if isinstance(tried, FrameErrors):
-                assert decoded == frame_or_error(raising, tried)
+                assert decoded == frame_or_error(raise_error, tried)
                 assert decoded[2:] == (wire, encoder.code)  # type: ignore[index]
             else:
                 assert decoded == tried
@@ -52,12 +52,12 @@ def test_it_says_the_same(family: Family) -> None:
         for odd in (-1, 1 << 80, "0101", b"", b"x", 1.5, None, True, numpy.uint32(5), "0b" + "0" * case.placed.bits):
             tried = frame_or_error(encoder.try_decode, odd)
             assert frame_or_error(encoder.decode, odd) == (
-                frame_or_error(raising, tried) if isinstance(tried, FrameErrors) else tried
+                frame_or_error(raise_error, tried) if isinstance(tried, FrameErrors) else tried
             )
     assert frame_count or family.device.name not in FAMILIES
 
 
-def raising(error: Exception) -> None:
+def raise_error(error: Exception) -> None:
     raise error
 
 

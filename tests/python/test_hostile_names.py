@@ -225,10 +225,10 @@ def _check_round_trip(device: Device, layout: Layout, variant: Variant, module: 
         build = getattr(frame_class, f"from_{join.name}", None)
         if not callable(build):
             build = getattr(frame_class, f"from_{join.name}_")
-        assert build(**other_members, **{_spelled(build, join.name): whole}) == frame
+        assert build(**other_members, **{_argument_name(build, join.name): whole}) == frame
 
 
-def _spelled(build: Any, name: str) -> str:
+def _argument_name(build: Any, name: str) -> str:
     names: tuple[str, ...] = build.__func__.__code__.co_varnames[1:]
     return name if name in names else f"{name}_"
 

@@ -36,7 +36,7 @@ def can_be_encoded(frame: Any) -> bool:
     return True
 
 
-def plain(frames: Any) -> list[Any]:
+def frames_as_list(frames: Any) -> list[Any]:
     """Encode the frames one by one."""
     return [bytes(row) for row in frames] if frames.ndim == 2 else frames.tolist()
 
@@ -49,11 +49,11 @@ def test_columns_make_the_frames_they_come_from(family: Family) -> None:
             wire, _, columns = sound_columns(case, source)
             assert wire
             encoded = case.view.encode_many(columns, *arguments_of(case))
-            assert plain(encoded) == wire, (case.variant.code, name)
+            assert frames_as_list(encoded) == wire, (case.variant.code, name)
             assert encoded.dtype == (numpy.uint8 if case.layout.in_bytes else numpy.uint64)
             for join in case.layout.joins:
                 less = {key: value for key, value in columns.items() if key not in join.fields}
-                assert plain(case.view.encode_many(less, *arguments_of(case))) == wire, (name, join.name)
+                assert frames_as_list(case.view.encode_many(less, *arguments_of(case))) == wire, (name, join.name)
 
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
@@ -107,7 +107,7 @@ def refuses_alike(case: Case, frame: Any, columns: dict[str, Any], name: str, ro
         # A keyword of Python has another name in columns and attributes.
         assert column_error.field in (alone.field, f"{alone.field}_")
         return True
-    encoded = plain(case.view.encode_many(given_columns, *arguments_of(case)))
+    encoded = frames_as_list(case.view.encode_many(given_columns, *arguments_of(case)))
     assert encoded[row] == expected, (case.layout.name, name, value)
     return False
 

@@ -158,9 +158,13 @@ def shape(files: Mapping[str, str]) -> list[str]:
 def test_text_of_a_spec_stays_text(
     text: str, shape: list[str], tmp_path: Path, import_generated: Callable[[Library, str], tuple[Path, ModuleType]]
 ) -> None:
-    data = _parsed("amm5.yaml")
+    data = _parsed_spec("amm5.yaml")
     _poison(data, text)
-    maker = _parsed("manufacturer.yaml") | {"title": text, "trademarks": [text], "python_package": "hostile_encoders"}
+    maker = _parsed_spec("manufacturer.yaml") | {
+        "title": text,
+        "trademarks": [text],
+        "python_package": "hostile_encoders",
+    }
     (tmp_path / "amm5.yaml").write_text(json.dumps(data, ensure_ascii=False, indent=1), encoding="utf-8")
     (tmp_path / "manufacturer.yaml").write_text(json.dumps(maker, ensure_ascii=False, indent=1), encoding="utf-8")
     devices, report = load_library([tmp_path])
@@ -179,7 +183,7 @@ def test_text_of_a_spec_stays_text(
         assert tomllib.loads(toml)["project"]["name"] == "hostile-encoders"
 
 
-def _parsed(name: str) -> dict[str, Any]:
+def _parsed_spec(name: str) -> dict[str, Any]:
     """Return the data of one of our specs, to be changed."""
     document = read_document(SPECS / name, Report())
     assert document is not None

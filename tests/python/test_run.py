@@ -20,17 +20,17 @@ class Memory:
         self.fails_at, self.lost, self.count = fails_at, lost, 0
         self.written: list[tuple[int, bytes]] = []
 
-    def _counted(self) -> None:
+    def _count_access(self) -> None:
         self.count += 1
         if self.count - 1 == self.fails_at or (self.lost and self.fails_at >= 0 and self.count > self.fails_at):
             raise OSError("the line is cut")
 
     def read(self, address: int, length: int, /) -> bytes:
-        self._counted()
+        self._count_access()
         return bytes(self.registers.get(address + place, 0) for place in range(length))
 
     def write(self, address: int, data: bytes, /) -> None:
-        self._counted()
+        self._count_access()
         self.written.append((address, bytes(data)))
         self.registers.update(enumerate(data, address))
 
