@@ -66,9 +66,10 @@ class Section:
         """Return the inner sections whose heading has the words, or else those whose first line has them."""
         inside = [section for section in self.all_sections() if section is not self]
         titled = [section for section in inside if _contains_words(words, section.heading)]
-        return titled or [
-            section for section in inside if section.lines and _contains_words(words, _first_line(section))
-        ]
+        if titled:
+            return titled
+        with_lines = [section for section in inside if section.lines]
+        return [section for section in with_lines if _contains_words(words, _first_line(section))]
 
 
 def read(page: str) -> Section:

@@ -242,9 +242,10 @@ def number_of(case: Case, field: Field, width: int, kind: str, source: random.Ra
 
 def limits_of(case: Case, field: Field, width: int) -> tuple[int, int]:
     register, parameters = case.register, case.variant.parameters
-    if register is not None and register.limits_of == field.name and None not in (register.min, register.max):
-        lowest, largest = (limit.value(parameters) for limit in (register.min, register.max) if limit is not None)
-        return lowest, largest
+    if register is not None and register.limits_of == field.name:
+        minimum, maximum = register.min, register.max
+        if minimum is not None and maximum is not None:
+            return minimum.value(parameters), maximum.value(parameters)
     valid = case.family.device.range_in(case.layout) if register is None else None
     if valid is not None and valid.field.name == field.name:
         return valid.lowest.value(parameters), valid.highest.value(parameters)

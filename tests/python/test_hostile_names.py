@@ -124,7 +124,7 @@ def _registers(words: list[str]) -> list[Item]:
     register = {"length": 1, "access": "read_write", "source": "1"}
     modes = {"name": "own_mode", "at": "1:0", "values": {"one": {"value": 1}, "two": {"value": 2}}}
     setting = {"default": 1, "other_bits": "zero", "fields": [modes, {"name": "own_gray", "at": 2}]}
-    limits = [
+    limits: list[Item] = [
         {"name": "own_preset", "when": "own_setting.own_mode", "is": "one", "max": "2^own_bits - 1"},
         {"name": "own_offset", "when": "own_setting.own_mode", "is": "two", "max": 9},
     ]
