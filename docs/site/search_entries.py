@@ -128,7 +128,7 @@ class Encoders(Domain):
 
     @cached_property
     def _entries(self) -> dict[str, list[SearchEntry]]:
-        """Return the entries of each family, without duplicates. A field is kept only if nothing else has its name."""
+        """Return the entries of each family, without duplicates. A field is kept only if no other part has its name."""
         entries_by_family = {}
         for device in self._families:
             named_entries = {(entry.name.lower(), entry.anchor): entry for entry in reversed([*entries(device)])}

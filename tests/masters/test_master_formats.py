@@ -137,7 +137,7 @@ def test_a_code_word_comes_first(
     """An encoder for 7 V to 30 V needs 9 V: F008 = 72657375h is written before 8008:12 = 90."""
     record = record_of(CODE)
     record = replace(record, numbers={**record.numbers, "supply_min_mv": 7000, "supply_max_mv": 30_000})
-    text = file_of("beckhoff_el5042", "ecmc", found=sheet(masters["beckhoff_el5042"], record))
+    text = file_of("beckhoff_el5042", "ecmc", settings_sheet=sheet(masters["beckhoff_el5042"], record))
     objects = readers.ecmc(text)
     order = list(objects)
     assert order.index((0xF008, 0)) + 1 == order.index((0x8008, 0x12))
@@ -156,7 +156,7 @@ def test_a_device_without_a_clock_does_not_bar_the_others(
         "Not for EJ5042. Clock Frequency, EJ5042: no clock is between 1 MHz and 1 MHz"
     )
     assert settings_sheet.devices_with({}) == ["EL5042", "EP7041-4032"]
-    assert readers.ecmc(file_of("beckhoff_el5042", "ecmc", found=settings_sheet))[0x8008, 0x13] == (9, 1)
+    assert readers.ecmc(file_of("beckhoff_el5042", "ecmc", settings_sheet=settings_sheet))[0x8008, 0x13] == (9, 1)
 
 
 def test_fastcat_as_typed(file_of: FileOf) -> None:
@@ -295,7 +295,7 @@ def test_a_planted_mistake_changes_the_file(
     right_text = file_of(master, name)
     wrong_sheet = sheet(_with_mistake(masters[master], setting, key, wrong_value), record_of(CODE))
     assert not wrong_sheet.refusals
-    wrong_text = file_of(master, name, found=wrong_sheet)
+    wrong_text = file_of(master, name, settings_sheet=wrong_sheet)
     reader = getattr(readers, name, None)
     if reader is None:
         assert wrong_text != right_text
@@ -386,7 +386,7 @@ def test_hostile_names_stay_in_comments(
         replace(master, settings=tuple(settings), documents=documents, writing=()), record_of("AMM5A17/1SC1")
     )
     reader = getattr(readers, name, readers.members)
-    text = file_of(master.name, name, found=hostile_sheet)
+    text = file_of(master.name, name, settings_sheet=hostile_sheet)
     assert reader(text) == reader(file_of(master.name, name, "AMM5A17/1SC1"))
     assert not any(line.endswith("\\") for line in text.splitlines() if line.startswith("//"))
 
