@@ -14,7 +14,7 @@ import argparse
 import json
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -95,23 +95,23 @@ POSITION = WORD >> 8
 BY_HAND = f"{HERE}/c/hand.h", f"{HERE}/c/hand_biss47.c", f"{HERE}/c/hand_receive.c"
 
 
-def _line(acknowledge: int) -> str:
+def _line_bits(acknowledge: int) -> str:
     """Return the bits of a BiSS buffer: rest, acknowledge, start, CDS, word, stop, then rest again."""
     return ("11" + "0" * acknowledge + "10" + f"{WORD:0{BITS}b}" + "0").ljust(BUFFER, "1")
 
 
-def _bytes(bits: str) -> str:
+def _c_bytes(bits: str) -> str:
     return ", ".join(f"0x{int(bits[at : at + 8], 2):02X}U" for at in range(0, len(bits), 8))
 
 
 def _buffer(acknowledge: int) -> str:
-    return f"static const uint8_t rx[] = {{ {_bytes(_line(acknowledge))} }};\n"
+    return f"static const uint8_t rx[] = {{ {_c_bytes(_line_bits(acknowledge))} }};\n"
 
 
 def _samples(acknowledge: int) -> str:
     """Return samples of bit 3 of a port, whose other bits differ from sample to sample."""
-    port = (0x51 + 37 * at & 0xF7 | int(bit) << 3 for at, bit in enumerate(_line(acknowledge)))
-    listed = ", ".join(f"0x{item:02X}U" for item in port)
+    port = (0x51 + 37 * at & 0xF7 | int(bit) << 3 for at, bit in enumerate(_line_bits(acknowledge)))
+    listed = ", ".join(f"0x{sample:02X}U" for sample in port)
     return f"static const uint8_t samples[] __attribute__((aligned(4))) = {{ {listed} }};\nstatic uint8_t rx[12];\n"
 
 
@@ -131,7 +131,7 @@ _POSITION_OUT = "static uint64_t position;\n"
 _FOUND = f"result == 0U && position == UINT64_C({POSITION:#x})"
 _HAND_FOUND = f"result == 0U && out.position == UINT64_C({POSITION:#x})"
 _RX = f"cw_biss_receive(rx, {BUFFER // 8}U, {BITS}U, &word)"
-_SSI_RX = f"static const uint8_t rx[] = {{ {_bytes('1' + f'{POSITION:039b}' + '0' * 8)} }};\n"
+_SSI_RX = f"static const uint8_t rx[] = {{ {_c_bytes('1' + f'{POSITION:039b}' + '0' * 8)} }};\n"
 _AXIS = """static cw_tracker axis = { 1U, 0U, 1000U, 0U, 250U, 1062500U, 0U, 0xFFFFFFFFU, 0xFFFFFFFFU,
     UINT64_C(0x8000000000), UINT64_C(0x7FFFFFFFFF), 0x7FFFFFFFFF, 100 };
 static const uint64_t position = 100U;
@@ -139,54 +139,58 @@ static const uint64_t position = 100U;
 _RECEIVED = "result == 0U && word == UINT64_C(0x%x)"
 
 
-def _receivers() -> Sequence[Part]:
-    parts = []
+def _buffer_receivers(acknowledge: int) -> Iterator[Part]:
+    """Yield receivers of a buffer of bits, ours and by hand."""
+    named = f"acknowledge of {acknowledge} bits"
+    buffer = _buffer(acknowledge)
+    yield Part(
+        f"BiSS buffer to usable position, {named}",
+        (BISS.header, "codewheel/receive.h"),
+        "const uint8_t *rx, uint64_t *position",
+        _to_position(_RX),
+        call=Call(buffer + _POSITION_OUT, "rx, &position", _FOUND, {"cortex-m0plus": 260, "cortex-m4": 200}),
+    )
+    yield Part(
+        f"the same by hand, {named}",
+        BY_HAND,
+        "const uint8_t *rx, hand_biss *out",
+        "return hand_receive47(rx, out) != HAND_OK || out->error;",
+        call=Call(buffer + "static hand_biss out;\n", "rx, &out", _HAND_FOUND),
+    )
+
+
+def _sample_receivers(acknowledge: int) -> Iterator[Part]:
+    """Yield receivers of samples of a pin, ours and by hand."""
+    named = f"acknowledge of {acknowledge} bits"
+    samples = _samples(acknowledge)
+    yield Part(
+        f"{BUFFER} samples of a pin to usable position, {named}",
+        (BISS.header, "codewheel/receive.h"),
+        "const uint8_t *samples, uint8_t *rx, uint64_t *position",
+        f"(void)cw_received_samples(samples, {BUFFER}U, 0x08U, rx);\n    " + _to_position(_RX),
+        call=Call(samples + _POSITION_OUT, "samples, rx, &position", _FOUND, {"cortex-m4": 400}),
+    )
+    yield Part(
+        f"the same samples by hand, {named}",
+        BY_HAND,
+        "const uint8_t *samples, uint8_t *rx, hand_biss *out",
+        "return hand_samples47(samples, rx, out) != HAND_OK || out->error;",
+        call=Call(samples + "static hand_biss out;\n", "samples, rx, &out", _HAND_FOUND),
+    )
+
+
+def _receivers() -> Iterator[Part]:
     for acknowledge in (4, 20):
-        named = f"acknowledge of {acknowledge} bits"
-        parts += [
-            Part(
-                f"BiSS buffer to usable position, {named}",
-                (BISS.header, "codewheel/receive.h"),
-                "const uint8_t *rx, uint64_t *position",
-                _to_position(_RX),
-                call=Call(
-                    _buffer(acknowledge) + _POSITION_OUT,
-                    "rx, &position",
-                    _FOUND,
-                    {"cortex-m0plus": 260, "cortex-m4": 200},
-                ),
-            ),
-            Part(
-                f"the same by hand, {named}",
-                BY_HAND,
-                "const uint8_t *rx, hand_biss *out",
-                "return hand_receive47(rx, out) != HAND_OK || out->error;",
-                call=Call(_buffer(acknowledge) + "static hand_biss out;\n", "rx, &out", _HAND_FOUND),
-            ),
-            Part(
-                f"{BUFFER} samples of a pin to usable position, {named}",
-                (BISS.header, "codewheel/receive.h"),
-                "const uint8_t *samples, uint8_t *rx, uint64_t *position",
-                f"(void)cw_received_samples(samples, {BUFFER}U, 0x08U, rx);\n    " + _to_position(_RX),
-                call=Call(_samples(acknowledge) + _POSITION_OUT, "samples, rx, &position", _FOUND, {"cortex-m4": 400}),
-            ),
-            Part(
-                f"the same samples by hand, {named}",
-                BY_HAND,
-                "const uint8_t *samples, uint8_t *rx, hand_biss *out",
-                "return hand_samples47(samples, rx, out) != HAND_OK || out->error;",
-                call=Call(_samples(acknowledge) + "static hand_biss out;\n", "samples, rx, &out", _HAND_FOUND),
-            ),
-            Part(
-                f"receive: a BiSS frame of 47 bits, {named}",
-                ("codewheel/receive.h",),
-                "const uint8_t *rx, uint64_t *word",
-                f"return (uint32_t)cw_biss_receive(rx, {BUFFER // 8}U, {BITS}U, word);",
-                300,
-                Call(_buffer(acknowledge) + "static uint64_t word;\n", "rx, &word", _RECEIVED % WORD),
-            ),
-        ]
-    return parts
+        yield from _buffer_receivers(acknowledge)
+        yield from _sample_receivers(acknowledge)
+        yield Part(
+            f"receive: a BiSS frame of 47 bits, acknowledge of {acknowledge} bits",
+            ("codewheel/receive.h",),
+            "const uint8_t *rx, uint64_t *word",
+            f"return (uint32_t)cw_biss_receive(rx, {BUFFER // 8}U, {BITS}U, word);",
+            300,
+            Call(_buffer(acknowledge) + "static uint64_t word;\n", "rx, &word", _RECEIVED % WORD),
+        )
 
 
 PARTS = (

@@ -74,20 +74,20 @@ class Board:
             folder / f"{self.name}.run.elf",
             ["-Wl,--undefined=check", "-Wl,--defsym=nothing=0"],
         )
-        symbols = {
-            line.split()[-1]: line.split() for line in _run([f"{self.prefix}-nm", "-S", str(program)]).splitlines()
-        }
-        own = range(int(symbols["entry"][0], 16), int(symbols["entry"][0], 16) + int(symbols["entry"][1], 16))
+        lines = [line.split() for line in _run([f"{self.prefix}-nm", "-S", str(program)]).splitlines()]
+        symbols = {columns[-1]: columns for columns in lines}
+        start, size = (int(column, 16) for column in symbols["entry"][:2])
+        entry_addresses = range(start, start + size)
         count = 0
 
         def step(_machine: object, address: int, _size: int, _data: object) -> None:
             nonlocal count
-            count += address not in own and address != STOP
+            count += address not in entry_addresses and address != STOP
 
         machine = _machine(self.name)
         _load(machine, program)
         hook = machine.hook_add(unicorn.UC_HOOK_CODE, step)
-        _call(machine, self.name, own.start)
+        _call(machine, self.name, entry_addresses.start)
         machine.hook_del(hook)
         _call(machine, self.name, int(symbols["check"][0], 16))
         if not struct.unpack("<i", machine.mem_read(int(symbols["good"][0], 16), 4))[0]:
@@ -102,20 +102,22 @@ class Board:
                 self.compiler,
                 *options,
                 *self.flags,
-                *(f"-I{item}" for item in include),
+                *(f"-I{folder}" for folder in include),
                 *map(str, sources),
                 str(HERE / "c" / "avr_main.c"),
                 "-o",
                 str(program),
             ]
         )
-        said = subprocess.run(
+        simulated = subprocess.run(
             ["simavr", "-m", "atmega328p", "-f", "16000000", str(program)], capture_output=True, text=True, timeout=60
         )
-        found = re.search(r"(\d{5})", said.stdout + said.stderr)
-        if found is None or not int(found[1]):
-            raise RuntimeError(f"{program.name}: the frame was not decoded as it should be: {said.stdout}{said.stderr}")
-        return int(found[1])
+        cycles = re.search(r"(\d{5})", simulated.stdout + simulated.stderr)
+        if cycles is None or not int(cycles[1]):
+            raise RuntimeError(
+                f"{program.name}: the frame was not decoded as it should be: {simulated.stdout}{simulated.stderr}"
+            )
+        return int(cycles[1])
 
 
 BOARDS = (
@@ -154,9 +156,10 @@ def _load(machine: Any, program: Path) -> None:
     offset, (size, count) = struct.unpack_from("<I", data, 28)[0], struct.unpack_from("<HH", data, 42)
     headers = [struct.unpack_from("<IIIIIIII", data, offset + index * size) for index in range(count)]
     loaded = [header for header in headers if header[0] == _LOADED and header[5]]
-    pages = {
-        address // PAGE for header in loaded for address in range(header[2], header[2] + header[5] + PAGE, PAGE)
-    } | {STACK // PAGE, STOP // PAGE}
+    pages = {STACK // PAGE, STOP // PAGE}
+    for header in loaded:
+        start, size = header[2], header[5]
+        pages |= {address // PAGE for address in range(start, start + size + PAGE, PAGE)}
     for page in sorted(pages):
         machine.mem_map(page * PAGE, PAGE)
     for header in loaded:
@@ -164,7 +167,7 @@ def _load(machine: Any, program: Path) -> None:
 
 
 def _run(command: Sequence[str]) -> str:
-    done = subprocess.run(list(command), capture_output=True, text=True, timeout=120)
-    if done.returncode:
-        raise RuntimeError(f"{' '.join(command)}\n{done.stderr[:2000]}")
-    return done.stdout.strip()
+    completed = subprocess.run(list(command), capture_output=True, text=True, timeout=120)
+    if completed.returncode:
+        raise RuntimeError(f"{' '.join(command)}\n{completed.stderr[:2000]}")
+    return completed.stdout.strip()

@@ -127,14 +127,22 @@ class Candidate:
 def candidates(frame: Frame, peers: Path) -> Iterator[Candidate]:
     """Yield all candidates for one frame, ours first. ``peers`` is the folder of :func:`write_peers`."""
     yield from ours(frame)
+    yield from by_hand(frame)
+    yield by_cantools(frame, peers)
+    yield by_nunavut(frame)
+    yield by_pycrc(frame, peers)
+
+
+def by_hand(frame: Frame) -> Iterator[Candidate]:
+    """Yield the hand-written decoder, and one that only extracts the fields."""
     name = frame.name
-    given = "word" if frame.is_word else "bytes, sizeof bytes"
+    arguments = "word" if frame.is_word else "bytes, sizeof bytes"
     yield Candidate(
         "hand-written",
         f"hand_{name}",
         _c(f"hand_{name}.c"),
         f'#include "{HERE}/c/hand.h"\nstatic {_hand(frame)} out;',
-        f"hand_{name}({given}, &out)",
+        f"hand_{name}({arguments}, &out)",
         frame.good,
     )
     yield Candidate(
@@ -144,11 +152,15 @@ def candidates(frame: Frame, peers: Path) -> Iterator[Candidate]:
         f"""#include "{HERE}/c/hand.h"
 int floor_{name}({_arguments(frame)}, {_hand(frame)} *out);
 static {_hand(frame)} out;""",
-        f"floor_{name}({given}, &out)",
+        f"floor_{name}({arguments}, &out)",
         frame.good,
         does="no check",
     )
-    yield Candidate(
+
+
+def by_cantools(frame: Frame, peers: Path) -> Candidate:
+    name = frame.name
+    return Candidate(
         "cantools",
         f"peer_{name}_unpack",
         f'#include "{peers}/peer.c"\n',
@@ -157,11 +169,14 @@ static {_hand(frame)} out;""",
         _POSITION,
         does="no CRC, no constants, no position as one number",
     )
-    kind = f"peer_{name.capitalize()}_1_0"
-    declared = f"""#include "peer/{name.capitalize()}_1_0.h"
+
+
+def by_nunavut(frame: Frame) -> Candidate:
+    kind = f"peer_{frame.name.capitalize()}_1_0"
+    declared = f"""#include "peer/{frame.name.capitalize()}_1_0.h"
 int decode_nunavut({kind} *out, const uint8_t *bytes, size_t size);
 """
-    yield Candidate(
+    return Candidate(
         "nunavut",
         "decode_nunavut",
         f"""{declared}int decode_nunavut({kind} *out, const uint8_t *bytes, size_t size)
@@ -174,8 +189,11 @@ int decode_nunavut({kind} *out, const uint8_t *bytes, size_t size);
         "true",
         does="its own order of bits, no CRC, no constants, no position as one number",
     )
-    data = f"pycrc_{name}"
-    yield Candidate(
+
+
+def by_pycrc(frame: Frame, peers: Path) -> Candidate:
+    data = f"pycrc_{frame.name}"
+    return Candidate(
         "pycrc",
         "crc_of",
         f"""#include "{peers}/{data}.c"
@@ -197,8 +215,8 @@ static const uint8_t covered[] = {{ {_list(covered(frame))} }};""",
 
 def ours(frame: Frame) -> Iterator[Candidate]:
     """Yield our decoders: with the order code fixed at compile time, chosen at run time, and with a CRC table."""
-    given, parameters = ("word", _arguments(frame)) if frame.is_word else ("bytes, length", _arguments(frame))
-    passed = given if frame.is_word else "bytes, sizeof bytes"
+    arguments, parameters = ("word", _arguments(frame)) if frame.is_word else ("bytes, length", _arguments(frame))
+    passed = arguments if frame.is_word else "bytes, sizeof bytes"
     forms = {"ours, order code fixed": ""}
     if frame.is_word:
         forms["ours, fixed, table"] = f"#ifndef {frame.maker}_CRC_TABLE\n#define {frame.maker}_CRC_TABLE\n#endif\n"
@@ -207,7 +225,7 @@ def ours(frame: Frame) -> Iterator[Candidate]:
         body = f"""static const {frame.variant_type} *const encoder = &{frame.variant};
 cw_result decode_ours({parameters}, {frame.struct} *out)
 {{
-    return {frame.decoder}(encoder, {given}, out);
+    return {frame.decoder}(encoder, {arguments}, out);
 }}
 """
         yield Candidate(
@@ -222,7 +240,7 @@ cw_result decode_ours({parameters}, {frame.struct} *out)
     head = f'#include "{frame.header}"\n{signature};\n'
     body = f"""{signature}
 {{
-    return {frame.decoder}(variant, {given}, out);
+    return {frame.decoder}(variant, {arguments}, out);
 }}
 """
     yield Candidate(
@@ -296,49 +314,28 @@ def write_peers(folder: Path) -> Path:
         if importlib.util.find_spec(package) is None:
             raise RuntimeError(f"no {package} here. make bench installs it")
     folder.mkdir(parents=True, exist_ok=True)
-    _run(
-        "cantools",
-        "generate_c_source",
-        "--no-floating-point-numbers",
-        "--database-name",
-        "peer",
-        "-o",
-        str(folder),
-        str(HERE / "peers" / "frames.dbc"),
-    )
-    _run(
-        "nunavut",
-        "--target-language",
-        "c",
-        "--omit-float-serialization-support",
-        "-O",
-        str(folder),
-        str(HERE / "peers" / "peer"),
-    )
+    cantools_options = ("--no-floating-point-numbers", "--database-name", "peer", "-o", str(folder))
+    _run("cantools", "generate_c_source", *cantools_options, str(HERE / "peers" / "frames.dbc"))
+    nunavut_options = ("--target-language", "c", "--omit-float-serialization-support", "-O", str(folder))
+    _run("nunavut", *nunavut_options, str(HERE / "peers" / "peer"))
     for frame in FRAMES:
-        model = (
-            ("--width=6", "--poly=3", "--xor-out=0x3f") if frame.is_word else ("--width=8", "--poly=1", "--xor-out=0")
-        )
-        reflect = str(not frame.is_word)
-        for kind in ("h", "c"):
-            _run(
-                "pycrc",
-                *model,
-                "--xor-in=0",
-                f"--reflect-in={reflect}",
-                f"--reflect-out={reflect}",
-                "--algorithm=table-driven",
-                f"--generate={kind}",
-                "-o",
-                str(folder / f"pycrc_{frame.name}.{kind}"),
-            )
+        _write_pycrc(frame, folder)
     return folder
 
 
+def _write_pycrc(frame: Frame, folder: Path) -> None:
+    model = ("--width=6", "--poly=3", "--xor-out=0x3f") if frame.is_word else ("--width=8", "--poly=1", "--xor-out=0")
+    reflect = str(not frame.is_word)
+    options = ("--xor-in=0", f"--reflect-in={reflect}", f"--reflect-out={reflect}", "--algorithm=table-driven")
+    for kind in ("h", "c"):
+        target = folder / f"pycrc_{frame.name}.{kind}"
+        _run("pycrc", *model, *options, f"--generate={kind}", "-o", str(target))
+
+
 def _run(module: str, *arguments: str) -> None:
-    done = subprocess.run([sys.executable, "-m", module, *arguments], capture_output=True, text=True, timeout=120)
-    if done.returncode:
-        raise RuntimeError(f"{module}: {done.stderr[-1000:]}")
+    completed = subprocess.run([sys.executable, "-m", module, *arguments], capture_output=True, text=True, timeout=120)
+    if completed.returncode:
+        raise RuntimeError(f"{module}: {completed.stderr[-1000:]}")
 
 
 def _c(name: str) -> str:

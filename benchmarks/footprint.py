@@ -15,6 +15,7 @@ import sys
 import tempfile
 from collections.abc import Iterable, Mapping
 from pathlib import Path
+from typing import Any
 
 from boards import BOARDS, Board
 from candidates import FRAMES, Candidate, Frame, candidates, entry, ours, write_headers, write_peers
@@ -40,36 +41,35 @@ def measure(frame: Frame, candidate: Candidate, board: Board, include: list[Path
 def measure_ours(board: Board, folder: Path) -> dict[str, dict[str, tuple[int, int]]]:
     """Return the figures of our decoders, by frame and candidate. A test checks them without the other generators."""
     include = [write_headers(folder)]
-    return {
-        frame.name: {item.name: measure(frame, item, board, include, folder) for item in ours(frame)}
-        for frame in FRAMES
-    }
+    figures: dict[str, dict[str, tuple[int, int]]] = {}
+    for frame in FRAMES:
+        for candidate in ours(frame):
+            figures_of_frame = figures.setdefault(frame.name, {})
+            figures_of_frame[candidate.name] = measure(frame, candidate, board, include, folder)
+    return figures
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--write", action="store_true", help="write docs/footprint.md and the recorded figures")
     write = parser.parse_args().write
-    text, recorded = (
-        [],
-        {
-            board.name: {"compiler": board.version(), "figures": {frame.name: {} for frame in FRAMES}}
-            for board in BOARDS
-        },
-    )
+    text: list[str] = []
+    recorded: dict[str, dict[str, Any]] = {}
+    for board in BOARDS:
+        recorded[board.name] = {"compiler": board.version(), "figures": {frame.name: {} for frame in FRAMES}}
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         include = [write_headers(folder), write_peers(folder / "peers")]
         for frame in FRAMES:
             chosen = list(candidates(frame, include[1]))
-            rows = {
-                item.name: {board.name: measure(frame, item, board, include, folder) for board in BOARDS}
-                for item in chosen
-            }
+            rows = {}
+            for candidate in chosen:
+                by_board = {board.name: measure(frame, candidate, board, include, folder) for board in BOARDS}
+                rows[candidate.name] = by_board
             times = nanoseconds(frame, chosen, include, folder)
-            for item in ours(frame):
+            for candidate in ours(frame):
                 for board in BOARDS:
-                    recorded[board.name]["figures"][frame.name][item.name] = rows[item.name][board.name]
+                    recorded[board.name]["figures"][frame.name][candidate.name] = rows[candidate.name][board.name]
             text += [*table(frame, chosen, rows, times), ""]
             print("\n".join(text[-len(chosen) - 5 :]))
             print(
@@ -96,9 +96,11 @@ def table(
         + " | host, hand-written = 1 | does |"
     )
     yield "|---" * (len(BOARDS) + 3) + "|"
-    for item in chosen:
-        figures = " | ".join(f"{size} / {count}" for size, count in (rows[item.name][board.name] for board in BOARDS))
-        yield f"| {item.name} | {figures} | {times[item.name] / times['hand-written']:.1f} | {item.does} |"
+    for candidate in chosen:
+        pairs = [rows[candidate.name][board.name] for board in BOARDS]
+        figures = " | ".join(f"{size} / {count}" for size, count in pairs)
+        ratio = times[candidate.name] / times["hand-written"]
+        yield f"| {candidate.name} | {figures} | {ratio:.1f} | {candidate.does} |"
 
 
 if __name__ == "__main__":

@@ -35,30 +35,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser.add_argument("--jobs", type=int, default=os.cpu_count() or 1, help="processes (%(default)s)")
     parser.add_argument("--files", nargs="+", default=(), metavar="NAME", help="files by their names without .yaml")
     parser.add_argument("--write", action="store_true", help=f"write {PAGE.parent.name}/{PAGE.name}")
-    asked = parser.parse_args(arguments)
+    options = parser.parse_args(arguments)
     started, trial = time.monotonic(), Trial()
-    found = trial.mutants(asked.files)
-    chosen = found if asked.all else drawn(found, asked.number, asked.seed)
-    outcome = Outcome(trial, tried(trial, chosen, asked.jobs))
-    if asked.write:
-        files = sorted({file_name(mutant.file) for mutant in found})
+    all_mutants = trial.mutants(options.files)
+    chosen = all_mutants if options.all else drawn(all_mutants, options.number, options.seed)
+    outcome = Outcome(trial, tried(trial, chosen, options.jobs))
+    if options.write:
+        files = sorted({file_name(mutant.file) for mutant in all_mutants})
         PAGE.write_text(page(outcome, "make mutants", files), encoding="utf-8")
-    print("\n".join(["", *table(outcome), ""] + ([] if asked.write else list(survivors(outcome)))))
-    print(f"{len(chosen)} of {len(found)} mutants in {time.monotonic() - started:.0f} seconds")
-    return _judged(outcome)
+    print("\n".join(["", *table(outcome), ""] + ([] if options.write else list(survivors(outcome)))))
+    print(f"{len(chosen)} of {len(all_mutants)} mutants in {time.monotonic() - started:.0f} seconds")
+    return _print_violations(outcome)
 
 
-def _judged(outcome: Outcome) -> int:
+def _print_violations(outcome: Outcome) -> int:
     """Print each violated limit, and return the exit code."""
     sums = dict(outcome.sums())
-    wrong = [f"crash: {crash}" for crash in outcome.crashes]
+    violations = [f"crash: {crash}" for crash in outcome.crashes]
     strict = sums["classes with *"]
     if strict.texts + strict.code:
-        wrong.append(f"{strict.texts + strict.code} wrong values pass in classes where none is allowed")
-    wrong += exceeded(outcome)
-    wrong += [f"no reason: {item.place} {item.difference} ({item.effect})" for item in outcome.gaps]
-    print("\n".join(wrong), file=sys.stderr)
-    return 1 if wrong else 0
+        violations.append(f"{strict.texts + strict.code} wrong values pass in classes where none is allowed")
+    violations += exceeded(outcome)
+    violations += [f"no reason: {passed.place} {passed.difference} ({passed.effect})" for passed in outcome.gaps]
+    print("\n".join(violations), file=sys.stderr)
+    return 1 if violations else 0
 
 
 if __name__ == "__main__":

@@ -36,14 +36,14 @@ def main() -> None:
     sys.path[:0] = PATHS
     print(f"Python {sys.version.split()[0]}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}\n")
     compare("one BiSS frame of 45 bits, ns", {**biss_by_hand(), **peers_of_biss()}, CALLS, 1)
-    compare("500 different BiSS frames in a loop, as in the README, ns each", reading(), CALLS // 500, 500)
+    compare("500 different BiSS frames in a loop, as in the README, ns each", position_loops(), CALLS // 500, 500)
     compare("one RS-485 reply of 6 bytes, ns", {**serial_by_hand(), **peers_of_serial()}, CALLS, 1)
-    compare("a million frames, ns each", many(), 1, MANY)
+    compare("a million frames, ns each", decoders_of_many(), 1, MANY)
     compare("lookup, ns", lookups(), CALLS, 1)
-    loading()
+    print_import_times()
 
 
-def compare(title: str, candidates: Candidates, calls: int, of: int) -> None:
+def compare(title: str, candidates: Candidates, calls: int, frames_per_call: int) -> None:
     """Print the time of each candidate, compared with the first."""
     best = dict.fromkeys(candidates, float("inf"))
     for _ in range(ROUNDS):
@@ -51,7 +51,7 @@ def compare(title: str, candidates: Candidates, calls: int, of: int) -> None:
             start = time.process_time_ns()
             for _ in range(calls):
                 call()
-            best[name] = min(best[name], (time.process_time_ns() - start) / calls / of)
+            best[name] = min(best[name], (time.process_time_ns() - start) / calls / frames_per_call)
     first = next(iter(best.values()))
     print(title)
     for name, took in best.items():
@@ -71,7 +71,7 @@ def biss_by_hand() -> Candidates:
     def floor(word: int = WORD) -> object:
         return word >> 29, word >> 8 & 0x1FFFFF, word >> 8, word >> 7 & 1, word >> 6 & 1
 
-    tables = [bytes(remainder(byte << shift) for byte in range(256)) for shift in range(0, 48, 8)]
+    tables = map(crc_table, range(0, 48, 8))
     low, second, third, fourth, fifth, high = tables
 
     def with_crc(word: int = WORD) -> object:
@@ -97,7 +97,7 @@ def biss_by_hand() -> Candidates:
     }
 
 
-def reading() -> Candidates:
+def position_loops() -> Candidates:
     """Return loops that read positions: by shifts without a call, and as the README of the package does."""
     from lika_encoders import FrameError, amm5
 
@@ -118,6 +118,11 @@ def reading() -> Candidates:
     return {"floor: shifts into a tuple, inline, no CRC": floor, "ours: try_decode, usable_position": as_in_the_readme}
 
 
+def crc_table(shift: int) -> bytes:
+    """Return the remainders of all bytes at this place in a word."""
+    return bytes(remainder(byte << shift) for byte in range(256))
+
+
 def remainder(number: int) -> int:
     """Return a number modulo x^6 + x + 1."""
     for place in range(47, 5, -1):
@@ -126,13 +131,13 @@ def remainder(number: int) -> int:
 
 
 def peers_of_biss() -> Candidates:
-    found: Candidates = {}
+    peers: Candidates = {}
     data = WORD.to_bytes(6, "big")
     for name in ("bitstruct.c", "bitstruct"):
         module = peer(name)
         if module is not None:
             unpack = module.compile("u3u16u21u1u1u6").unpack
-            found[f"{name}, no CRC"] = lambda unpack=unpack: unpack(data)
+            peers[f"{name}, no CRC"] = lambda unpack=unpack: unpack(data)
 
     class Fields(ctypes.BigEndianStructure):
         _fields_ = [(name, ctypes.c_uint64, bits) for name, bits in FIELDS]
@@ -140,21 +145,21 @@ def peers_of_biss() -> Candidates:
     wide = WORD.to_bytes(8, "big")
 
     def by_ctypes() -> object:
-        made = Fields.from_buffer_copy(wide)
-        return made.multiturn, made.singleturn, made.error, made.warning
+        fields = Fields.from_buffer_copy(wide)
+        return fields.multiturn, fields.singleturn, fields.error, fields.warning
 
-    found["ctypes structure, no CRC"] = by_ctypes
+    peers["ctypes structure, no CRC"] = by_ctypes
     construct = peer("construct")
     if construct is not None:
         shape = construct.BitStruct(*(name / construct.BitsInteger(bits) for name, bits in FIELDS))
-        found["construct, no CRC"] = lambda: shape.parse(wide)
+        peers["construct, no CRC"] = lambda: shape.parse(wide)
     kaitai = peer("kaitaistruct")
     if kaitai is not None:
-        found["kaitai runtime, no CRC"] = lambda: kaitai_bits(kaitai, wide)
+        peers["kaitai runtime, no CRC"] = lambda: kaitai_bits(kaitai, wide)
     message = cantools_message([("multiturn", 19, 16), ("singleturn", 35, 21), ("error", 56, 1), ("warning", 57, 1)])
     if message is not None:
-        found["cantools, no CRC"] = lambda: message.decode(wide)
-    return found
+        peers["cantools, no CRC"] = lambda: message.decode(wide)
+    return peers
 
 
 FIELDS = [("spare", 19), ("multiturn", 16), ("singleturn", 21), ("error", 1), ("warning", 1), ("crc", 6)]
@@ -200,11 +205,11 @@ def serial_by_hand() -> Candidates:
 
 
 def peers_of_serial() -> Candidates:
-    found: Candidates = {}
+    peers: Candidates = {}
     module = peer("bitstruct.c")
     if module is not None:
         unpack = module.compile("u8u8u24u8").unpack
-        found["bitstruct.c, no CRC"] = lambda: unpack(REPLY)
+        peers["bitstruct.c, no CRC"] = lambda: unpack(REPLY)
     construct = peer("construct")
     if construct is not None:
         shape = construct.Struct(
@@ -213,8 +218,8 @@ def peers_of_serial() -> Candidates:
             "singleturn" / construct.Int24ul,
             "crc" / construct.Byte,
         )
-        found["construct, no CRC"] = lambda: shape.parse(REPLY)
-    return found
+        peers["construct, no CRC"] = lambda: shape.parse(REPLY)
+    return peers
 
 
 def peer(name: str) -> Any:
@@ -228,7 +233,7 @@ def peer(name: str) -> Any:
 # -- many frames
 
 
-def many() -> Candidates:
+def decoders_of_many() -> Candidates:
     import numpy
     from lika_encoders import amm5
 
@@ -236,10 +241,10 @@ def many() -> Candidates:
     encoder, serial, ssi = amm5.lookup(BISS), amm5.lookup(SERIAL), amm5.lookup("AMM5A23/65KBG1")
     sound = [amm5.SingleCycleData.from_position(encoder, source.getrandbits(37)).encode() for _ in range(2000)]
     words = numpy.tile(numpy.array(sound, numpy.uint64), MANY // 2000)
-    replies = b"".join(
-        amm5.CompleteReply(serial, False, False, source.getrandbits(23), 0x23, source.getrandbits(16)).encode()
-        for _ in range(2000)
-    )
+    replies = b""
+    for _ in range(2000):
+        singleturn, multiturn = source.getrandbits(23), source.getrandbits(16)
+        replies += amm5.CompleteReply(serial, False, False, singleturn, 0x23, multiturn).encode()
     rows = numpy.frombuffer(replies * (MANY // 2000), numpy.uint8).reshape(-1, 11)
     short = numpy.frombuffer(REPLY * MANY, numpy.uint8).reshape(-1, 6)
     some_wrong = words.copy()
@@ -251,7 +256,7 @@ def many() -> Candidates:
     def fields() -> object:
         return words >> numpy.uint64(8), words & numpy.uint64(0x80), words & numpy.uint64(0x40)
 
-    found: Candidates = {
+    candidates: Candidates = {
         "copy of the words": lambda: numpy.copyto(copy, words),
         "NumPy by hand: three fields at once, no CRC": fields,
         "ours: decode_many, BiSS": lambda: encoder.decode_many(words),
@@ -261,9 +266,9 @@ def many() -> Candidates:
         "ours: decode_many, longest reply, 11 bytes": lambda: serial.decode_many(rows, amm5.CompleteReply),
     }
     by_c = compiled(words)
-    found |= {"our C header, -O3 -march=native, BiSS": by_c} if by_c is not None else {}
+    candidates |= {"our C header, -O3 -march=native, BiSS": by_c} if by_c is not None else {}
     return {
-        **found,
+        **candidates,
         "ours: encode_many, BiSS": lambda: encoder.encode_many({"position": positions}),
         "ours: table.unwrapped": table.unwrapped,
     }
@@ -292,17 +297,17 @@ def compiled(words: Any) -> Callable[[], object] | None:
     include = f"-I{ROOT / 'generated' / 'c' / 'include'}"
     command = [os.environ.get("CC", "cc"), "-O3", "-march=native", "-shared", "-fPIC", include, source, "-o", library]
     try:
-        done = subprocess.run([str(item) for item in command], capture_output=True, text=True)
+        completed = subprocess.run([str(word) for word in command], capture_output=True, text=True)
     except OSError:
-        done = None
-    if done is None or done.returncode:
+        completed = None
+    if completed is None or completed.returncode:
         print("  left out: our C header, which could not be compiled here")
         return None
     loaded = ctypes.CDLL(str(library))
     # The columns must be kept alive while their addresses are used.
     columns = (words, numpy.empty_like(words), numpy.empty(len(words), numpy.uint8))
-    given = [ctypes.c_void_p(item.ctypes.data) for item in columns]
-    return lambda: loaded.many(*given, ctypes.c_size_t(len(columns[0])))
+    pointers = [ctypes.c_void_p(column.ctypes.data) for column in columns]
+    return lambda: loaded.many(*pointers, ctypes.c_size_t(len(columns[0])))
 
 
 # -- import
@@ -315,7 +320,7 @@ def lookups() -> Candidates:
     return {f"lookup({label!r})": lambda label=label: lika_encoders.lookup(label) for label in labels}
 
 
-def loading() -> None:
+def print_import_times() -> None:
     """Print the time of an import from bytecode, without the start of the interpreter."""
     print("import with bytecode, ms of CPU time without that of the interpreter")
     cases = ("pass", "import typing, enum", "import lika_encoders", *(f"import lika_encoders.{n}" for n in families()))

@@ -34,10 +34,10 @@ class Measured(NamedTuple):
     written_mb: float
 
     def __str__(self) -> str:
-        each = self.seconds / max(self.frames, 1) * 1e9
+        nanoseconds = self.seconds / max(self.frames, 1) * 1e9
         return (
-            f"{self.frames:,} frames, {self.damaged:,} with an error, in {self.seconds:.1f} s: {each:.0f} ns per "
-            f"frame, peak {self.peak_mb:.0f} MB, Parquet of {self.written_mb:.0f} MB"
+            f"{self.frames:,} frames, {self.damaged:,} with an error, in {self.seconds:.1f} s: "
+            f"{nanoseconds:.0f} ns per frame, peak {self.peak_mb:.0f} MB, Parquet of {self.written_mb:.0f} MB"
         )
 
 
@@ -47,15 +47,15 @@ def frames(encoder: Any) -> bytes:
     length = (encoder.frame_bits + 7) // 8
     kind = type(encoder.decode_many([]).encoder)
     module = sys.modules[kind.__module__]
-    at, speed, made = 0, 0, []
+    at, speed, blocks = 0, 0, []
     for number in range(MADE):
         speed += source.randint(-40, 40)
         at = (at + speed) % encoder.modulus
         word = module.SingleCycleData.from_position(encoder, at).encode()
         if number % DAMAGED == 0:
             word ^= 1 << source.randrange(encoder.frame_bits)
-        made.append(word.to_bytes(length, "big"))
-    return b"".join(made)
+        blocks.append(word.to_bytes(length, "big"))
+    return b"".join(blocks)
 
 
 def write(path: Path, block: bytes, size: int, length: int) -> None:
@@ -68,7 +68,7 @@ def write(path: Path, block: bytes, size: int, length: int) -> None:
 
 
 class Run(NamedTuple):
-    said: str
+    output: str
     seconds: float
     peak_mb: float
 
@@ -77,11 +77,11 @@ def run(package: Path, *arguments: str) -> Run:
     """Run the command in its own process, and return its time and memory."""
     started = time.monotonic()
     command = [sys.executable, str(Path(__file__)), "--child", str(package), *arguments]
-    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    finished = subprocess.run(command, capture_output=True, text=True, check=True)
     seconds = time.monotonic() - started
-    said, _, peak = done.stdout.strip().rpartition("peak ")
+    output, _, peak = finished.stdout.strip().rpartition("peak ")
     # Linux reports KiB.
-    return Run(said, seconds, int(peak) * 1024 / 1e6)
+    return Run(output, seconds, int(peak) * 1024 / 1e6)
 
 
 def measured(package: Path, folder: Path, size: int, code: str) -> Measured:
@@ -98,10 +98,10 @@ def measured(package: Path, folder: Path, size: int, code: str) -> Measured:
     source, target = folder / "frames.bin", folder / "frames.parquet"
     try:
         write(source, block, size, (encoder.frame_bits + 7) // 8)
-        done = run(package, code, str(source), "-o", str(target))
-        told = re.match(r"(\d+) frames.*?, (\d+) with a CRC error", done.said)
-        assert told is not None, done.said
-        return Measured(int(told[1]), int(told[2]), done.seconds, done.peak_mb, target.stat().st_size / 1e6)
+        finished = run(package, code, str(source), "-o", str(target))
+        counts = re.match(r"(\d+) frames.*?, (\d+) with a CRC error", finished.output)
+        assert counts is not None, finished.output
+        return Measured(int(counts[1]), int(counts[2]), finished.seconds, finished.peak_mb, target.stat().st_size / 1e6)
     finally:
         source.unlink(missing_ok=True)
         target.unlink(missing_ok=True)
@@ -110,9 +110,9 @@ def measured(package: Path, folder: Path, size: int, code: str) -> Measured:
 def child(package: str, *arguments: str) -> int:
     """Run the command and report its memory. The parent must be small, because a process starts with its memory."""
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([package, os.path.join(package, "runtime")])}
-    done = subprocess.run([sys.executable, "-m", "lika_encoders", "decode", *arguments], env=environment)
+    finished = subprocess.run([sys.executable, "-m", "lika_encoders", "decode", *arguments], env=environment)
     print("peak", resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss)
-    return done.returncode
+    return finished.returncode
 
 
 def main() -> int:
@@ -124,9 +124,9 @@ def main() -> int:
     chosen = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         size = int(chosen.gigabytes * 1e9)
-        found = measured(ROOT / "generated" / "python", Path(folder), size, chosen.code)
-    print(found)
-    return 0 if found.peak_mb <= LIMIT else 1
+        result = measured(ROOT / "generated" / "python", Path(folder), size, chosen.code)
+    print(result)
+    return 0 if result.peak_mb <= LIMIT else 1
 
 
 if __name__ == "__main__":

@@ -20,6 +20,7 @@ import tempfile
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -71,8 +72,8 @@ class Figures:
     cpu: float
     memory: int
 
-    def best(self, other: Figures) -> Figures:
-        return Figures(min(self.wall, other.wall), min(self.cpu, other.cpu), self.memory)
+    def best(self, second: Figures) -> Figures:
+        return Figures(min(self.wall, second.wall), min(self.cpu, second.cpu), self.memory)
 
 
 def measured(run: Run, folder: Path) -> Figures:
@@ -104,54 +105,72 @@ def copies(place: Path, count: int) -> None:
         (place / f"sma{number}.yaml").write_text(renamed, encoding="utf-8")
 
 
+def edit_comment(spec: Path) -> None:
+    """Change a comment in the first line of a spec, or add it."""
+    text = spec.read_text(encoding="utf-8")
+    stamp = re.search(r"^# (\d+)\n", text)
+    number = int(stamp[1]) + 1 if stamp else 1
+    spec.write_text(f"# {number}\n{text[stamp.end() if stamp else 0 :]}", encoding="utf-8")
+
+
+def edit_number(spec: Path) -> None:
+    """Change the highest clock, which is in every output."""
+    text = spec.read_text(encoding="utf-8")
+    match = re.search(r"max_hz: (\d+)", text)
+    assert match is not None
+    spec.write_text(text.replace(match[0], f"max_hz: {int(match[1]) - 1000}", 1), encoding="utf-8")
+
+
 def runs(work: Path, families: int) -> list[Run]:
     """Return all commands, in the order of the table."""
-    specs, many, out = work / "specs", work / "many", work / "out"
-    shutil.copytree(SPECS, specs)
-    copies(many, families)
-    spec = specs / "asc85.yaml"
+    shutil.copytree(SPECS, work / "specs")
+    copies(work / "many", families)
+    return [*reading_runs(work), *generating_runs(work), *runs_of_many(work / "many", families), *peers(work)]
+
+
+def reading_runs(work: Path) -> list[Run]:
+    """Return the commands that read specs once."""
+    frame, specs = ("AMM5A21/65KSC1", "0xF4243D3"), ("--specs", str(SPECS))
 
     def empty() -> None:
         shutil.rmtree(work / "cold", ignore_errors=True)
 
-    def edit() -> None:
-        text = spec.read_text(encoding="utf-8")
-        stamp = re.search(r"^# (\d+)\n", text)
-        number = int(stamp[1]) + 1 if stamp else 1
-        spec.write_text(f"# {number}\n{text[stamp.end() if stamp else 0 :]}", encoding="utf-8")
-
-    def edit_number() -> None:
-        """Change the highest clock, which is in every output."""
-        text = spec.read_text(encoding="utf-8")
-        found = re.search(r"max_hz: (\d+)", text)
-        assert found is not None
-        spec.write_text(text.replace(found[0], f"max_hz: {int(found[1]) - 1000}", 1), encoding="utf-8")
-
-    frame, last = ("AMM5A21/65KSC1", "0xF4243D3"), f"SMA{999 + families}-SC4-0050"
-    ours, generate = str(specs), ("generate", str(specs), "-o", str(out))
     return [
-        Run("decode", codewheel("decode", *frame, "--specs", str(SPECS)), 4.5),
-        Run("show", codewheel("show", frame[0], "--specs", str(SPECS)), 4.5),
-        Run("decode, cold", codewheel("decode", *frame, "--specs", str(SPECS)), 10, cache="cold", before=empty),
-        Run("list", codewheel("list", "--specs", str(SPECS)), 3),
+        Run("decode", codewheel("decode", *frame, *specs), 4.5),
+        Run("show", codewheel("show", frame[0], *specs), 4.5),
+        Run("decode, cold", codewheel("decode", *frame, *specs), 10, cache="cold", before=empty),
+        Run("list", codewheel("list", *specs), 3),
         Run("--version", codewheel("--version"), 1.5),
         Run("--help", codewheel("--help"), 1.5),
-        Run("check, one spec changed", codewheel("check", ours), 20, before=edit),
+    ]
+
+
+def generating_runs(work: Path) -> list[Run]:
+    """Return the commands that check and generate, and those that decode many lines."""
+    ours, spec = str(work / "specs"), work / "specs" / "asc85.yaml"
+    generate = ("generate", ours, "-o", str(work / "out"))
+    comment, number = partial(edit_comment, spec), partial(edit_number, spec)
+    code, lines = "AMM5A21/65KSC1", frames(5000)
+    return [
+        Run("check, one spec changed", codewheel("check", ours), 20, before=comment),
         Run("check, nothing changed", codewheel("check", ours), 6),
-        Run("generate, one comment changed", codewheel(*generate), 28, before=edit),
-        Run("generate, one number changed", codewheel(*generate, "--unchecked"), 28, before=edit_number),
+        Run("generate, one comment changed", codewheel(*generate), 28, before=comment),
+        Run("generate, one number changed", codewheel(*generate, "--unchecked"), 28, before=number),
         Run("generate, nothing changed", codewheel(*generate), 6),
         Run("generate --check, nothing changed", codewheel(*generate, "--check"), 6),
-        Run("decode -, 5000 lines", codewheel("decode", frame[0], "-"), text=frames(5000)),
-        Run("decode - --json, 5000 lines", codewheel("decode", frame[0], "-", "--json"), text=frames(5000)),
-        Run(f"{families} families: decode", codewheel("decode", last, "0x1", "--specs", str(many)), 5),
-        Run(f"{families} families: list", codewheel("list", "--specs", str(many))),
-        Run(
-            f"{families} families: generate, nothing changed",
-            codewheel("generate", str(many), "-o", str(work / "many-out")),
-            30,
-        ),
-        *peers(work),
+        Run("decode -, 5000 lines", codewheel("decode", code, "-"), text=lines),
+        Run("decode - --json, 5000 lines", codewheel("decode", code, "-", "--json"), text=lines),
+    ]
+
+
+def runs_of_many(specs: Path, families: int) -> list[Run]:
+    """Return the commands with many families."""
+    last, out = f"SMA{999 + families}-SC4-0050", specs.with_name("many-out")
+    generate = codewheel("generate", str(specs), "-o", str(out))
+    return [
+        Run(f"{families} families: decode", codewheel("decode", last, "0x1", "--specs", str(specs)), 5),
+        Run(f"{families} families: list", codewheel("list", "--specs", str(specs))),
+        Run(f"{families} families: generate, nothing changed", generate, 30),
     ]
 
 
@@ -160,19 +179,19 @@ def peers(work: Path) -> list[Run]:
     (work / "peer.dbc").write_text(DBC, encoding="utf-8")
     (work / "peer.rdl").write_text(RDL, encoding="utf-8")
     scripts = Path(sys.executable).parent
-    found = {
+    arguments_by_peer = {
         "cantools": ("decode", str(work / "peer.dbc")),
         "peakrdl": ("dump", str(work / "peer.rdl")),
         "nnvg": ("--version",),
     }
-    made = []
-    for name, arguments in found.items():
+    peer_runs = []
+    for name, arguments in arguments_by_peer.items():
         if (scripts / name).exists():
             text = "vcan0 1F0 [8] 43 42 0F 00 00 00 00 00\n" if name == "cantools" else ""
-            made.append(Run(f"{name} {arguments[0]}", [str(scripts / name), *arguments], text=text))
+            peer_runs.append(Run(f"{name} {arguments[0]}", [str(scripts / name), *arguments], text=text))
         else:
             print(f"{name} is not installed and is left out", file=sys.stderr)
-    return made
+    return peer_runs
 
 
 def main() -> None:
@@ -188,9 +207,9 @@ def main() -> None:
         best: dict[str, Figures] = {}
         for _ in range(chosen.rounds):
             for run in every:
-                found = measured(run, work)
-                first.setdefault(run.name, found)
-                best[run.name] = found.best(best.get(run.name, found))
+                figures = measured(run, work)
+                first.setdefault(run.name, figures)
+                best[run.name] = figures.best(best.get(run.name, figures))
     print("| command | ms | floors | goal | CPU ms | MB |\n| --- | ---: | ---: | ---: | ---: | ---: |")
     for run in every:
         figures, goal = best[run.name], "" if run.goal is None else f"{run.goal:g}"
@@ -199,8 +218,8 @@ def main() -> None:
         print(f"| {run.name} | {' | '.join(cells)} | {figures.memory / 1024:.0f} |")
     for run in every:
         if "families: generate" in run.name:
-            found = first[run.name]
-            print(f"the first run of '{run.name}', from nothing: {found.wall:.0f} s, {found.memory / 1024:.0f} MB")
+            figures = first[run.name]
+            print(f"the first run of '{run.name}', from nothing: {figures.wall:.0f} s, {figures.memory / 1024:.0f} MB")
         if run.name.startswith("decode -"):
             alone = best["decode"].cpu if "decode" in best else 0
             print(f"{run.name}: {(best[run.name].cpu - alone) / run.text.count(chr(10)) * 1e6:.0f} µs a line")

@@ -20,7 +20,7 @@ from codewheel.commands.decode import decode_text, why_text
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.order_codes.labels import UnknownOrderCode, find
-from codewheel.why.mistakes import Why
+from codewheel.why.mistakes import Explanation, Why
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "generator"))
 
@@ -47,19 +47,19 @@ def main() -> None:
     counts = measure({device.name: device for device in devices}, rounds)
     print(f"{'mistake':34} {'frames':>7} {'unseen':>7} {'listed':>8} {'first':>8} {'in the list':>12}")
     for name, count in counts.items():
-        seen = max(count.frames - count.unseen, 1)
+        noticed = max(count.frames - count.unseen, 1)
         print(
-            f"{name:34} {count.frames:7} {count.unseen:7} {count.listed / seen:8.1%} {count.first / seen:8.1%} "
-            f"{count.explanations / seen:12.2f}"
+            f"{name:34} {count.frames:7} {count.unseen:7} {count.listed / noticed:8.1%} {count.first / noticed:8.1%} "
+            f"{count.explanations / noticed:12.2f}"
         )
     everything = [second for count in counts.values() for second in count.seconds]
     planted_ones = [count for name, count in counts.items() if name not in NOISE]
-    seen = sum(count.frames - count.unseen for count in planted_ones)
+    noticed = sum(count.frames - count.unseen for count in planted_ones)
     print(
         f"{'all planted mistakes':34} {sum(count.frames for count in planted_ones):7} "
         f"{sum(count.unseen for count in planted_ones):7} "
-        f"{sum(count.listed for count in planted_ones) / seen:8.1%} "
-        f"{sum(count.first for count in planted_ones) / seen:8.1%}"
+        f"{sum(count.listed for count in planted_ones) / noticed:8.1%} "
+        f"{sum(count.first for count in planted_ones) / noticed:8.1%}"
     )
     print(f"seconds for one frame: {sum(everything) / len(everything):.4f} on average, {max(everything):.4f} at most")
 
@@ -77,15 +77,17 @@ def measure(devices: Mapping[str, Device], rounds: int) -> dict[str, Count]:
         if why is None:
             count.unseen += 1
             continue
-        places = [
-            place
-            for place, item in enumerate(why.explanations)
-            if item.kind == plant.kind and plant.words in f"{item.text} {' '.join(item.codes)}"
-        ]
-        count.listed += bool(places) if plant.kind else any(not item.twice for item in why.explanations)
+        places = [place for place, explanation in enumerate(why.explanations) if _explains(explanation, plant)]
+        count.listed += bool(places) if plant.kind else any(not explanation.twice for explanation in why.explanations)
         count.first += places[:1] == [0]
         count.explanations += len(why.explanations)
     return counts
+
+
+def _explains(explanation: Explanation, plant: planted.Plant) -> bool:
+    """Return whether an explanation names the planted mistake."""
+    words = f"{explanation.text} {' '.join(explanation.codes)}"
+    return explanation.kind == plant.kind and plant.words in words
 
 
 NOISE = ("(random bits)",)

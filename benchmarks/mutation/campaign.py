@@ -16,7 +16,7 @@ _AT_A_TIME = 20
 
 
 @dataclass(frozen=True)
-class Tried:
+class TriedMutant:
     """A mutant and its result."""
 
     mutant: Mutant
@@ -29,12 +29,11 @@ def drawn(mutants: Iterable[Mutant], number: int, seed: int) -> list[Mutant]:
     mistakes: dict[tuple[str, str], dict[str, list[Mutant]]] = defaultdict(lambda: defaultdict(list))
     for mutant in mutants:
         mistakes[mutant.file, mutant.fact][mutant.mistake].append(mutant)
-    columns = [list(_in_turns([_shuffled(item, draw) for item in kinds.values()])) for kinds in mistakes.values()]
+    columns = []
+    for kinds in mistakes.values():
+        shuffled = [draw.sample(same_mistake, len(same_mistake)) for same_mistake in kinds.values()]
+        columns.append(list(_in_turns(shuffled)))
     return [mutant for _, mutant in zip(range(number), _in_turns(columns), strict=False)]
-
-
-def _shuffled(mutants: Sequence[Mutant], draw: random.Random) -> list[Mutant]:
-    return draw.sample(mutants, len(mutants))
 
 
 def _in_turns(columns: Sequence[Sequence[Mutant]]) -> Iterator[Mutant]:
@@ -43,16 +42,16 @@ def _in_turns(columns: Sequence[Sequence[Mutant]]) -> Iterator[Mutant]:
         yield from (column[index] for column in columns if index < len(column))
 
 
-def tried(trial: Trial, mutants: Sequence[Mutant], jobs: int) -> Iterator[Tried]:
+def tried(trial: Trial, mutants: Sequence[Mutant], jobs: int) -> Iterator[TriedMutant]:
     """Yield the result of each mutant, in the order of the mutants."""
     if jobs < 2 or "fork" not in multiprocessing.get_all_start_methods():
-        yield from (Tried(mutant, trial.verdict(mutant)) for mutant in mutants)
+        yield from (TriedMutant(mutant, trial.verdict(mutant)) for mutant in mutants)
         return
     # The child processes inherit trial and mutants from this one. Only numbers and verdicts are sent.
     _Shared.trial, _Shared.mutants = trial, mutants
     with multiprocessing.get_context("fork").Pool(jobs) as pool:
         verdicts = pool.imap(_verdict, range(len(mutants)), _AT_A_TIME)
-        yield from (Tried(mutant, verdict) for mutant, verdict in zip(mutants, verdicts, strict=True))
+        yield from (TriedMutant(mutant, verdict) for mutant, verdict in zip(mutants, verdicts, strict=True))
 
 
 class _Shared:

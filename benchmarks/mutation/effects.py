@@ -45,8 +45,8 @@ class Outputs:
 
     def __init__(self, device: Device) -> None:
         self._device, self._dump = device, device_dump(device)
-        made = {name: _code(name, device) for name in _CODE}
-        self._code = {name: files for name, files in made.items() if files is not None}
+        outputs = {name: _code(name, device) for name in _CODE}
+        self._code = {name: files for name, files in outputs.items() if files is not None}
         self.targets = tuple(self._code)
 
     def effect(self, device: Device) -> Effect:
@@ -60,8 +60,8 @@ class Outputs:
             return Effect.ORDER
         if _facts(dump) == _facts(self._dump):
             return Effect.TEXTS
-        same = self._code and all(_code(name, device) == files for name, files in self._code.items())
-        return Effect.TEXTS if same else Effect.CODE
+        has_same_code = self._code and all(_code(name, device) == files for name, files in self._code.items())
+        return Effect.TEXTS if has_same_code else Effect.CODE
 
 
 @cache
@@ -70,31 +70,31 @@ def _text_keys() -> frozenset[str]:
     schema = load_schema("show")
     parts: list[Mapping[str, Any]] = [schema, *schema["$defs"].values()]
     members = [member for part in parts for member in part.get("properties", {}).items()]
-    facts = {key for key, item in members if not _is_text(item)}
-    return frozenset(key for key, item in members if _is_text(item)) - facts - _FACTS
+    facts = {key for key, member in members if not _is_text(member)}
+    return frozenset(key for key, member in members if _is_text(member)) - facts - _FACTS
 
 
-def _is_text(item: Mapping[str, Any]) -> bool:
+def _is_text(member: Mapping[str, Any]) -> bool:
     """Return whether a member of plain data has words for people."""
-    references = (item.get("$ref", ""), item.get("items", {}).get("$ref", ""))
+    references = (member.get("$ref", ""), member.get("items", {}).get("$ref", ""))
     return any(reference.rpartition("/")[2] in ("text", "names", "source") for reference in references)
 
 
 def _unordered(data: Any, key: str = "") -> Any:
     """Return plain data with all lists sorted whose order has no meaning."""
     if isinstance(data, dict):
-        return {name: _unordered(item, name) for name, item in data.items()}
+        return {name: _unordered(value, name) for name, value in data.items()}
     if not isinstance(data, list):
         return data
-    found = [_unordered(item) for item in data]
-    return found if key in _ORDERED else sorted(found, key=lambda item: json.dumps(item, sort_keys=True))
+    values = [_unordered(value) for value in data]
+    return values if key in _ORDERED else sorted(values, key=lambda value: json.dumps(value, sort_keys=True))
 
 
 def _facts(data: Any) -> Any:
     """Return plain data without words for people."""
     if isinstance(data, dict):
-        return {key: _facts(item) for key, item in data.items() if key not in _text_keys()}
-    return [_facts(item) for item in data] if isinstance(data, list) else data
+        return {key: _facts(value) for key, value in data.items() if key not in _text_keys()}
+    return [_facts(value) for value in data] if isinstance(data, list) else data
 
 
 def _files(name: str, device: Device) -> Mapping[str, str] | None:
@@ -109,7 +109,9 @@ def _files(name: str, device: Device) -> Mapping[str, str] | None:
 def _code(name: str, device: Device) -> dict[str, str] | None:
     """Return the files of an output without comments and docstrings, or None if it cannot be generated."""
     files = _files(name, device)
-    return None if files is None else {path: text for path, whole in files.items() for text in _stripped(path, whole)}
+    if files is None:
+        return None
+    return {path: text for path, whole in files.items() for text in _stripped(path, whole)}
 
 
 def _stripped(path: str, text: str) -> Iterator[str]:
@@ -127,7 +129,7 @@ def _python(text: str) -> str:
     for node in ast.walk(tree):
         body = getattr(node, "body", None)
         if isinstance(body, list):
-            node.body = [item for item in body if not _is_docstring(item)]  # type: ignore[attr-defined]
+            node.body = [statement for statement in body if not _is_docstring(statement)]  # type: ignore[attr-defined]
     return ast.dump(tree)
 
 

@@ -39,7 +39,7 @@ class Mutant:
     @property
     def difference(self) -> str:
         """Return the mistake as one line of Markdown, as a diff of the files would show it."""
-        return f"{_shown(self.place.value)} -> {_shown(self.changes[0][1])}"
+        return f"{_as_code(self.place.value)} -> {_as_code(self.changes[0][1])}"
 
     @property
     def is_left_out(self) -> bool:
@@ -71,9 +71,8 @@ def mutants(document: Document) -> Iterator[Mutant]:
 
 def _wrong_in_source(old: str, new: str, document: Document) -> str:
     """Return which part of a source is wrong, and for a page whether the contents of the manual can tell."""
-    before, after = next(
-        pair for pair in zip(parse_sources(old), parse_sources(new), strict=True) if pair[0] != pair[1]
-    )
+    pairs = zip(parse_sources(old), parse_sources(new), strict=True)
+    before, after = next((before, after) for before, after in pairs if before != after)
     if before.document or after.document or "manual" not in document.data:
         return "place in another document"
     if before.section != after.section:
@@ -86,20 +85,24 @@ def mutated(document: Document, mutant: Mutant) -> dict[str, Any]:
     """Return the data of a document with the mistake. Unchanged parts are shared."""
     data = document.data
     for path, new in mutant.changes:
-        data = _replaced(data, path, new)
+        data = _with_value(data, path, new)
     return data
 
 
-def _replaced(node: Any, path: Path, new: Any) -> Any:
-    step, rest = path[0], path[1:]
+def _with_value(node: Any, path: Path, new: Any) -> Any:
+    step, remaining_path = path[0], path[1:]
     if isinstance(node, list):
         assert isinstance(step, int)
-        if not rest and new is Gone.GONE:
+        if not remaining_path and new is Gone.GONE:
             return node[:step] + node[step + 1 :]
-        return [*node[:step], new if not rest else _replaced(node[step], rest, new), *node[step + 1 :]]
-    if not rest and new is Gone.GONE:
-        return {key: item for key, item in node.items() if key != step}
-    return {**node, step: new if not rest else _replaced(node[step], rest, new)}
+        return [
+            *node[:step],
+            new if not remaining_path else _with_value(node[step], remaining_path, new),
+            *node[step + 1 :],
+        ]
+    if not remaining_path and new is Gone.GONE:
+        return {key: value for key, value in node.items() if key != step}
+    return {**node, step: new if not remaining_path else _with_value(node[step], remaining_path, new)}
 
 
 def _mistakes(place: Place, document: Document) -> Iterator[tuple[str, tuple[Change, ...]]]:
@@ -107,12 +110,12 @@ def _mistakes(place: Place, document: Document) -> Iterator[tuple[str, tuple[Cha
     in_prose = place.fact in PROSE or (place.fact in WORDED and not re.search("[0-9]", str(value)))
     if isinstance(value, dict):
         if place.keys == "order_code.parts.values":
-            yield from _labels(place)
+            yield from _mistakes_in_labels(place)
     elif not isinstance(value, list):
-        of_value = _of_value(place, document)
+        of_value = _mistakes_in_value(place, document)
         yield from ((mistake, ((path, new),)) for mistake, new in of_value if new != value)
         if not in_prose:
-            yield from _exchanged(place, document)
+            yield from _exchange_with_next(place, document)
     if in_prose:
         return
     if isinstance(path[-1], int) or place.keys.endswith(".NAME"):
@@ -120,22 +123,22 @@ def _mistakes(place: Place, document: Document) -> Iterator[tuple[str, tuple[Cha
     elif place.optional:
         yield "key omitted", ((path, Gone.GONE),)
     if isinstance(path[-1], int) and _ORDERED.fullmatch(place.keys):
-        items, index = _found(document.data, path[:-1]), path[-1]
+        items, index = _value_at(document.data, path[:-1]), path[-1]
         if index + 1 < len(items):
             yield "items swapped", ((path, items[index + 1]), ((*path[:-1], index + 1), items[index]))
 
 
-def _of_value(place: Place, document: Document) -> Iterator[tuple[str, Any]]:
+def _mistakes_in_value(place: Place, document: Document) -> Iterator[tuple[str, Any]]:
     value, schema = place.value, place.schema
     if isinstance(value, bool):
         yield "boolean flipped", not value
     elif isinstance(value, int) and value < 0:
         yield "sign lost", -value
-        yield from ((mistake, -number) for mistake, number in _of_number(-value, str(-value)))
+        yield from ((mistake, -number) for mistake, number in _mistakes_in_number(-value, str(-value)))
     elif isinstance(value, int):
-        yield from _of_number(value, _written(place, document))
+        yield from _mistakes_in_number(value, _number_as_written(place, document))
     elif isinstance(value, float):
-        yield from ((mistake, float(text)) for mistake, text in _of_text(str(value), bare=False))
+        yield from ((mistake, float(text)) for mistake, text in _mistakes_in_text(str(value), bare=False))
     elif isinstance(value, str) and "enum" in schema:
         yield from (("another word", word) for word in schema["enum"])
     elif isinstance(value, str):
@@ -144,26 +147,26 @@ def _of_value(place: Place, document: Document) -> Iterator[tuple[str, Any]]:
         if place.kind == "name" and len(value) > 1:
             yield from (("letter lost", value[:at] + value[at + 1 :]) for at in {1, len(value) // 2, len(value) - 1})
         if place.kind != "name" and not names:
-            yield from _of_text(value, str(place.path[-1]) in _HEX_TEXTS)
+            yield from _mistakes_in_text(value, str(place.path[-1]) in _HEX_TEXTS)
             if place.kind == "expression":
-                yield from _of_expression(value, document.data.get("parameters", {}))
+                yield from _mistakes_in_expression(value, document.data.get("parameters", {}))
 
 
-def _written(place: Place, document: Document) -> str:
+def _number_as_written(place: Place, document: Document) -> str:
     """Return a number as it is written in the file."""
     line, column = document.position(place.path)
-    found = _NUMBER.match(document.line(line), column - 1)
-    return found[0] if found is not None else str(place.value)
+    match = _NUMBER.match(document.line(line), column - 1)
+    return match[0] if match is not None else str(place.value)
 
 
-def _of_number(value: int, written: str) -> Iterator[tuple[str, int]]:
-    for mistake, text in _of_digits(written):
+def _mistakes_in_number(value: int, written: str) -> Iterator[tuple[str, int]]:
+    for mistake, text in _mistakes_in_digits(written):
         yield mistake, int(text, 16 if text.startswith("0x") else 10)
     yield from (("off by one", value + step) for step in (-1, 1) if value + step >= 0)
     yield from (("bit flipped", value ^ 1 << bit) for bit in range(max(value.bit_length(), 1)))
 
 
-def _of_digits(written: str, bare: bool = False) -> Iterator[tuple[str, str]]:
+def _mistakes_in_digits(written: str, bare: bool = False) -> Iterator[tuple[str, str]]:
     """Yield mistakes in the digits of a number as written. A ``bare`` number is hexadecimal without a prefix."""
     start = 2 if written.startswith("0x") else 0
     hexadecimal, digits = bare or start > 0, written[start:]
@@ -173,73 +176,71 @@ def _of_digits(written: str, bare: bool = False) -> Iterator[tuple[str, str]]:
             yield "digit lost", before + after
         if after and after[0] != digit:
             yield "digits swapped", before + after[0] + digit + after[1:]
-        for other in _ALIKE.get(digit.upper(), ""):
-            if hexadecimal or other.isdecimal():
-                yield "digit misread", before + other + after
+        for misread_digit in _ALIKE.get(digit.upper(), ""):
+            if hexadecimal or misread_digit.isdecimal():
+                yield "digit misread", before + misread_digit + after
     if digits.endswith("0") and len(digits) > 1 and not bare:
         yield "extra zero", written + "0"
 
 
-def _of_text(text: str, bare: bool) -> Iterator[tuple[str, str]]:
+def _mistakes_in_text(text: str, bare: bool) -> Iterator[tuple[str, str]]:
     """Yield mistakes in each number of a text."""
     if set(text) <= {"0", "1"} and len(text) > 2:
         yield from (("bit flipped", text[:at] + str(1 - int(text[at])) + text[at + 1 :]) for at in range(len(text)))
-    for found in (re.compile("[0-9A-Fa-f]+") if bare else _IN_TEXT).finditer(text):
-        for mistake, digits in _of_digits(found[0], bare):
-            yield mistake, text[: found.start()] + digits + text[found.end() :]
-        if not bare and not found[0].startswith("0x"):
-            number = int(found[0])
-            yield from (
-                ("off by one", f"{text[: found.start()]}{number + step}{text[found.end() :]}")
-                for step in (-1, 1)
-                if number + step >= 0
-            )
+    for match in (re.compile("[0-9A-Fa-f]+") if bare else _IN_TEXT).finditer(text):
+        for mistake, digits in _mistakes_in_digits(match[0], bare):
+            yield mistake, text[: match.start()] + digits + text[match.end() :]
+        if not bare and not match[0].startswith("0x"):
+            number = int(match[0])
+            for neighbour in (number - 1, number + 1):
+                if neighbour >= 0:
+                    yield "off by one", f"{text[: match.start()]}{neighbour}{text[match.end() :]}"
 
 
-def _of_expression(text: str, parameters: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
-    for found in _WORD.finditer(text):
+def _mistakes_in_expression(text: str, parameters: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    for match in _WORD.finditer(text):
         for name in parameters:
-            if name != found[0]:
-                yield "another name", text[: found.start()] + name + text[found.end() :]
+            if name != match[0]:
+                yield "another name", text[: match.start()] + name + text[match.end() :]
     for index, sign in enumerate(text):
         if sign in "+-":
             yield "another word", text[:index] + {"+": "-", "-": "+"}[sign] + text[index + 1 :]
 
 
-def _labels(place: Place) -> Iterator[tuple[str, tuple[Change, ...]]]:
+def _mistakes_in_labels(place: Place) -> Iterator[tuple[str, tuple[Change, ...]]]:
     """Yield mistakes in the texts of labels, which are keys."""
     for label in place.value:
-        made = [(mistake, text) for found in _IN_TEXT.finditer(label) for mistake, text in _of_label(label, found)]
-        for mistake, text in made:
+        for mistake, text in _mistakes_in_label(label):
             if text and text not in place.value:
-                values = {text if key == label else key: item for key, item in place.value.items()}
+                values = {text if key == label else key: value for key, value in place.value.items()}
                 yield mistake, ((place.path, values),)
 
 
-def _of_label(label: str, found: re.Match[str]) -> Iterator[tuple[str, str]]:
-    for mistake, digits in _of_digits(found[0]):
-        yield mistake, label[: found.start()] + digits + label[found.end() :]
+def _mistakes_in_label(label: str) -> Iterator[tuple[str, str]]:
+    for match in _IN_TEXT.finditer(label):
+        for mistake, digits in _mistakes_in_digits(match[0]):
+            yield mistake, label[: match.start()] + digits + label[match.end() :]
 
 
-def _exchanged(place: Place, document: Document) -> Iterator[tuple[str, tuple[Change, ...]]]:
+def _exchange_with_next(place: Place, document: Document) -> Iterator[tuple[str, tuple[Change, ...]]]:
     """Yield the exchange of this value and the next one, as if a reader had confused two rows of a table."""
     path = place.path
     for depth in (1, 2):
         if len(path) <= depth:
             return
-        owner, step, rest = path[: -depth - 1], path[-depth - 1], path[-depth:]
-        siblings = _found(document.data, owner)
-        following = _following(siblings, step, place)
+        owner, step, remaining_path = path[: -depth - 1], path[-depth - 1], path[-depth:]
+        siblings = _value_at(document.data, owner)
+        following = _next_step(siblings, step, place)
         if following is None:
             continue
-        other = (*owner, following, *rest)
-        found = _found(document.data, other)
-        if found is not None and found != place.value and not isinstance(found, (dict, list)):
-            yield "swapped with the next", ((path, found), (other, place.value))
+        neighbour = (*owner, following, *remaining_path)
+        next_value = _value_at(document.data, neighbour)
+        if next_value is not None and next_value != place.value and not isinstance(next_value, (dict, list)):
+            yield "swapped with the next", ((path, next_value), (neighbour, place.value))
         return
 
 
-def _following(siblings: Any, step: str | int, place: Place) -> str | int | None:
+def _next_step(siblings: Any, step: str | int, place: Place) -> str | int | None:
     """Return the step to the item after this one, in a list or in a map with free names."""
     if isinstance(siblings, list) and isinstance(step, int):
         return step + 1 if step + 1 < len(siblings) else None
@@ -250,7 +251,7 @@ def _following(siblings: Any, step: str | int, place: Place) -> str | int | None
     return None
 
 
-def _found(data: Any, path: Path) -> Any:
+def _value_at(data: Any, path: Path) -> Any:
     for step in path:
         in_list = isinstance(data, list) and isinstance(step, int) and step < len(data)
         if not in_list and not (isinstance(data, dict) and step in data):
@@ -259,7 +260,7 @@ def _found(data: Any, path: Path) -> Any:
     return data
 
 
-def _shown(value: Any) -> str:
+def _as_code(value: Any) -> str:
     if isinstance(value, Gone):
         return value.value
     text = " ".join(str(value).split())

@@ -37,53 +37,54 @@ def other_names(place: Place, data: dict[str, Any]) -> Iterator[str]:
         return
     if place.kind != "name" or key in _DEFINES:
         return
-    known = [item["name"] for _, item in items(data, _OF_LISTS.get(key, "")) if "name" in item]
-    known += _beside(place, data)
-    if not known:
-        known = list(_under(key, data))
-    yield from (name for name in dict.fromkeys(known) if name != value and isinstance(name, str))
+    known_names = [named["name"] for _, named in items(data, _OF_LISTS.get(key, "")) if "name" in named]
+    known_names += _names_nearby(place, data)
+    if not known_names:
+        known_names = list(_texts_under(key, data))
+    yield from (name for name in dict.fromkeys(known_names) if name != value and isinstance(name, str))
 
 
 def _dotted(text: str, data: dict[str, Any]) -> Iterator[str]:
     """Yield other fields of the register in a reference such as ``register.field``."""
     name, _, field = text.partition(".")
-    register = next((item for _, item in items(data, "registers") if item.get("name") == name), {})
-    yield from (
-        f"{name}.{item['name']}" for _, item in items(register, "fields") if item.get("name") not in (field, None)
-    )
+    register = next((register for _, register in items(data, "registers") if register.get("name") == name), {})
+    field_names = [raw_field.get("name") for _, raw_field in items(register, "fields")]
+    yield from (f"{name}.{field_name}" for field_name in field_names if field_name not in (field, None))
 
 
-def _beside(place: Place, data: dict[str, Any]) -> list[str]:
+def _names_nearby(place: Place, data: dict[str, Any]) -> list[str]:
     """Return names near the place: fields and joins of its layout, and values of the register that a step uses."""
     chain = [data]
     for step in place.path[:-1]:
         chain.append(chain[-1][step])
-    owner = next((item for item in reversed(chain) if isinstance(item, dict)), {})
-    register = next((item for _, item in items(data, "registers") if item.get("name") == owner.get("register")), {})
+    owner = next((node for node in reversed(chain) if isinstance(node, dict)), {})
+    register = next(
+        (register for _, register in items(data, "registers") if register.get("name") == owner.get("register")), {}
+    )
     if register:
         fields = [field for _, field in items(register, "fields")]
         if place.path[-1] == "field":
             return [field["name"] for field in fields if "name" in field]
         return [name for field in fields for name in mapping(field, "values")]
-    holder = next((item for item in reversed(chain) if isinstance(item, dict) and "fields" in item), None)
+    holder = next((node for node in reversed(chain) if isinstance(node, dict) and "fields" in node), None)
     if holder is None or place.path[-1] in _OF_LISTS:
         return []
     return [field["name"] for _, field in items(holder, "fields") if "name" in field] + list(mapping(holder, "join"))
 
 
-def _under(key: str, node: Any) -> Iterator[str]:
+def _texts_under(key: str, node: Any) -> Iterator[str]:
     """Yield all texts under a key, at any depth."""
     if isinstance(node, dict):
-        for name, item in node.items():
+        for name, value in node.items():
             if name == key:
-                yield from _texts(item)
-            yield from _under(key, item)
+                yield from _texts(value)
+            yield from _texts_under(key, value)
     elif isinstance(node, list):
-        for item in node:
-            yield from _under(key, item)
+        for value in node:
+            yield from _texts_under(key, value)
 
 
-def _texts(item: Any) -> Iterable[str]:
-    if isinstance(item, str):
-        return (item,)
-    return [text for text in item if isinstance(text, str)] if isinstance(item, list) else ()
+def _texts(value: Any) -> Iterable[str]:
+    if isinstance(value, str):
+        return (value,)
+    return [text for text in value if isinstance(text, str)] if isinstance(value, list) else ()

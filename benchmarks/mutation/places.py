@@ -119,15 +119,15 @@ class Place:
     def fact(self) -> str:
         """Class of the fact."""
         words = self.kind in ("text", "names") and str(self.path[-1]) not in _FACTUAL_TEXTS
-        found = next((name for name, pattern in _COMPILED if pattern.fullmatch(self.keys)), "other")
-        return "number in a text" if words and found not in PROSE | WITNESSES | WORDED else found
+        fact = next((name for name, pattern in _COMPILED if pattern.fullmatch(self.keys)), "other")
+        return "number in a text" if words and fact not in PROSE | WITNESSES | WORDED else fact
 
 
 def places(document: Document) -> Iterator[Place]:
     """Yield every value in a device or manufacturer file. Containers come after their content."""
     kind = "device" if "device" in document.data else "manufacturer"
     schema = load_schema(kind)
-    yield from (place for place in _inside((), "", document.data, schema, _Language(schema)) if place.keys)
+    yield from (place for place in _places_inside((), "", document.data, schema, _Language(schema)) if place.keys)
 
 
 @dataclass(frozen=True)
@@ -141,28 +141,30 @@ class _Language:
         if "$ref" not in schema:
             return "", schema
         name = str(schema["$ref"]).removeprefix("#/$defs/")
-        inner, found = self.followed(self.schema["$defs"][name])
-        return inner or name, {**schema, **found}
+        inner, definition = self.followed(self.schema["$defs"][name])
+        return inner or name, {**schema, **definition}
 
 
-def _inside(
+def _places_inside(
     path: Path, keys: str, value: Any, schema: Mapping[str, Any], language: _Language, optional: bool = False
 ) -> Iterator[Place]:
     kind, followed = language.followed(schema)
     yield Place(path, keys, value, kind, followed, optional)
     if isinstance(value, dict):
-        known = followed.get("properties", {})
-        for key, item in value.items():
-            below = f"{keys}.{key if key in known or keys == 'interfaces' else 'NAME'}".removeprefix(".")
+        properties = followed.get("properties", {})
+        for key, member in value.items():
+            below = f"{keys}.{key if key in properties or keys == 'interfaces' else 'NAME'}".removeprefix(".")
             below = "interfaces.NAME" if keys == "interfaces" else below
-            inner = known[key] if key in known else followed.get("additionalProperties", {})
+            inner = properties[key] if key in properties else followed.get("additionalProperties", {})
             free = key not in followed.get("required", ())
-            yield from _inside((*path, key), below, item, inner if isinstance(inner, dict) else {}, language, free)
+            yield from _places_inside(
+                (*path, key), below, member, inner if isinstance(inner, dict) else {}, language, free
+            )
     elif isinstance(value, list):
-        for index, item in enumerate(value):
-            below = f"{keys}.HAZARD" if keys == "characteristics" and _is_hazard(item) else keys
-            yield from _inside((*path, index), below, item, followed.get("items", {}), language)
+        for index, member in enumerate(value):
+            below = f"{keys}.HAZARD" if keys == "characteristics" and _is_hazard(member) else keys
+            yield from _places_inside((*path, index), below, member, followed.get("items", {}), language)
 
 
 def _is_hazard(characteristic: Mapping[str, Any]) -> bool:
-    return any(item["quantity"] in _HAZARDS for item in characteristic.get("values", ()))
+    return any(quantity["quantity"] in _HAZARDS for quantity in characteristic.get("values", ()))

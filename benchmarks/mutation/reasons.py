@@ -65,21 +65,21 @@ _REASONS = (
 
 def reason(mutant: Mutant) -> str:
     """Return the reason why a mutant passes. If it is empty, the mutant is a gap."""
-    return next(_fitting(mutant), "")
+    return next(_matching_reasons(mutant), "")
 
 
 def explanation(name: str) -> str:
     """Return a reason as a sentence."""
-    return next(text for known, text, _ in _REASONS if known == name)
+    return next(text for reason_name, text, _ in _REASONS if reason_name == name)
 
 
-def _fitting(mutant: Mutant) -> Iterator[str]:
-    of = {
+def _matching_reasons(mutant: Mutant) -> Iterator[str]:
+    facts = {
         "fact": mutant.fact,
         "keys": mutant.place.keys,
         "mistake": mutant.mistake,
         "file": mutant.file.rpartition("/")[2].removesuffix(".yaml"),
     }
     for name, _, wanted in _REASONS:
-        if all(re.fullmatch(pattern, of[about]) for about, pattern in wanted.items()):
+        if all(re.fullmatch(pattern, facts[about]) for about, pattern in wanted.items()):
             yield name

@@ -9,7 +9,7 @@ from pathlib import PurePath
 
 from codewheel.language.second_reading import is_second
 
-from .campaign import Tried
+from .campaign import TriedMutant
 from .effects import Effect
 from .mistakes import code_span
 from .places import MOST, STRICT, WITNESSES
@@ -68,16 +68,16 @@ class Outcome:
         crashes: Crashes of the tool itself.
     """
 
-    def __init__(self, trial: Trial, found: Iterable[Tried]) -> None:
+    def __init__(self, trial: Trial, tried_mutants: Iterable[TriedMutant]) -> None:
         self.rows: dict[str, Row] = {}
         self.passed: list[Passed] = []
         self.crashes: list[str] = []
-        for item in found:
-            self._add(trial, item)
-        self.passed.sort(key=lambda item: (item.reason, item.place, item.difference))
+        for tried in tried_mutants:
+            self._add(trial, tried)
+        self.passed.sort(key=lambda passed: (passed.reason, passed.place, passed.difference))
 
-    def _add(self, trial: Trial, item: Tried) -> None:
-        mutant, word = item.mutant, item.verdict.word
+    def _add(self, trial: Trial, tried: TriedMutant) -> None:
+        mutant, word = tried.mutant, tried.verdict.word
         row = self.rows.setdefault("second readings" if is_second(mutant.file) else mutant.fact, Row())
         row.mutants += 1
         if word == "refused":
@@ -85,12 +85,12 @@ class Outcome:
         elif word in _EQUIVALENT:
             row.same += 1
         elif word == "crash":
-            self.crashes.append(f"{trial.place(mutant)}: {mutant.difference}: {item.verdict.crash}")
+            self.crashes.append(f"{trial.place(mutant)}: {mutant.difference}: {tried.verdict.crash}")
         else:
-            self._add_passed(trial, item, row)
+            self._add_passed(trial, tried, row)
 
-    def _add_passed(self, trial: Trial, item: Tried, row: Row) -> None:
-        mutant, effect = item.mutant, item.verdict.effect
+    def _add_passed(self, trial: Trial, tried: TriedMutant, row: Row) -> None:
+        mutant, effect = tried.mutant, tried.verdict.effect
         if mutant.is_left_out or effect is Effect.READING:
             row.left_out += 1
         elif effect is Effect.TEXTS:
@@ -103,65 +103,66 @@ class Outcome:
     @property
     def gaps(self) -> list[Passed]:
         """Return the mutants that pass and have no reason."""
-        return [item for item in self.passed if not item.reason]
+        return [passed for passed in self.passed if not passed.reason]
 
     def of(self, classes: Iterable[str]) -> Row:
         """Return the sum of several classes."""
-        made = Row()
+        total = Row()
         for name in classes:
             for key, number in vars(self.rows.get(name, Row())).items():
-                setattr(made, key, getattr(made, key) + number)
-        return made
+                setattr(total, key, getattr(total, key) + number)
+        return total
 
     def sums(self) -> Iterator[tuple[str, Row]]:
         """Yield the sums below the table."""
-        yield "classes with *", self.of(self._known & STRICT)
-        yield "all classes", self.of(self._known)
+        yield "classes with *", self.of(self._classes & STRICT)
+        yield "all classes", self.of(self._classes)
 
     @property
-    def _known(self) -> set[str]:
+    def _classes(self) -> set[str]:
         return set(self.rows) - {"second readings"}
 
 
 def table(outcome: Outcome) -> list[str]:
     """Return the table of a campaign as Markdown. An asterisk marks classes in which no mutant may pass."""
     rows = [("class", _HEADINGS), ("---", ("---:",) * len(_HEADINGS))]
-    rows += [(f"{name}{' *' * (name in STRICT)}", outcome.rows[name].cells()) for name in _sorted(outcome.rows)]
+    rows += [(f"{name}{' *' * (name in STRICT)}", outcome.rows[name].cells()) for name in _sorted_classes(outcome.rows)]
     rows += [(f"**{name}**", row.cells()) for name, row in outcome.sums()]
     width = max(len(name) for name, _ in rows)
-    return [f"| {name:<{width}} | {' | '.join(f'{cell:>8}' for cell in cells)} |" for name, cells in rows]
+    lines = []
+    for name, cells in rows:
+        padded_cells = [f"{cell:>8}" for cell in cells]
+        lines.append(f"| {name:<{width}} | {' | '.join(padded_cells)} |")
+    return lines
 
 
-def _sorted(names: Iterable[str]) -> list[str]:
+def _sorted_classes(names: Iterable[str]) -> list[str]:
     return sorted(names, key=lambda name: (name not in STRICT, name in WITNESSES, name.casefold()))
 
 
 def exceeded(outcome: Outcome) -> list[str]:
     """Return one line for each class of which more wrong values pass than allowed."""
     shares = {name: outcome.rows[name].wrong for name in MOST if name in outcome.rows}
-    return [
-        f"{name}: {share:.1%} pass, at most {MOST[name]:.0%} may"
-        for name, share in shares.items()
-        if share > MOST[name]
-    ]
+    excessive = {name: share for name, share in shares.items() if share > MOST[name]}
+    return [f"{name}: {share:.1%} pass, at most {MOST[name]:.0%} may" for name, share in excessive.items()]
 
 
-def _listed(words: Iterable[str]) -> str:
+def _joined_words(words: Iterable[str]) -> str:
     *first, last = words
     return f"{', '.join(first)} and {last}" if first else last
 
 
 def survivors(outcome: Outcome) -> Iterator[str]:
     """Yield every mutant that passes, grouped by reason, as Markdown."""
-    counts = Counter(item.reason for item in outcome.passed)
+    counts = Counter(passed.reason for passed in outcome.passed)
     for name in sorted(counts):
         yield f"## {name or 'without a reason'}: {counts[name]}"
         yield ""
         if name:
             yield explanation(name)
             yield ""
-        passed = (item for item in outcome.passed if item.reason == name)
-        yield from (f"- {code_span(item.place)} {item.difference} ({item.effect})" for item in passed)
+        passed_mutants = (passed for passed in outcome.passed if passed.reason == name)
+        yield from (f"- {code_span(passed.place)} {passed.difference} ({passed.effect})" for passed in passed_mutants)
         yield ""
 
 
@@ -171,7 +172,7 @@ def page(outcome: Outcome, command: str, files: Sequence[str]) -> str:
 # Mutants
 
 This page shows which mistakes of a transcriber `check` detects. `{command}` plants mistakes, one at a time, in
-{_listed(map(code_span, files))}, and runs `check` on each. The command writes this page, so do not edit it.
+{_joined_words(map(code_span, files))}, and runs `check` on each. The command writes this page, so do not edit it.
 
 A mistake is a lost, swapped or misread digit, an extra zero, a number that is off by one, a flipped bit or boolean,
 another word of a list, another name, a lost letter in a name, an omitted item or key, two items in the wrong order, or

@@ -47,7 +47,9 @@ class Verdict:
 
     @property
     def word(self) -> str:
-        return "crash" if self.crash else "refused" if self.rules else self.effect.value
+        if self.crash:
+            return "crash"
+        return "refused" if self.rules else self.effect.value
 
 
 class Unfit(Exception):
@@ -63,8 +65,8 @@ class Trial:
 
     def __init__(self, paths: Sequence[Path] = ()) -> None:
         report = Report()
-        found = read_specs(paths or [packaged_specs()], report)
-        self.documents = [item for item in found if packaged_masters() not in Path(item.file).parents]
+        documents = read_specs(paths or [packaged_specs()], report)
+        self.documents = [document for document in documents if packaged_masters() not in Path(document.file).parents]
         self.families = families_of(self.documents, report)
         seconds = ((family, read_beside(family, report)) for family in self.families)
         self._seconds = {family.document.file: second for family, second in seconds if second is not None}
@@ -77,16 +79,16 @@ class Trial:
     @property
     def second_readings(self) -> list[Document]:
         """Return the documents of the second readings."""
-        return [item.document for item in self._seconds.values()]
+        return [reading.document for reading in self._seconds.values()]
 
     def mutants(self, names: Sequence[str] = ()) -> list[Mutant]:
         """Return the mutants of the files with these names, or else of all specs that were read twice."""
         documents = [*self.documents, *self.second_readings]
         if names:
-            wanted = [item for item in documents if Path(item.file).stem in names]
+            wanted = [document for document in documents if Path(document.file).stem in names]
         else:
-            twice = {file for item in self.families if item.document.file in self._seconds for file in item.files}
-            wanted = [item for item in self.documents if item.file in twice] + self.second_readings
+            twice = {file for family in self.families if family.document.file in self._seconds for file in family.files}
+            wanted = [document for document in self.documents if document.file in twice] + self.second_readings
         return [mutant for document in wanted for mutant in mutants(document)]
 
     def place(self, mutant: Mutant) -> str:
@@ -95,14 +97,15 @@ class Trial:
         return f"{Path(document.file).stem}: {document.name_path(mutant.place.path)}"
 
     def _document(self, mutant: Mutant) -> Document:
-        return next(item for item in (*self.documents, *self.second_readings) if item.file == mutant.file)
+        documents = {document.file: document for document in (*self.second_readings, *self.documents)}
+        return documents[mutant.file]
 
     def verdict(self, mutant: Mutant) -> Verdict:
         """Return the verdict of ``check`` on a mutant and, if the mutant passes, its effect."""
         document = self._document(mutant)
         changed = replace(document, data=mutated(document, mutant), kept_indices={})
         try:
-            if any(document is item for item in self.second_readings):
+            if any(document is reading for reading in self.second_readings):
                 return self._of_second(document, changed)
             return self._of_spec(document, changed)
         except Exception as error:
@@ -112,28 +115,28 @@ class Trial:
         report = Report()
         touched = [family for family in self.families if document.file in family.files]
         files = {file for family in touched for file in family.files}
-        documents = [item for item in self.documents if item.file in files and item is not document]
+        other_files = files - {document.file}
+        documents = [unchanged for unchanged in self.documents if unchanged.file in other_files]
         families = families_of([*documents, changed], report)
         if not report:
-            check_shared_facts([changed if item is document else item for item in self.documents], report)
+            check_shared_facts(
+                [changed if unchanged is document else unchanged for unchanged in self.documents], report
+            )
         if not report:
             compare_readings(families, comparable_specs(families, report), report, self._second)
         if not report:
             tell_unfit(families, self._targets, report)
         if report:
             return _refused(report)
-        found = {family.device.name: family.device for family in families}
-        if set(found) != {family.device.name for family in touched}:
+        devices = {family.device.name: family.device for family in families}
+        if set(devices) != {family.device.name for family in touched}:
             return Verdict((), Effect.CODE)
-        effects = [self._outputs_of(family).effect(found[family.device.name]) for family in touched]
+        effects = [self._outputs_of(family).effect(devices[family.device.name]) for family in touched]
         return Verdict((), max(effects, key=list(Effect).index, default=Effect.NOTHING))
 
     def _of_second(self, document: Document, changed: Document) -> Verdict:
-        family = next(
-            item
-            for item in self.families
-            if (found := self._seconds.get(item.document.file)) is not None and found.document is document
-        )
+        files = [file for file, reading in self._seconds.items() if reading.document is document]
+        family = next(family for family in self.families if family.document.file in files)
         report = Report()
         second = second_of(changed, family.device.manufacturer, report)
         if second.facts is None:

@@ -39,10 +39,10 @@ def api_pages(root: Path) -> Iterator[tuple[str, str]]:
             _page(f"{path.parent.name}/{path.name}", "c", c_entries(path.read_text(encoding="utf-8"))),
         )
     for path in (*modules, *runtime):
-        found = python_entries(ast.parse(path.read_text(encoding="utf-8")))
+        entries = python_entries(ast.parse(path.read_text(encoding="utf-8")))
         kind, folder = ("runtime", (root / RUNTIME).parent) if path in runtime else ("python", path.parent.parent)
         module = ".".join(path.relative_to(folder).with_suffix("").parts)
-        yield f"api/{kind}/{path.stem}.md", _page(module, "python", found)
+        yield f"api/{kind}/{path.stem}.md", _page(module, "python", entries)
 
 
 def _index(kind: str, title: str, folder: str, files: list[Path]) -> str:
@@ -56,41 +56,42 @@ def _index(kind: str, title: str, folder: str, files: list[Path]) -> str:
 
 
 def _page(title: str, language: str, entries: Iterator[tuple[str, str, str]]) -> str:
-    parts = [
-        f"## {text(name)}\n\n```{language}\n{declared}\n```\n\n```text\n{comment}\n```\n"
-        for name, declared, comment in entries
-    ]
+    parts = [_section(language, *entry) for entry in entries]
     return f"# {text(title)}\n\n" + "\n".join(parts)
+
+
+def _section(language: str, name: str, declaration: str, comment: str) -> str:
+    return f"## {text(name)}\n\n```{language}\n{declaration}\n```\n\n```text\n{comment}\n```\n"
 
 
 def c_entries(header: str) -> Iterator[tuple[str, str, str]]:
     """Yield the name, declaration and comment of each function and type that has a comment."""
-    for found in _DECLARED.finditer(header):
-        lines = (line.strip().removeprefix("*").removeprefix(" ") for line in found["comment"].splitlines())
-        declared = found["what"].strip()
+    for match in _DECLARED.finditer(header):
+        lines = (line.strip().removeprefix("*").removeprefix(" ") for line in match["comment"].splitlines())
+        declared = match["what"].strip()
         yield _NAME.findall(declared)[-1 if "typedef" in declared else 0], declared, "\n".join(lines).strip()
 
 
 def python_entries(module: ast.Module) -> Iterator[tuple[str, str, str]]:
     """Yield the same for the public classes and functions of a module, and for the methods of its classes."""
-    for item in module.body:
-        if isinstance(item, ast.ClassDef) and not item.name.startswith("_"):
-            yield item.name, f"class {item.name}", _documented(item)
-            for method in item.body:
+    for node in module.body:
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+            yield node.name, f"class {node.name}", _documented(node)
+            for method in node.body:
                 if (
                     isinstance(method, ast.FunctionDef)
                     and not method.name.startswith("_")
                     and ast.get_docstring(method)
                 ):
-                    yield f"{item.name}.{method.name}", _signature(method), _documented(method)
-        elif isinstance(item, ast.FunctionDef) and not item.name.startswith("_") and not item.decorator_list:
-            yield item.name, _signature(item), _documented(item)
+                    yield f"{node.name}.{method.name}", _signature(method), _documented(method)
+        elif isinstance(node, ast.FunctionDef) and not node.name.startswith("_") and not node.decorator_list:
+            yield node.name, _signature(node), _documented(node)
 
 
-def _signature(item: ast.FunctionDef) -> str:
-    result = f" -> {ast.unparse(item.returns)}" if item.returns else ""
-    return "\n".join(textwrap.wrap(f"def {item.name}({ast.unparse(item.args)}){result}", 100))
+def _signature(function: ast.FunctionDef) -> str:
+    result = f" -> {ast.unparse(function.returns)}" if function.returns else ""
+    return "\n".join(textwrap.wrap(f"def {function.name}({ast.unparse(function.args)}){result}", 100))
 
 
-def _documented(item: ast.ClassDef | ast.FunctionDef) -> str:
-    return ast.get_docstring(item) or "Not described."
+def _documented(documented_node: ast.ClassDef | ast.FunctionDef) -> str:
+    return ast.get_docstring(documented_node) or "Not described."

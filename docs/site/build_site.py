@@ -73,9 +73,9 @@ def build(target: Path, root: Path = ROOT) -> int:
 
 def stage(root: Path, source: Path) -> None:
     """Copy the pages and their pictures, and write the pages that exist only on the site."""
-    found = {path for pattern in PAGES for path in root.glob(pattern)}
-    found |= set(root.glob("generated/docs/**/*.svg")) | set(root.glob("docs/*.svg"))
-    for path in sorted(found):
+    pages_and_pictures = {path for pattern in PAGES for path in root.glob(pattern)}
+    pages_and_pictures |= set(root.glob("generated/docs/**/*.svg")) | set(root.glob("docs/*.svg"))
+    for path in sorted(pages_and_pictures):
         _write(source / path.relative_to(root), path.read_text(encoding="utf-8"))
     if (root / DECODER).exists():
         name = f"{DECODER_PAGE}.md"
@@ -103,11 +103,11 @@ def _own_page(name: str) -> str:
     """Return a page next to this script with its links moved to the top of the site, where the page is."""
     folder = HERE.relative_to(ROOT).as_posix()
 
-    def moved(found: re.Match[str]) -> str:
-        target = posixpath.normpath(posixpath.join(folder, found[2])).removeprefix(f"{folder}/")
-        return found[1] + target
+    def move_link(match: re.Match[str]) -> str:
+        target = posixpath.normpath(posixpath.join(folder, match[2])).removeprefix(f"{folder}/")
+        return match[1] + target
 
-    return _OWN_LINK.sub(moved, (HERE / name).read_text(encoding="utf-8"))
+    return _OWN_LINK.sub(move_link, (HERE / name).read_text(encoding="utf-8"))
 
 
 def linked(source: Path) -> Iterator[Path]:

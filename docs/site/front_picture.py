@@ -110,7 +110,7 @@ def picture() -> str:
     """Return the picture as SVG."""
     width = max(panel.x + panel.width for panel in PANELS)
     height = max(panel.y + panel.height for panel in PANELS)
-    drawn = "\n".join(_drawn(panel) for panel in PANELS)
+    drawn = "\n".join(_panel_svg(panel) for panel in PANELS)
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="-1 -1 {width + 2} {height + 2}" width="{width}" '
         f'height="{height}" role="img" aria-labelledby="front-title front-text">\n'
@@ -119,7 +119,7 @@ def picture() -> str:
     )
 
 
-def _drawn(panel: Panel) -> str:
+def _panel_svg(panel: Panel) -> str:
     height = max(p.y + p.height for p in PANELS) if panel is SPEC else panel.height
     kind = ' class="spec"' if panel is SPEC else ""
     lines = [

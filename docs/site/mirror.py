@@ -34,14 +34,14 @@ class Mirror(SphinxTransform):
         self._name_headings()
         for reference in self.document.findall(nodes.reference):
             if "refuri" in reference:
-                reference["refuri"] = self._leads_to(reference["refuri"])
+                reference["refuri"] = self._resolved(reference["refuri"])
         anchors = [name for section in self.document.findall(nodes.section) for name in section["ids"]]
         for raw in list(self.document.findall(nodes.raw)):
-            made = _TARGET.sub(lambda found: f'{found[1]}="{self._leads_to(found[3])}"', raw.rawsource or raw.astext())
+            html = _TARGET.sub(lambda match: f'{match[1]}="{self._resolved(match[3])}"', raw.rawsource or raw.astext())
             raw.clear()
-            raw.rawsource = made
-            raw.append(nodes.Text(made))
-            anchors += _ID.findall(made)
+            raw.rawsource = html
+            raw.append(nodes.Text(html))
+            anchors += _ID.findall(html)
         self.env.metadata[self.env.docname]["anchors"] = anchors  # type: ignore[assignment]
 
     def _drop_crumbs(self) -> None:
@@ -51,23 +51,23 @@ class Mirror(SphinxTransform):
                 paragraph.parent.remove(paragraph)
 
     def _name_headings(self) -> None:
-        taken: dict[str, int] = {}
+        counts_by_slug: dict[str, int] = {}
         for section in self.document.findall(nodes.section):
             slug = _NOT_IN_A_SLUG.sub("", section[0].astext().lower()).replace(" ", "-")
-            count = taken[slug] = taken.get(slug, -1) + 1
+            count = counts_by_slug[slug] = counts_by_slug.get(slug, -1) + 1
             name = f"{slug}-{count}" if count else slug
             if name:
                 section["ids"] = [name]
 
-    def _leads_to(self, target: str) -> str:
+    def _resolved(self, target: str) -> str:
         path, mark, anchor = target.partition("#")
         if not path or ":" in path:
             return target
-        here = posixpath.dirname(self.env.docname)
-        name = posixpath.normpath(posixpath.join(here, path)).removesuffix(".md")
+        folder = posixpath.dirname(self.env.docname)
+        name = posixpath.normpath(posixpath.join(folder, path)).removesuffix(".md")
         for page in (name, f"{name}/README", f"{name}/index"):
             if page in self.env.found_docs:
-                return posixpath.relpath(f"{page}.html", here or ".") + mark + anchor
+                return posixpath.relpath(f"{page}.html", folder or ".") + mark + anchor
         return target
 
 
@@ -109,7 +109,7 @@ def _parent(env: BuildEnvironment, page: str) -> str:
     folder, _, name = page.rpartition("/")
     above = [f"{folder}/{name.rsplit('-', count)[0]}" for count in range(1, name.count("-") + 1)] if folder else []
     above += [folder, f"{folder}/README", f"{posixpath.dirname(folder)}/README", _REST]
-    return next((item for item in above if item in env.found_docs and item != page), "")
+    return next((candidate for candidate in above if candidate in env.found_docs and candidate != page), "")
 
 
 def _context(app: Sphinx, page: str, _template: str, context: dict[str, Any], _doctree: object) -> None:

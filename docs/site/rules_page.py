@@ -49,48 +49,59 @@ class Example:
         faulty = lines[self.line - 1]
         depth = len(faulty) - len(faulty.lstrip())
         above = [line for line in lines[: self.line - 1] if len(line) - len(line.lstrip()) < depth]
-        return [_cut(line) for line in [*above[-1:], faulty]]
+        return [_shortened(line) for line in [*above[-1:], faulty]]
 
 
 def examples() -> dict[str, Example]:
     """Return the example of each rule: the spec with the fewest problems, and the shortest of these."""
-    found: dict[str, list[Example]] = {}
+    examples_by_rule: dict[str, list[Example]] = {}
     for spec in sorted(path for folder in FOLDERS for path in (ROOT / folder).glob("*.yaml")):
-        told = _EXPECTED.findall(spec.read_text(encoding="utf-8"))
-        for line, _, rule, message in told:
-            found.setdefault(rule, []).append(Example(rule, message, spec, int(line), len(told)))
-    return {
-        rule: min(found[rule], key=lambda item: (item.problems, item.spec.stat().st_size, item.line))
-        for rule in sorted(found)
-    }
+        expected_problems = _EXPECTED.findall(spec.read_text(encoding="utf-8"))
+        for line, _, rule, message in expected_problems:
+            examples_by_rule.setdefault(rule, []).append(
+                Example(rule, message, spec=spec, line=int(line), problems=len(expected_problems))
+            )
+    return {rule: min(examples_by_rule[rule], key=_complexity) for rule in sorted(examples_by_rule)}
+
+
+def _complexity(example: Example) -> tuple[int, int, int]:
+    """Return a key by which the simplest example is the least: few problems, a short spec, and an early line."""
+    return example.problems, example.spec.stat().st_size, example.line
 
 
 def rules_page() -> str:
-    parts = [_INTRODUCTION, "## Rules of check", *map(_shown, examples().values()), "## Rules of diff", _diff_rules()]
+    parts = [
+        _INTRODUCTION,
+        "## Rules of check",
+        *map(_example_section, examples().values()),
+        "## Rules of diff",
+        _diff_rules(),
+    ]
     return "\n\n".join(parts) + "\n"
 
 
-def _shown(item: Example) -> str:
-    shown = "\n".join(item.lines)
-    path = item.spec.relative_to(ROOT).as_posix()
-    return f"### {text(item.rule)}\n\n{text(item.message)}\n\n[`{item.spec.name}`](../{path}):\n\n```yaml\n{shown}\n```"
+def _example_section(example: Example) -> str:
+    yaml_lines = "\n".join(example.lines)
+    path = example.spec.relative_to(ROOT).as_posix()
+    head = f"### {text(example.rule)}\n\n{text(example.message)}"
+    return f"{head}\n\n[`{example.spec.name}`](../{path}):\n\n```yaml\n{yaml_lines}\n```"
 
 
 def _diff_rules() -> str:
-    rows = [
-        (code(rule.name), text(rule.when), *(item.word for item in rule.impacts), text(rule.why))
-        for rule in RULES.values()
-    ]
+    rows = []
+    for rule in RULES.values():
+        impacts = [impact.word for impact in rule.impacts]
+        rows.append((code(rule.name), text(rule.when), *impacts, text(rule.why)))
     return table(["Rule", "When", *TITLES.values(), "Why"], rows)
 
 
-def _cut(line: str) -> str:
+def _shortened(line: str) -> str:
     return line if len(line) <= _WIDEST else line[: _WIDEST - 1] + "…"
 
 
 def rules_data() -> str:
     """Return the message and the lines of each example, as JSON."""
-    data = {rule: {"message": item.message, "lines": item.lines} for rule, item in examples().items()}
+    data = {rule: {"message": example.message, "lines": example.lines} for rule, example in examples().items()}
     return json.dumps(data, indent=1, ensure_ascii=False) + "\n"
 
 

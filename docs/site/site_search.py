@@ -63,8 +63,8 @@ def sections(doctree: nodes.document) -> Iterator[Section]:
                 current = Section("" if tag == "summary" else anchor, _title(inside), tag == "summary")
         elif isinstance(node, nodes.title) and isinstance(node.parent, nodes.section):
             yield current
-            own = "" if isinstance(node.parent.parent, nodes.document) else node.parent["ids"][0]
-            current, anchor = Section(anchor or own, node.astext(), is_example=_is_example(node)), ""
+            section_anchor = "" if isinstance(node.parent.parent, nodes.document) else node.parent["ids"][0]
+            current, anchor = Section(anchor or section_anchor, node.astext(), is_example=_is_example(node)), ""
         elif isinstance(node, nodes.Text) and _is_prose(node):
             current.texts.append(str(node))
     yield current
@@ -97,7 +97,7 @@ class Index:
         self._found: dict[str, tuple[str, list[Section]]] = {}
 
     def add(self, page: str, title: str, doctree: nodes.document) -> None:
-        self._found[page] = (title, [item for item in sections(doctree) if item.title])
+        self._found[page] = (title, [section for section in sections(doctree) if section.title])
 
     def data(self, encoders: Any) -> dict[str, Any]:
         """Return the index with the names, addresses and order codes of ``encoders``, the domain."""
@@ -106,20 +106,22 @@ class Index:
         rows = []
         for page, place in places.items():
             in_sight = True
-            for item in self._found[page][1]:
-                in_sight &= item.title != _DETAILS
-                standing = 2 if item.is_example else int(in_sight)
-                rows.append([place, item.anchor, item.title, texts.setdefault(item.text, len(texts)), standing])
-        things = [
-            [name.partition(".")[2] or name, what, places[page], anchor, name.partition(".")[0].lower(), priority]
-            for name, _, what, page, anchor, priority in encoders.get_objects()
-            if "." in name and page in places
-        ]
+            for section in self._found[page][1]:
+                in_sight &= section.title != _DETAILS
+                standing = 2 if section.is_example else int(in_sight)
+                rows.append(
+                    [place, section.anchor, section.title, texts.setdefault(section.text, len(texts)), standing]
+                )
+        entries: list[list[str | int]] = []
+        for qualified_name, _, description, page, anchor, priority in encoders.get_objects():
+            if "." in qualified_name and page in places:
+                family, _, name = qualified_name.partition(".")
+                entries.append([name or qualified_name, description, places[page], anchor, family.lower(), priority])
         return {
             "pages": [[page, self._found[page][0], *self._kind(page, encoders)] for page in places],
             "sections": rows,
             "texts": list(texts),
-            "things": things,
+            "things": entries,
             "codes": {code: places[page] for page, codes in encoders.code_pages() if page in places for code in codes},
         }
 
@@ -136,12 +138,9 @@ class Index:
             return ["question", "", ""]
         if family and re.search(r"(errata|masters|manual)$", name):
             return ["masters" if name.endswith("masters") else "aside", family, ""]
-        is_interface = bool(family) and name in encoders.interfaces_of(family)
-        return [
-            "interface" if is_interface else "family" if family else "general",
-            family,
-            name if is_interface else "",
-        ]
+        if family and name in encoders.interfaces_of(family):
+            return ["interface", family, name]
+        return ["family" if family else "general", family, ""]
 
 
 def _add(app: Sphinx, page: str, _template: str, context: dict[str, Any], doctree: nodes.document | None) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import html
 import re
+from itertools import zip_longest
 from typing import Any
 
 from sphinx.application import Sphinx
@@ -33,17 +34,17 @@ def fitted(body: str) -> str:
     return _TABLE.sub(_table, body)
 
 
-def _table(found: re.Match[str]) -> str:
-    attributes, inside = found.groups()
+def _table(table: re.Match[str]) -> str:
+    attributes, inside = table.groups()
     inside = _CODE.sub(lambda code: code[1] + _breakable(code[2]) + code[3], inside)
-    headings = [_text(item) for item in _HEADING.findall(inside.partition("</thead>")[0])]
+    headings = [_text(heading) for heading in _HEADING.findall(inside.partition("</thead>")[0])]
     if not any(headings):
         # Markdown has no table without a row of headings.
         inside = _HEAD.sub("", inside)
-    rows = [[cell for _, cell in _CELL.findall(row)] for row in _ROW.findall(inside)]
-    least = _least_width([headings, *rows])
-    longest = max((sum(len(_text(cell)) for cell in row) for row in rows), default=0)
-    names = [name for name, holds in (("stacks", least > _NARROW), ("stacks-early", least > _WIDE)) if holds]
+    rows = list(map(_cells, _ROW.findall(inside)))
+    least_width = _least_width([headings, *rows])
+    longest = max(map(_text_length, rows), default=0)
+    names = ["stacks"] * (least_width > _NARROW) + ["stacks-early"] * (least_width > _WIDE)
     if len(headings) > 2 and longest > _LONG_ROW and "stacks" not in names:
         names.append("stacks")
     if not names or not any(headings):
@@ -51,36 +52,42 @@ def _table(found: re.Match[str]) -> str:
     attributes = re.sub(r'class="([^"]*)"', rf'class="\1 {" ".join(names)}"', attributes)
     if "class=" not in attributes:
         attributes += f' class="{" ".join(names)}"'
-    head, mark, rest = inside.partition("</thead>")
-    return f"<table{attributes}>{head}{mark}{_ROW.sub(lambda row: _labelled(row[0], headings), rest)}</table>"
+    head, mark, body = inside.partition("</thead>")
+    return f"<table{attributes}>{head}{mark}{_ROW.sub(lambda row: _labelled(row[0], headings), body)}</table>"
+
+
+def _cells(row: str) -> list[str]:
+    return [cell for _, cell in _CELL.findall(row)]
+
+
+def _text_length(row: list[str]) -> int:
+    return sum(len(_text(cell)) for cell in row)
 
 
 def _labelled(row: str, headings: list[str]) -> str:
     """Return a row whose cells have the headings of their columns."""
-    given = iter(headings)
+    remaining_headings = iter(headings)
 
-    def cell(found: re.Match[str]) -> str:
-        label = html.escape(next(given, ""))
-        mark = ' class="empty"' if not found[2].strip() or found[2].strip() == "<p></p>" else ""
-        return f'<td{found[1]}{mark} data-label="{label}">{found[2]}</td>'
+    def cell(match: re.Match[str]) -> str:
+        label = html.escape(next(remaining_headings, ""))
+        mark = ' class="empty"' if not match[2].strip() or match[2].strip() == "<p></p>" else ""
+        return f'<td{match[1]}{mark} data-label="{label}">{match[2]}</td>'
 
     return _CELL.sub(cell, row)
 
 
 def _breakable(code: str) -> str:
     """Return code that may be broken after its marks."""
-    return "".join(
-        piece if piece.startswith("<") else _BREAKS.sub(lambda mark: mark[1] or f"{mark[2]}<wbr>", piece)
-        for piece in re.split(r"(<[^>]+>)", code)
-    )
+    pieces = re.split(r"(<[^>]+>)", code)
+    # The other pieces are tags.
+    pieces[::2] = [_BREAKS.sub(lambda mark: mark[1] or f"{mark[2]}<wbr>", piece) for piece in pieces[::2]]
+    return "".join(pieces)
 
 
 def _least_width(rows: list[list[str]]) -> float:
     """Return the estimated least width of a table in pixels."""
-    columns = max(map(len, rows), default=0)
-    widest = (
-        max((_longest_word(row[place]) for row in rows if place < len(row)), default=0) for place in range(columns)
-    )
+    columns = zip_longest(*rows, fillvalue="")
+    widest = [max(map(_longest_word, column)) for column in columns]
     return sum(_CHARACTER * count + _SIDES for count in widest)
 
 

@@ -37,6 +37,7 @@ from codewheel.model import (
     Flag,
     Input,
     Interface,
+    Layout,
     LayoutRange,
     Led,
     LedState,
@@ -118,7 +119,7 @@ def tv62() -> Device:
     return devices[0]
 
 
-def over(name: str, device: Device | None = None) -> Interface:
+def interface_of(name: str, device: Device | None = None) -> Interface:
     return (device or tv62()).interface(name)
 
 
@@ -131,16 +132,23 @@ def biss() -> Biss:
 def with_interface(changed: Interface, device: Device | None = None, **changes: Any) -> Device:
     """Return the device with an interface in place of the one with the same name."""
     device = device or tv62()
-    interfaces = tuple(changed if item.name == changed.name else item for item in device.interfaces)
-    return replace(device, interfaces=interfaces, **changes)
+    interfaces = {present.name: present for present in device.interfaces} | {changed.name: changed}
+    return replace(device, interfaces=tuple(interfaces.values()), **changes)
 
 
-def bare(**changes: Any) -> Device:
+def without_parts(**changes: Any) -> Device:
     """Return the encoder without registers, procedures, texts and errata, with these changes."""
     nothing: dict[str, Any] = dict.fromkeys(
         ("registers", "procedures", "alarms", "inputs", "characteristics", "connectors", "leds"), ()
     )
     return replace(tv62(), **(nothing | changes))
+
+
+def with_kind(layout: Layout, kind: Any, *names: str) -> Layout:
+    """Return the layout with this kind in place of that of the fields with these names."""
+    fields = {present.name: present for present in layout.fields}
+    fields |= {name: replace(fields[name], kind=kind) for name in names}
+    return replace(layout, fields=tuple(fields.values()))
 
 
 def spec_only(device: Device) -> Device:
@@ -149,17 +157,17 @@ def spec_only(device: Device) -> Device:
 
 
 def printed(statements: Iterable[Statement]) -> str:
-    return "\n".join(line for item in statements for line in BY_NAME.lines(item))
+    return "\n".join(line for statement in statements for line in BY_NAME.lines(statement))
 
 
-def everything(target: str, *devices: Device) -> str:
+def generated_text(target: str, *devices: Device) -> str:
     """Return all files of a target as one text, without pictures."""
-    made = load_target(target).files(Library(devices))
-    return "\n".join(text for name, text in made.items() if not name.endswith(".svg"))
+    files = load_target(target).files(Library(devices))
+    return "\n".join(text for name, text in files.items() if not name.endswith(".svg"))
 
 
-def everything_of(target: str, device: Callable[[], Device]) -> str:
-    return everything(target, device())
+def generated_text_of(target: str, device: Callable[[], Device]) -> str:
+    return generated_text(target, device())
 
 
 def input_pin(**changes: Any) -> Input:
@@ -182,11 +190,11 @@ def a_field(kind: Any, **changes: Any) -> Field:
 # -- what to send
 
 
-def sent(kind: str, device: Device) -> str:
-    here = over(kind, device)
+def sending_text(kind: str, device: Device) -> str:
+    sending_interface = interface_of(kind, device)
     variants = device.variants_over(kind) or device.variants
-    shown = bytes_to_send.sending(device, device, here, variants[0], lambda *_, **__: "")
-    return "\n".join((*shown.facts, *(" ".join(row) for row in shown.commands)))
+    sending = bytes_to_send.sending(device, device, sending_interface, variants[0], lambda *_, **__: "")
+    return "\n".join((*sending.facts, *(" ".join(row) for row in sending.commands)))
 
 
 def settings_register() -> Register:
@@ -197,7 +205,7 @@ def t_format(*ids: DataId, **changes: Any) -> Device:
     port = Port(2500000, 8, "none", 1, "none", ())
     parts: dict[str, Any] = {"layouts": (), "timings": (), "note": "", "source": (), "measurement": None}
     kind = Rs485(port=port, data_ids=ids, memory_access=(), exchanges=(), **parts)
-    return bare(interfaces=(*tv62().interfaces, kind), **changes)
+    return without_parts(interfaces=(*tv62().interfaces, kind), **changes)
 
 
 RESET = DataId("reset_errors", 7, 0xBA, "reset", "Reset all errors", ())
@@ -210,7 +218,7 @@ def command_only() -> Device:
     """Return the encoder with one command register, whose commands change no position."""
     command = tv62().register("command")
     values = (Value("restart", 1, "", MappingProxyType({}), "Start up again", ()),)
-    shown = replace(command.layout, fields=(replace(command.layout.fields[0], kind=Choice(values)),))
+    restart_only = with_kind(command.layout, Choice(values), command.layout.fields[0].name)
     run = replace(
         tv62().procedure("set_preset"),
         name="restart",
@@ -218,7 +226,7 @@ def command_only() -> Device:
         arguments=(),
         steps=(WriteStep(register="command", value_name="restart", value=1),),
     )
-    return bare(registers=(replace(command, layout=shown),), procedures=(run,))
+    return without_parts(registers=(replace(command, layout=restart_only),), procedures=(run,))
 
 
 def command_only_and(*registers: Register) -> Device:
@@ -226,65 +234,87 @@ def command_only_and(*registers: Register) -> Device:
     return replace(device, registers=(*device.registers, *registers))
 
 
-case("ssi_commands", lambda: sent("ssi", bare()), lambda: sent("ssi", bare(inputs=(input_pin(),))))
+case(
+    "ssi_commands",
+    lambda: sending_text("ssi", without_parts()),
+    lambda: sending_text("ssi", without_parts(inputs=(input_pin(),))),
+)
 case(
     "ssi_registers",
-    lambda: sent("ssi", bare()),
-    lambda: sent("ssi", bare(registers=(replace(settings_register(), interface="ssi"),))),
+    lambda: sending_text("ssi", without_parts()),
+    lambda: sending_text("ssi", without_parts(registers=(replace(settings_register(), interface="ssi"),))),
 )
-case("biss_commands", lambda: sent("biss", bare()), lambda: sent("biss", bare(registers=(tv62().register("command"),))))
 case(
-    "biss_commands_settings", lambda: sent("biss", bare()), lambda: sent("biss", bare(registers=(settings_register(),)))
+    "biss_commands",
+    lambda: sending_text("biss", without_parts()),
+    lambda: sending_text("biss", without_parts(registers=(tv62().register("command"),))),
 )
-case("biss_commands_input", lambda: sent("biss", bare()), lambda: sent("biss", bare(inputs=(input_pin(),))))
-case("biss_commands_spec", lambda: sent("biss", bare()), lambda: sent("biss", spec_only(bare())))
+case(
+    "biss_commands_settings",
+    lambda: sending_text("biss", without_parts()),
+    lambda: sending_text("biss", without_parts(registers=(settings_register(),))),
+)
+case(
+    "biss_commands_input",
+    lambda: sending_text("biss", without_parts()),
+    lambda: sending_text("biss", without_parts(inputs=(input_pin(),))),
+)
+case(
+    "biss_commands_spec",
+    lambda: sending_text("biss", without_parts()),
+    lambda: sending_text("biss", spec_only(without_parts())),
+)
 case(
     "biss_commands_of_spec",
-    lambda: sent("biss", spec_only(bare())),
-    lambda: sent("biss", spec_only(bare(registers=(tv62().register("command"),)))),
+    lambda: sending_text("biss", spec_only(without_parts())),
+    lambda: sending_text("biss", spec_only(without_parts(registers=(tv62().register("command"),)))),
 )
 case(
     "biss_writable",
-    lambda: sent("biss", bare(inputs=(input_pin(),))),
-    lambda: sent("biss", bare(inputs=(input_pin(),), registers=(settings_register(),))),
+    lambda: sending_text("biss", without_parts(inputs=(input_pin(),))),
+    lambda: sending_text("biss", without_parts(inputs=(input_pin(),), registers=(settings_register(),))),
 )
 CONTROL = ControlField("command", "", 2, (), "", "Broadcast command", ())
 case(
     "biss_commands_control",
-    lambda: sent("biss", bare()),
-    lambda: sent("biss", with_interface(replace(biss(), control_data=(CONTROL,)), bare())),
+    lambda: sending_text("biss", without_parts()),
+    lambda: sending_text("biss", with_interface(replace(biss(), control_data=(CONTROL,)), without_parts())),
 )
 case(
     "biss_commands_left_out",
-    lambda: sent("biss", bare()),
-    lambda: sent("biss", bare(evidence=replace(tv62().evidence, left_out=("The registers.",)))),
+    lambda: sending_text("biss", without_parts()),
+    lambda: sending_text("biss", without_parts(evidence=replace(tv62().evidence, left_out=("The registers.",)))),
 )
-case("biss_preset", lambda: sent("biss", command_only()), lambda: sent("biss", command_only_and(settings_register())))
-case("biss_preset_command", lambda: sent("biss", command_only()), lambda: sent("biss", tv62()))
+case(
+    "biss_preset",
+    lambda: sending_text("biss", command_only()),
+    lambda: sending_text("biss", command_only_and(settings_register())),
+)
+case("biss_preset_command", lambda: sending_text("biss", command_only()), lambda: sending_text("biss", tv62()))
 case(
     "rs485_preset",
-    lambda: sent("rs485", t_format(CAPTURE, RESET)),
-    lambda: sent("rs485", t_format(CAPTURE, RESET, ZERO)),
+    lambda: sending_text("rs485", t_format(CAPTURE, RESET)),
+    lambda: sending_text("rs485", t_format(CAPTURE, RESET, ZERO)),
 )
 case(
     "rs485_preset_input",
-    lambda: sent("rs485", t_format(CAPTURE)),
-    lambda: sent("rs485", t_format(CAPTURE, inputs=(input_pin(meaning="Sets the position to 0"),))),
+    lambda: sending_text("rs485", t_format(CAPTURE)),
+    lambda: sending_text("rs485", t_format(CAPTURE, inputs=(input_pin(meaning="Sets the position to 0"),))),
 )
 case(
     "rs485_save",
-    lambda: sent("rs485", t_format(CAPTURE, RESET)),
-    lambda: sent("rs485", t_format(CAPTURE, RESET, STORE)),
+    lambda: sending_text("rs485", t_format(CAPTURE, RESET)),
+    lambda: sending_text("rs485", t_format(CAPTURE, RESET, STORE)),
 )
 
 # -- facts that a manual does not state
 
 
-def speed(kind: str, device: Device) -> str:
-    return "\n".join(clock_and_cable.speed(device, device, over(kind, device), None).facts)
+def speed_text(kind: str, device: Device) -> str:
+    return "\n".join(clock_and_cable.speed(device, device, interface_of(kind, device), None).facts)
 
 
-def of_record(label: str, device: Device) -> str:
+def record_row(label: str, device: Device) -> str:
     """Return one row of the facts for masters."""
     return dict(record_facts(record(device, device.variants[0])))[label]
 
@@ -292,37 +322,37 @@ def of_record(label: str, device: Device) -> str:
 REPLY = a_timing("Time from the request until the encoder answers")
 case(
     "reply_time",
-    lambda: speed("biss", bare()),
-    lambda: speed("biss", with_interface(replace(over("biss"), timings=(REPLY,)), bare())),
+    lambda: speed_text("biss", without_parts()),
+    lambda: speed_text("biss", with_interface(replace(interface_of("biss"), timings=(REPLY,)), without_parts())),
 )
 case(
     "reply_time_text",
-    lambda: speed("biss", bare()),
-    lambda: speed("biss", bare(characteristics=(a_text("processing", "Response time of at most 5 µs"),))),
+    lambda: speed_text("biss", without_parts()),
+    lambda: speed_text("biss", without_parts(characteristics=(a_text("processing", "Response time of at most 5 µs"),))),
 )
 case(
     "cable_length",
-    lambda: speed("rs485", t_format(CAPTURE)),
-    lambda: speed(
+    lambda: speed_text("rs485", t_format(CAPTURE)),
+    lambda: speed_text(
         "rs485",
         t_format(CAPTURE, characteristics=(a_text("cable_length", "At most 100 m"), a_text("reply_time", "5 µs"))),
     ),
 )
 case(
     "supply",
-    lambda: unstated.no_supply(bare(), over("biss")),
-    lambda: unstated.no_supply(bare(characteristics=(a_text("supply", "+5 V DC"),)), over("biss")),
+    lambda: unstated.no_supply(without_parts(), interface_of("biss")),
+    lambda: unstated.no_supply(without_parts(characteristics=(a_text("supply", "+5 V DC"),)), interface_of("biss")),
 )
 case(
     "supply_master",
-    lambda: of_record("Supply", template("ssi")),
-    lambda: of_record("Supply", replace(template("ssi"), characteristics=(a_text("supply", "+5 V DC"),))),
+    lambda: record_row("Supply", template("ssi")),
+    lambda: record_row("Supply", replace(template("ssi"), characteristics=(a_text("supply", "+5 V DC"),))),
     is_slow=True,
 )
 case(
     "pause_master",
-    lambda: of_record("Pause", template("ssi", *NO_TIMES)),
-    lambda: of_record("Pause", template("ssi", *ONLY_PAUSE)),
+    lambda: record_row("Pause", template("ssi", *NO_TIMES)),
+    lambda: record_row("Pause", template("ssi", *ONLY_PAUSE)),
     is_slow=True,
 )
 case(
@@ -334,18 +364,20 @@ case(
 ONE_LED = Led("power", "Power", (LedState("on", "Supply is on"),), ())
 case(
     "leds",
-    lambda: unstated.no_leds(bare(), bare(), over("biss")),
-    lambda: unstated.no_leds(bare(leds=(ONE_LED,)), bare(), over("biss")),
+    lambda: unstated.no_leds(without_parts(), without_parts(), interface_of("biss")),
+    lambda: unstated.no_leds(without_parts(leds=(ONE_LED,)), without_parts(), interface_of("biss")),
 )
 case(
     "leds_text",
-    lambda: unstated.no_leds(bare(), bare(), over("biss")),
-    lambda: unstated.no_leds(bare(characteristics=(a_text("lamp", "A LED lights up"),)), bare(), over("biss")),
+    lambda: unstated.no_leds(without_parts(), without_parts(), interface_of("biss")),
+    lambda: unstated.no_leds(
+        without_parts(characteristics=(a_text("lamp", "A LED lights up"),)), without_parts(), interface_of("biss")
+    ),
 )
 case(
     "leds_of_code",
-    lambda: unstated.no_leds(bare(leds=(ONE_LED,)), bare(), over("biss")),
-    lambda: unstated.no_leds(bare(leds=(ONE_LED,)), bare(leds=(ONE_LED,)), over("biss")),
+    lambda: unstated.no_leds(without_parts(leds=(ONE_LED,)), without_parts(), interface_of("biss")),
+    lambda: unstated.no_leds(without_parts(leds=(ONE_LED,)), without_parts(leds=(ONE_LED,)), interface_of("biss")),
 )
 
 
@@ -363,85 +395,89 @@ case("timeout", without_timeout, lambda: without_timeout(a_timing("Time-out afte
 
 def with_flag(kind: Any, *more: Field) -> Device:
     """Return the encoder with this flag in place of the alarm of its SSI word."""
-    word = over("ssi").layouts[0]
-    fields = tuple(replace(item, kind=kind) if item.name == "alarm" else item for item in word.fields)
-    return with_interface(replace(over("ssi"), layouts=(replace(word, fields=fields),)))
+    word = interface_of("ssi").layouts[0]
+    return with_interface(replace(interface_of("ssi"), layouts=(with_kind(word, kind, "alarm"),)))
 
 
-def of_frame(device: Device) -> str:
+def frame_text(device: Device) -> str:
     variant = device.variants_over("ssi")[0]
-    facts = frame_facts.frame_facts(device, over("ssi", device).layouts[0], variant)
+    facts = frame_facts.frame_facts(device, interface_of("ssi", device).layouts[0], variant)
     return "\n".join(": ".join(pair) for pair in facts)
 
 
-def of_verdicts(device: Device) -> str:
+def verdict_rows(device: Device) -> str:
     page = verdict_page.page_values([device])
     return "\n".join(" | ".join(row) for rows in (page["decides_rows"], page["report_rows"]) for row in rows)
 
 
 ERROR, IRRELEVANT = Flag(makes_position=Verdict.NOT_USABLE), Flag(makes_position=Verdict.USABLE)
-case("confirms", lambda: of_frame(with_flag(IRRELEVANT)), lambda: of_frame(with_flag(ERROR)))
-case("not_usable", lambda: of_frame(with_flag(ERROR)), lambda: of_frame(with_flag(IRRELEVANT)))
+case("confirms", lambda: frame_text(with_flag(IRRELEVANT)), lambda: frame_text(with_flag(ERROR)))
+case("not_usable", lambda: frame_text(with_flag(ERROR)), lambda: frame_text(with_flag(IRRELEVANT)))
 
 
-def of_unused(value: int) -> str:
+def unused_frame_text(value: int) -> str:
     kind = Unused(value) if value else Number()
-    data = over("biss").layouts[0]
-    fields = tuple(replace(item, kind=kind) if item.name == "warning" else item for item in data.fields)
-    device = with_interface(replace(over("biss"), layouts=(replace(data, fields=fields), *over("biss").layouts[1:])))
-    facts = frame_facts.frame_facts(device, over("biss", device).layouts[0], device.variants_over("biss")[0])
+    data = interface_of("biss").layouts[0]
+    layouts = (with_kind(data, kind, "warning"), *interface_of("biss").layouts[1:])
+    device = with_interface(replace(interface_of("biss"), layouts=layouts))
+    facts = frame_facts.frame_facts(device, interface_of("biss", device).layouts[0], device.variants_over("biss")[0])
     return "\n".join(": ".join(pair) for pair in facts)
 
 
-case("not_used", lambda: of_unused(1), lambda: of_unused(0))
+case("not_used", lambda: unused_frame_text(1), lambda: unused_frame_text(0))
 
 
-def of_alarm(**changes: Any) -> Alarm:
+def alarm_with(**changes: Any) -> Alarm:
     nothing: dict[str, Any] = {"printed_name": "", "names": MappingProxyType({}), "group": "flags", "register": ""}
-    rest = {"field": "alarm", "meaning": "", "detected": "", "below_mv": None, "latch": None, "implemented": True}
+    flag_facts = {"field": "alarm", "meaning": "", "detected": "", "below_mv": None, "latch": None, "implemented": True}
     more = {"remedy": "", "cleared_by": (), "source": ()}
-    return Alarm(**({"name": "alarm"} | nothing | rest | more | changes))
+    return Alarm(**({"name": "alarm"} | nothing | flag_facts | more | changes))
 
 
-def reported(**changes: Any) -> str:
+def reported_row(**changes: Any) -> str:
     device = with_flag(ERROR)
-    word = over("ssi", device).layouts[0]
-    fields = tuple(replace(item, group="flags") if item.name == "alarm" else item for item in word.fields)
-    device = with_interface(replace(over("ssi", device), layouts=(replace(word, fields=fields),)), device)
-    errors = of_verdicts(replace(device, alarms=(of_alarm(**changes),)))
+    word = interface_of("ssi", device).layouts[0]
+    fields = {present.name: present for present in word.fields}
+    fields["alarm"] = replace(fields["alarm"], group="flags")
+    flags_word = replace(word, fields=tuple(fields.values()))
+    device = with_interface(replace(interface_of("ssi", device), layouts=(flags_word,)), device)
+    errors = verdict_rows(replace(device, alarms=(alarm_with(**changes),)))
     return "\n".join(line for line in errors.splitlines() if "`alarm`" in line)
 
 
-case("remedy", reported, lambda: reported(cleared_by=("set_preset",)))
-case("remedy_text", reported, lambda: reported(remedy="Turn it off"))
+case("remedy", reported_row, lambda: reported_row(cleared_by=("set_preset",)))
+case("remedy_text", reported_row, lambda: reported_row(remedy="Turn it off"))
 
 
 def without_position() -> Device:
-    parts = {item.name: replace(item, layouts=()) for item in tv62().interfaces}
-    return replace(tv62(), interfaces=tuple(parts.values()))
+    return replace(tv62(), interfaces=tuple(replace(present, layouts=()) for present in tv62().interfaces))
 
 
-case("no_frame", lambda: of_verdicts(without_position()), lambda: of_verdicts(tv62()))
-case("no_field_decides", lambda: of_verdicts(with_flag(Number())), lambda: of_verdicts(tv62()))
+case("no_frame", lambda: verdict_rows(without_position()), lambda: verdict_rows(tv62()))
+case("no_field_decides", lambda: verdict_rows(with_flag(Number())), lambda: verdict_rows(tv62()))
 case(
     "none_of_these",
-    lambda: of_verdicts(tv62()),
-    lambda: of_verdicts(replace(with_flag(Number()), interfaces=(over("ssi", with_flag(Number())),))),
+    lambda: verdict_rows(tv62()),
+    lambda: verdict_rows(replace(with_flag(Number()), interfaces=(interface_of("ssi", with_flag(Number())),))),
 )
 
 # -- statements that repeat a member of the spec
 
 case(
     "alarm_implemented",
-    lambda: printed(alarm.facts(tv62(), of_alarm(group="", implemented=False))),
-    lambda: printed(alarm.facts(tv62(), of_alarm(group=""))),
+    lambda: printed(alarm.facts(tv62(), alarm_with(group="", implemented=False))),
+    lambda: printed(alarm.facts(tv62(), alarm_with(group=""))),
 )
 case("alarm_row_implemented", lambda: alarm_row(False), lambda: alarm_row(True))
-case("field_implemented", lambda: rules(a_field(Flag(), implemented=False)), lambda: rules(a_field(Flag())))
-case("powers", lambda: rules(a_field(Number(power_of_two=True))), lambda: rules(a_field(Number())))
-case("affects", lambda: rules(a_field(IRRELEVANT)), lambda: rules(a_field(ERROR)))
-case("affects_not_usable", lambda: rules(a_field(ERROR)), lambda: rules(a_field(IRRELEVANT)))
-case("only_flag", lambda: rules(a_field(Flag(only="A-x", only_while="multiturn_bits"))), lambda: rules(a_field(Flag())))
+case("field_implemented", lambda: field_rules(a_field(Flag(), implemented=False)), lambda: field_rules(a_field(Flag())))
+case("powers", lambda: field_rules(a_field(Number(power_of_two=True))), lambda: field_rules(a_field(Number())))
+case("affects", lambda: field_rules(a_field(IRRELEVANT)), lambda: field_rules(a_field(ERROR)))
+case("affects_not_usable", lambda: field_rules(a_field(ERROR)), lambda: field_rules(a_field(IRRELEVANT)))
+case(
+    "only_flag",
+    lambda: field_rules(a_field(Flag(only="A-x", only_while="multiturn_bits"))),
+    lambda: field_rules(a_field(Flag())),
+)
 case(
     "input_needs",
     lambda: printed(hardware_input.facts(tv62(), input_pin(needs="control.filter"))),
@@ -452,9 +488,9 @@ case(
     lambda: printed(hardware_input.facts(tv62(), input_pin(when_unused="0 V"))),
     lambda: printed(hardware_input.facts(tv62(), input_pin())),
 )
-case("one_slave", lambda: network(False), lambda: network(True))
-case("no_reply", lambda: exchange(""), lambda: exchange("answer"))
-case("gaps", lambda: gaps("zero"), lambda: gaps(""))
+case("one_slave", lambda: network_text(False), lambda: network_text(True))
+case("no_reply", lambda: exchange_text(""), lambda: exchange_text("answer"))
+case("gaps", lambda: gaps_text("zero"), lambda: gaps_text(""))
 case("only", lambda: printed(only.only("A-x")), lambda: printed(only.only("")))
 case(
     "only_timing",
@@ -466,12 +502,16 @@ case(
     lambda: printed(order_code.open_values(open_part("[0-9]+"))),
     lambda: printed(order_code.open_values(open_part(""))),
 )
-case("special_model", lambda: printed(origin.origin(special("S123"))), lambda: printed(origin.origin(special(""))))
+case(
+    "special_model",
+    lambda: printed(origin.origin(special_model("S123"))),
+    lambda: printed(origin.origin(special_model(""))),
+)
 case("edition", lambda: printed(origin.origin(replace(tv62(), edition="1.0"))), lambda: printed(origin.origin(tv62())))
-case("succession", lambda: succession(True), lambda: succession(False))
-case("read_only", lambda: access("read_only"), lambda: access("read_write"))
-case("write_only", lambda: access("write_only"), lambda: access("read_write"))
-case("opened_by", lambda: opened("bank"), lambda: opened(""))
+case("succession", lambda: succession_text(True), lambda: succession_text(False))
+case("read_only", lambda: access_text("read_only"), lambda: access_text("read_write"))
+case("write_only", lambda: access_text("write_only"), lambda: access_text("read_write"))
+case("opened_by", lambda: opened_text("bank"), lambda: opened_text(""))
 case(
     "reported_not_implemented",
     lambda: report.meaning(a_field(ERROR, implemented=False), None),
@@ -483,18 +523,20 @@ case(
     lambda: report.deciding(a_field(ERROR)),
 )
 case("crc_inverted", lambda: crc.inverted(replace(tv62().crcs[0], xorout=0)), lambda: crc.inverted(tv62().crcs[0]))
-case("evidence_hardware", lambda: grade("corroborated"), lambda: grade("corroborated, no hardware frame seen"))
-case("evidence_no_hardware", lambda: grade("corroborated, no hardware frame seen"), lambda: grade("quoted"))
-case("evidence_single", lambda: grade("uncorroborated"), lambda: grade("quoted"))
-case("contact_only", lambda: contact("A-x"), lambda: contact(""))
-case("then_nothing", lambda: spelled(".*"), lambda: spelled(""))
+case(
+    "evidence_hardware", lambda: grade_text("corroborated"), lambda: grade_text("corroborated, no hardware frame seen")
+)
+case("evidence_no_hardware", lambda: grade_text("corroborated, no hardware frame seen"), lambda: grade_text("quoted"))
+case("evidence_single", lambda: grade_text("uncorroborated"), lambda: grade_text("quoted"))
+case("contact_only", lambda: contact_text("A-x"), lambda: contact_text(""))
+case("then_nothing", lambda: spelling_text(".*"), lambda: spelling_text(""))
 case("times_read_decided", lambda: times_read(decided=2), lambda: times_read(decided=0))
 case("times_read_once", lambda: times_read(once=2), lambda: times_read(once=0))
-case("no_field", lambda: runs(True), lambda: runs(False))
+case("no_field", lambda: run_names(True), lambda: run_names(False))
 
 
-def rules(item: Field) -> str:
-    return printed(field.rules(tv62(), item))
+def field_rules(placed_field: Field) -> str:
+    return printed(field.rules(tv62(), placed_field))
 
 
 def alarm_row(implemented: bool) -> str:
@@ -502,52 +544,52 @@ def alarm_row(implemented: bool) -> str:
     return "\n".join(" ".join(row) for row in cross_family_pages.alarms([device])["alarm_rows"])
 
 
-def network(several: bool) -> str:
+def network_text(several: bool) -> str:
     kind = replace(biss(), network=Network("point_to_point", several, ()))
     return printed(interface.settings(tv62(), kind))
 
 
-def exchange(reply: str) -> str:
+def exchange_text(reply: str) -> str:
     return BY_NAME.sentence(interface.exchange(Exchange("ask", None, reply, "other", ())))
 
 
-def gaps(value: str) -> str:
-    word = replace(over("ssi").layouts[0], gaps=value)
-    return printed(layout.layout(tv62(), over("ssi"), word))
+def gaps_text(value: str) -> str:
+    word = replace(interface_of("ssi").layouts[0], gaps=value)
+    return printed(layout.layout(tv62(), interface_of("ssi"), word))
 
 
 def open_part(pattern: str) -> CodePart:
     return CodePart("cable", "Length of the cable", pattern, (), ())
 
 
-def special(suffix: str) -> Device:
+def special_model(suffix: str) -> Device:
     return replace(tv62(), base="tv62", overlays=(Overlay("change", "A change", suffix),))
 
 
-def succession(alone: bool) -> str:
+def succession_text(alone: bool) -> str:
     step = SendStep(data_id="reset", request=b"\xba", times=10, microseconds=40, in_succession=alone)
     return BY_NAME.sentence(procedure.step(tv62(), step))
 
 
-def access(word: str) -> str:
+def access_text(word: str) -> str:
     return register.access(replace(tv62().register("control"), access=word))
 
 
-def opened(by: str) -> str:
-    item = replace(tv62().register("control"), opened_by=by, opened_by_value="position" if by else "")
-    return printed(register.facts(tv62(), item))
+def opened_text(by: str) -> str:
+    control = replace(tv62().register("control"), opened_by=by, opened_by_value="position" if by else "")
+    return printed(register.facts(tv62(), control))
 
 
-def grade(word: str) -> str:
+def grade_text(word: str) -> str:
     return BY_NAME.sentence(evidence.grade(replace(tv62(), evidence=replace(tv62().evidence, grade=word))))
 
 
-def contact(codes: str) -> str:
-    item = replace(tv62().connectors[0], contacts=(Contact("1", "0 V", codes),))
-    return connector_pictures.connector_text(item) + connector_pictures.connector_picture(item)
+def contact_text(codes: str) -> str:
+    connector = replace(tv62().connectors[0], contacts=(Contact("1", "0 V", codes),))
+    return connector_pictures.connector_text(connector) + connector_pictures.connector_picture(connector)
 
 
-def spelled(then: str) -> str:
+def spelling_text(then: str) -> str:
     spelling = Spelling("TV62 {turns}", "the data sheet", (SpelledValue("turns", "S", "S"),), then, ())
     code = replace(tv62().order_code, also_written=(spelling,))
     return "\n".join(" ".join(row) for row in order_code_tables.spelling_rows(replace(tv62(), order_code=code)))
@@ -559,9 +601,9 @@ def times_read(decided: int = 0, once: int = 0) -> str:
     return "\n".join(" ".join(row) for row in rows)
 
 
-def runs(has_gap: bool) -> str:
-    word = over("ssi").layouts[0]
-    fields = tuple(item for item in word.fields if not (has_gap and item.name == "alarm"))
+def run_names(has_gap: bool) -> str:
+    word = interface_of("ssi").layouts[0]
+    fields = tuple(present for present in word.fields if not (has_gap and present.name == "alarm"))
     placed = replace(word, fields=fields).place(tv62().variants_over("ssi")[0].parameters)
     return " ".join(run.name for run in layout_pictures.runs_of(placed))
 
@@ -583,7 +625,7 @@ def summary(*errata: Erratum) -> str:
 
 def errata_page(*errata: Erratum) -> str:
     page = inline_errata.page_values(replace(tv62(), errata=errata))
-    rows = (" ".join(row) for item in page["errata_list"] for row in item["rows"])
+    rows = (" ".join(row) for values in page["errata_list"] for row in values["rows"])
     return "\n".join((page["errata_summary"], *rows))
 
 
@@ -633,7 +675,7 @@ def template(like: str, *changes: tuple[str, str]) -> Device:
 
 @cache
 def generated(target: str, like: str, *changes: tuple[str, str]) -> str:
-    return everything(target, template(like, *changes))
+    return generated_text(target, template(like, *changes))
 
 
 def output(target: str, like: str, *changes: tuple[str, str]) -> Printed:
@@ -656,10 +698,8 @@ tables:
   - {name: pins, title: Pins, columns: [A], units: [""], rows: [[B]], source: "4"}
 
 interfaces:"""
-OPEN_TWO, OPEN_ANY = (
-    ("      meaning: Number of revolutions\n", f"      meaning: Number of revolutions\n      open: '{pattern}'\n")
-    for pattern in ("[0-9]{2}", "[0-9]+")
-)
+REVOLUTIONS = "      meaning: Number of revolutions\n"
+OPEN_TWO, OPEN_ANY = ((REVOLUTIONS, f"{REVOLUTIONS}      open: '{pattern}'\n") for pattern in ("[0-9]{2}", "[0-9]+"))
 RESET_ID = "{name: reset_errors, id: 7, control: 0xBA, purpose: reset, meaning: Reset all errors, source: '7.3'}"
 RESET_PROCEDURE = """procedures:
   - name: reset_errors
@@ -670,14 +710,12 @@ RESET_PROCEDURE = """procedures:
     source: '7.3'
 
 interfaces:"""
-RESET_ALONE, RESET_SHARED = (
-    (
-        ("      - {name: all_data", f"      - {RESET_ID}\n      - {{name: all_data"),
-        ("data_id: [0, 3]", "data_id: [0, 3, 7]"),
-        ("interfaces:", RESET_PROCEDURE % more),
-    )
-    for more in (", in_succession: true", "")
+WITH_RESET = (
+    ("      - {name: all_data", f"      - {RESET_ID}\n      - {{name: all_data"),
+    ("data_id: [0, 3]", "data_id: [0, 3, 7]"),
 )
+RESET_ALONE = (*WITH_RESET, ("interfaces:", RESET_PROCEDURE % ", in_succession: true"))
+RESET_SHARED = (*WITH_RESET, ("interfaces:", RESET_PROCEDURE % ""))
 ZERO_BIT = (
     (
         "interfaces:",
@@ -698,13 +736,8 @@ interfaces:""",
     (JOIN, f"          - {{name: zero, bits: zero_bits, constant: 0}}\n{JOIN}"),
 )
 NO_SINGLETURN = ('        "1": {meaning: Singleturn, sets: {multiturn_bits: 0}}\n', "")
-BY_HAND_ONLY, BY_HAND = (
-    (
-        MORE,
-        f"\ncharacteristics:\n  - {{name: mounting, value: 1. A 2. B 3. C 4. D, source: '1'{more}}}\ninterfaces:",
-    )
-    for more in (", only: ACME18-13-...", "")
-)
+MOUNTING = "\ncharacteristics:\n  - {name: mounting, value: 1. A 2. B 3. C 4. D, source: '1'%s}\ninterfaces:"
+BY_HAND_ONLY, BY_HAND = (MORE, MOUNTING % ", only: ACME18-13-..."), (MORE, MOUNTING % "")
 ONLY_PAUSE = (("- {name: pause, symbol: Tp,", "- {name: gap, symbol: Tg,"),)
 NO_TIMES = (
     ("    timings:\n", ""),
@@ -755,20 +788,24 @@ for name, target, like, true, false in (
 
 def without_ids() -> Device:
     """Return the encoder without the registers that identify it, which hold text."""
-    registers = tuple(item for item in tv62().registers if not item.name.endswith("_id"))
+    registers = tuple(present for present in tv62().registers if not present.name.endswith("_id"))
     return replace(tv62(), registers=registers)
 
 
 def with_flags(kind: Any) -> Device:
     """Return the encoder with this kind in place of the error and the warning of its BiSS frame."""
-    data = over("biss").layouts[0]
-    fields = tuple(replace(item, kind=kind) if item.name in ("error", "warning") else item for item in data.fields)
-    return with_interface(replace(over("biss"), layouts=(replace(data, fields=fields), *over("biss").layouts[1:])))
+    data = interface_of("biss").layouts[0]
+    layouts = (with_kind(data, kind, "error", "warning"), *interface_of("biss").layouts[1:])
+    return with_interface(replace(interface_of("biss"), layouts=layouts))
 
 
 def of_one_interface() -> Device:
-    kind = replace(over("ssi"), measurement=tv62().measurement)
+    kind = replace(interface_of("ssi"), measurement=tv62().measurement)
     return with_interface(kind, measurement=None)
+
+
+def with_ssi_parameters() -> Device:
+    return replace(tv62(), parameters=tuple(replace(parameter, interface="ssi") for parameter in tv62().parameters))
 
 
 def with_code(**changes: Any) -> Device:
@@ -777,7 +814,7 @@ def with_code(**changes: Any) -> Device:
 
 RELEASE = Release("0.1.0", "", "1.1", ())
 SPELLED = (Spelling("TV62 {turns}", "the data sheet", (SpelledValue("turns", "S", "S"),), "", ()),)
-ONE_CODE = [item for item in tv62().variants if item.interface == "biss"][:1]
+ONE_CODE = [variant for variant in tv62().variants if variant.interface == "biss"][:1]
 for name, target, true_device, false_device in (
     ("no_length", "biss", tv62, lambda: replace(tv62(), variants=tuple(ONE_CODE))),
     ("shared_ids", "biss", tv62, without_ids),
@@ -788,7 +825,7 @@ for name, target, true_device, false_device in (
     (
         "only_over",
         "python",
-        lambda: replace(tv62(), parameters=tuple(replace(item, interface="ssi") for item in tv62().parameters)),
+        with_ssi_parameters,
         tv62,
     ),
     ("no_measurement", "python", of_one_interface, tv62),
@@ -796,13 +833,18 @@ for name, target, true_device, false_device in (
     ("release", "docs", tv62, lambda: replace(tv62(), releases=(RELEASE,))),
     ("spellings", "docs", lambda: with_code(also_written=SPELLED), tv62),
 ):
-    case(name, partial(everything_of, target, true_device), partial(everything_of, target, false_device), is_slow=True)
+    case(
+        name,
+        partial(generated_text_of, target, true_device),
+        partial(generated_text_of, target, false_device),
+        is_slow=True,
+    )
 
 # A manufacturer without any encoder that can be identified has no file.
 case(
     "no_device_id",
-    lambda: everything("biss", tv62(), replace(without_ids(), name="tv63")),
-    lambda: everything("biss", tv62(), replace(tv62(), name="tv63")),
+    lambda: generated_text("biss", tv62(), replace(without_ids(), name="tv63")),
+    lambda: generated_text("biss", tv62(), replace(tv62(), name="tv63")),
     is_slow=True,
 )
 

@@ -27,11 +27,11 @@ def denials() -> Iterator[tuple[str, str]]:
     """Yield the file and the text of every denial, each once per file. Values in texts are written as ``{}``."""
     for folder in _MODULES:
         for path in sorted((ROOT / folder).rglob("*.py")):
-            yield from _in(path, _of_module(path.read_text("utf-8")))
+            yield from _denials_in(path, _texts_of_module(path.read_text("utf-8")))
     for path in sorted((ROOT / "templates").rglob("*.jinja")):
-        yield from _in(path, _of_template(path))
+        yield from _denials_in(path, _texts_of_template(path))
     for path in sorted((ROOT / "runtime" / "browser").glob("*.js")):
-        yield from _in(path, _of_script(path.read_text("utf-8")))
+        yield from _denials_in(path, _texts_of_script(path.read_text("utf-8")))
 
 
 def denies(text: str) -> bool:
@@ -39,7 +39,7 @@ def denies(text: str) -> bool:
     return " " in text and _DENIES.search(text) is not None
 
 
-def _in(path: Path, texts: Iterator[str]) -> Iterator[tuple[str, str]]:
+def _denials_in(path: Path, texts: Iterator[str]) -> Iterator[tuple[str, str]]:
     name = path.relative_to(ROOT).as_posix()
     if _WITHOUT_SENTENCES.search(name) is None:
         yield from ((name, text) for text in dict.fromkeys(texts) if denies(text))
@@ -48,7 +48,7 @@ def _in(path: Path, texts: Iterator[str]) -> Iterator[tuple[str, str]]:
 # -- Python
 
 
-def _of_module(source: str) -> Iterator[str]:
+def _texts_of_module(source: str) -> Iterator[str]:
     """Yield the sentences of the strings of a module, except docstrings, annotations and patterns."""
     tree = ast.parse(source)
     skipped = {id(node) for part in _not_printed(tree) for node in ast.walk(part)}
@@ -57,7 +57,7 @@ def _of_module(source: str) -> Iterator[str]:
             continue
         if isinstance(node, ast.JoinedStr):
             skipped.update(id(part) for part in node.values if isinstance(part, ast.Constant))
-            yield from _sentences("".join(map(_piece, node.values)))
+            yield from _sentences("".join(map(_text_of_part, node.values)))
         elif isinstance(node, ast.Constant) and isinstance(node.value, str):
             yield from _sentences(node.value)
 
@@ -72,7 +72,7 @@ def _not_printed(tree: ast.AST) -> Iterator[ast.AST]:
             yield node
 
 
-def _piece(node: ast.expr) -> str:
+def _text_of_part(node: ast.expr) -> str:
     return str(node.value) if isinstance(node, ast.Constant) else "{}"
 
 
@@ -84,7 +84,7 @@ def _sentences(text: str) -> Iterator[str]:
 # -- templates and scripts
 
 
-def _of_template(path: Path) -> Iterator[str]:
+def _texts_of_template(path: Path) -> Iterator[str]:
     source = re.sub(r"{#.*?#}", "", path.read_text("utf-8"), flags=re.DOTALL)
     kind = path.name.removesuffix(".jinja").rpartition(".")[2]
     for expression in re.findall(r"{{.*?}}|{%.*?%}", source, re.DOTALL):
@@ -93,22 +93,22 @@ def _of_template(path: Path) -> Iterator[str]:
     source = re.sub(r"{{.*?}}", "{}", source, flags=re.DOTALL)
     source = re.sub(r"{%.*?%}", " ", source, flags=re.DOTALL)
     if kind in ("c", "h", "hpp", "ino", "c_struct", "js"):
-        yield from _within(_C_TEXTS, source)
+        yield from _sentences_of_matches(_C_TEXTS, source)
     elif kind == "py":
-        yield from _within(_PYTHON_TEXTS, source)
+        yield from _sentences_of_matches(_PYTHON_TEXTS, source)
     else:
         for language, code in _FENCE.findall(source):
-            yield from _within(_PYTHON_TEXTS if language == "python" else _C_TEXTS, code)
+            yield from _sentences_of_matches(_PYTHON_TEXTS if language == "python" else _C_TEXTS, code)
         yield from _sentences(re.sub(r"<!--|-->|<[^>]*>", "\n\n", _FENCE.sub("\n\n", source)))
 
 
-def _of_script(source: str) -> Iterator[str]:
+def _texts_of_script(source: str) -> Iterator[str]:
     for text in re.findall(_SCRIPT_TEXTS, source):
         if not text.startswith(("/",)):
             yield from _sentences(re.sub(r"\$\{[^}]*\}", "{}", text.strip('"`')))
 
 
-def _within(texts: re.Pattern[str], source: str) -> Iterator[str]:
+def _sentences_of_matches(texts: re.Pattern[str], source: str) -> Iterator[str]:
     for text in texts.findall(source):
         bare = re.sub(r"^\s*(?:/\*+|\*+/|\*|//+|#+)|\*/", " ", text, flags=re.MULTILINE).strip('"')
         yield from _sentences(bare)

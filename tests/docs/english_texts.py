@@ -48,6 +48,7 @@ def prose(words: str) -> str:
 
 
 _JINJA = re.compile(r"\{\{.*?\}\}|\{%.*?%\}", re.DOTALL)
+_PYTHON_PROSE = re.compile(r'"""(.*?)"""|(?:^[ \t]*#:? [^\n]*\n)+', re.DOTALL | re.MULTILINE)
 _JINJA_COMMENT = re.compile(r"\{#(.*?)#\}", re.DOTALL)
 _MARKUP = re.compile(
     r"^>[^\n]*|"  # text of a manual
@@ -83,20 +84,23 @@ def of_python(source: str) -> Iterator[Text]:
     nodes = list(ast.walk(ast.parse(source)))
     docstrings = {node.value for node in nodes if isinstance(node, ast.Expr)}
     parts = {part for node in nodes if isinstance(node, ast.JoinedStr) for part in node.values}
-    helps = {
-        part for node in nodes if isinstance(node, ast.keyword) and node.arg in HELP for part in ast.walk(node.value)
-    }
+    help_arguments = [node.value for node in nodes if isinstance(node, ast.keyword) and node.arg in HELP]
+    helps = {part for argument in help_arguments for part in ast.walk(argument)}
     named = {node.id for node in helps if isinstance(node, ast.Name)}
     helps |= {node.value for node in nodes if isinstance(node, ast.Assign) and _name(node.targets[0]) in named}
     for node in nodes:
         if isinstance(node, ast.JoinedStr):
-            words = "".join(str(part.value) if isinstance(part, ast.Constant) else "·" for part in node.values)
+            words = "".join(map(_words_of_part, node.values))
         elif isinstance(node, ast.Constant) and isinstance(node.value, str) and node not in parts:
             words = node.value
         else:
             continue
         if node in docstrings or _is_sentence(words):
             yield Text(node.lineno, prose(words), message=node not in docstrings | helps)
+
+
+def _words_of_part(part: ast.expr) -> str:
+    return str(part.value) if isinstance(part, ast.Constant) else "·"
 
 
 def _name(target: ast.expr) -> str:
@@ -115,9 +119,9 @@ _FOR_TOOLS = re.compile(r"\b(?:noqa|type: ignore|pragma)\b[^\n]*")
 
 def of_comments(source: str) -> Iterator[Text]:
     """Yield the comments that begin with a hash. Lines one below the other are one text."""
-    for found in _HASHED.finditer(source):
-        line = source.count("\n", 0, found.start()) + 1
-        words = re.sub(r"^[ \t]*#:?", "", found[0], flags=re.MULTILINE)
+    for comment in _HASHED.finditer(source):
+        line = source.count("\n", 0, comment.start()) + 1
+        words = re.sub(r"^[ \t]*#:?", "", comment[0], flags=re.MULTILINE)
         yield Text(line, prose(_FOR_TOOLS.sub(_blanked, words)))
 
 
@@ -126,10 +130,10 @@ _C = re.compile(r'"(?:\\.|[^"\\\n])*"|/\*(.*?)\*/|//([^\n]*)', re.DOTALL)
 
 def of_c(source: str) -> Iterator[Text]:
     """Yield the comments of C or JavaScript."""
-    for found in _C.finditer(source):
-        words = found[1] or found[2]
+    for comment in _C.finditer(source):
+        words = comment[1] or comment[2]
         if words:
-            line = source.count("\n", 0, found.start()) + 1
+            line = source.count("\n", 0, comment.start()) + 1
             plain = re.sub(r"^[ \t]*\*(?!\*)", "", words, flags=re.MULTILINE)
             yield Text(line, prose(re.sub(r"[@\\](?:param|p|ref|c)\b(?:\[\w+\])? \w+", _blanked, plain)))
 
@@ -153,8 +157,8 @@ def of_yaml(source: str) -> Iterator[Text]:
 
 def of_json(source: str) -> Iterator[Text]:
     """Yield the descriptions of a schema."""
-    for found in re.finditer(r'"description": "((?:\\.|[^"\\])*)"', source):
-        yield Text(source.count("\n", 0, found.start()) + 1, prose(found[1].replace('\\"', '"')))
+    for description in re.finditer(r'"description": "((?:\\.|[^"\\])*)"', source):
+        yield Text(source.count("\n", 0, description.start()) + 1, prose(description[1].replace('\\"', '"')))
 
 
 def of_template(source: str, name: str) -> Iterator[Text]:
@@ -167,9 +171,9 @@ def of_template(source: str, name: str) -> Iterator[Text]:
     elif name.endswith(".md"):
         yield from of_markdown(printed)
     elif name.endswith(".py"):
-        for found in re.finditer(r'"""(.*?)"""|(?:^[ \t]*#:? [^\n]*\n)+', printed, re.DOTALL | re.MULTILINE):
-            words = found[1] or re.sub(r"^[ \t]*#:?", "", found[0], flags=re.MULTILINE)
-            yield Text(printed.count("\n", 0, found.start()) + 1, prose(words))
+        for match in _PYTHON_PROSE.finditer(printed):
+            words = match[1] or re.sub(r"^[ \t]*#:?", "", match[0], flags=re.MULTILINE)
+            yield Text(printed.count("\n", 0, match.start()) + 1, prose(words))
 
 
 _BY_SUFFIX: dict[str, Callable[[str], Iterator[Text]]] = {

@@ -65,10 +65,13 @@ _TABLE: list[tuple[str, str]] = [
     (r"with a warning with a warning", "warning bit active: usable, with a warning"),
     (r"not to be used, and to be used with care", "say the meaning of each bit"),
 ]
-WORDS = [
-    (re.compile(rf"(?<![\w/-])(?:{regex.replace(' ', chr(92) + 's+')})(?![\w/=-]|\.\w)"), better)
-    for regex, better in _TABLE
-]
+
+
+def _whole_words(regex: str) -> re.Pattern[str]:
+    return re.compile(rf"(?<![\w/-])(?:{regex.replace(' ', chr(92) + 's+')})(?![\w/=-]|\.\w)")
+
+
+WORDS = [(_whole_words(regex), better) for regex, better in _TABLE]
 
 #: Files, a phrase that they may have (a regular expression, in lower case), and why.
 EXCEPTIONS: list[tuple[str, str, str]] = []

@@ -11,9 +11,9 @@ import pytest
 def sections(pages: Mapping[str, str], family: str, words: str) -> list[str]:
     """Return the section on each order code page of a family over an interface."""
     codes = [text for name, text in pages.items() if re.fullmatch(rf"docs/{family}/[^/]*[A-Z][^/]*\.md", name)]
-    found = [text.partition("## What to send\n")[2].partition("\n## ")[0] for text in codes if f", {words}." in text]
-    assert found
-    return found
+    over_interface = [text for text in codes if f", {words}." in text]
+    assert over_interface
+    return [text.partition("## What to send\n")[2].partition("\n## ")[0] for text in over_interface]
 
 
 @pytest.fixture(scope="module")
@@ -71,4 +71,5 @@ def test_an_input_contradicts_that_there_is_no_preset(pages: Mapping[str, str]) 
 )
 def test_a_text_about_the_cable_is_linked(pages: Mapping[str, str], family: str, line: str) -> None:
     codes = [text for name, text in pages.items() if name.startswith(f"docs/{family}/") and "RS-485" in text[:600]]
-    assert sum(line in text for text in codes) == sum("## Baud rate and times" in text for text in codes) > 0
+    page_count = sum("## Baud rate and times" in text for text in codes)
+    assert sum(line in text for text in codes) == page_count > 0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from itertools import product, zip_longest
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -28,14 +28,14 @@ _OPEN = re.compile(r"(?:_bits|_bytes|per_turn|revolutions)\b.*[-+*^]|2\^")
 
 def page_of(files: Files, code: str) -> str:
     """Return the page to which the index links from an order code."""
-    found = re.findall(rf"\[`{re.escape(code)}`\]\(([^)]+)\)", files["docs/README.md"])
-    assert len(set(found)) == 1, code
-    return files[f"docs/{found[0]}"]
+    links = re.findall(rf"\[`{re.escape(code)}`\]\(([^)]+)\)", files["docs/README.md"])
+    assert len(set(links)) == 1, code
+    return files[f"docs/{links[0]}"]
 
 
-def of_codes(files: Files) -> Files:
+def order_code_pages(files: Files) -> Files:
     """Return the pages of order codes: those whose names have capital letters."""
-    return {name: made for name, made in files.items() if re.fullmatch(r"docs/[^/]+/.*[A-Z].*\.md", name)}
+    return {name: page for name, page in files.items() if re.fullmatch(r"docs/[^/]+/.*[A-Z].*\.md", name)}
 
 
 @pytest.mark.slow
@@ -49,11 +49,11 @@ def test_the_index_leads_from_every_order_code_to_a_page_that_names_it(library: 
 
 def test_there_is_no_page_beside_them(library: Library, pages: Files) -> None:
     linked = set(re.findall(r"\[`[^]]*\]\(([^)]+/[^)]+\.md)\)", pages["docs/README.md"]))
-    assert linked == {name.removeprefix("docs/") for name in of_codes(pages)}
+    assert linked == {name.removeprefix("docs/") for name in order_code_pages(pages)}
 
 
 def test_numbers_stand_in_place_of_quantities(pages: Files) -> None:
-    for name, page in of_codes(pages).items():
+    for name, page in order_code_pages(pages).items():
         before, _, after = page.partition('<a id="quantities"></a>')
         besides = before + after.partition("</details>")[2]
         spans = [span for line in besides.splitlines() for span in line.split("`")[1::2]]
@@ -114,7 +114,7 @@ def test_a_width_is_that_of_the_order_code(pages: Files) -> None:
     assert "It has 37 bits, most significant" in biss
     assert "The word has as many bits as the position, 37, and starts" in ssi
     assert "| 37 bits | Width of the whole position, revolutions included. The manual calls it" in biss
-    for page in of_codes(pages).values():
+    for page in order_code_pages(pages).values():
         assert not re.search(r"\b(?:17 to 39|20 to 25)\b", page.partition('<a id="errata">')[0])
     assert "It has 17 to 39 bits" in pages["docs/amm5/biss.md"]
 
@@ -162,17 +162,15 @@ def test_the_name_of_a_page_is_not_too_long() -> None:
 def test_many_order_codes_stand_as_patterns_and_nothing_else_fits_them(library: Library) -> None:
     for device in library.devices:
         for part in device.interfaces:
-            listed = [item.code for item in device.variants if item.interface == part.name]
-            found = [spelled for pattern in patterns(device, listed[1:]) for spelled in expanded(pattern)]
-            assert sorted(found) == sorted(listed[1:])
+            listed = [variant.code for variant in device.variants if variant.interface == part.name]
+            spelled_codes = [spelled for pattern in patterns(device, listed[1:]) for spelled in expanded(pattern)]
+            assert sorted(spelled_codes) == sorted(listed[1:])
 
 
 def expanded(pattern: str) -> list[str]:
     parts = [part.split(",") for part in re.split(r"\{([^}]*)\}", pattern)[1::2]]
-    return [
-        "".join(piece for pair in zip_longest(re.split(r"\{[^}]*\}", pattern), chosen, fillvalue="") for piece in pair)
-        for chosen in product(*parts)
-    ]
+    template = re.sub(r"\{[^}]*\}", "{}", pattern)
+    return [template.format(*chosen) for chosen in product(*parts)]
 
 
 def test_patterns_as_the_manuals_have_their_order_codes(pages: Files) -> None:
@@ -183,16 +181,16 @@ def test_patterns_as_the_manuals_have_their_order_codes(pages: Files) -> None:
 
 
 def device(name: str) -> Device:
-    return next(item for item in load_sound()[0] if item.name == name)
+    return next(family for family in load_sound()[0] if family.name == name)
 
 
 def test_what_an_order_code_does_not_decide_stays_open() -> None:
     """AMM5 7.3: the user must decide the position of the address in an EEPROM request."""
     amm5 = device("amm5")
-    here = with_quantities(amm5, amm5.variant("AMM5A21/65KJP1"))
-    request = here.layout("eeprom_read_request")
-    assert {name for item in request.fields for name in item.low.parameters} != set()
-    assert here.layout("multiturn_reply").fields[0].low.is_constant
+    narrowed = with_quantities(amm5, amm5.variant("AMM5A21/65KJP1"))
+    request = narrowed.layout("eeprom_read_request")
+    assert {name for field in request.fields for name in field.low.parameters} != set()
+    assert narrowed.layout("multiturn_reply").fields[0].low.is_constant
 
 
 def test_the_device_itself_is_as_it_was() -> None:

@@ -44,12 +44,12 @@ def _printed(name: str, index: int) -> str:
 
 
 def test_every_denial_is_listed() -> None:
-    listed, found = list(_listed()), list(denials())
+    listed, printed_denials = list(_listed()), list(denials())
     assert len(listed) == len(set(listed))
-    assert sorted(set(found) - set(listed)) == [], (
+    assert sorted(set(printed_denials) - set(listed)) == [], (
         "list it in denials.yaml, with the condition under which it is printed"
     )
-    assert sorted(set(listed) - set(found)) == [], "it is no longer printed"
+    assert sorted(set(listed) - set(printed_denials)) == [], "it is no longer printed"
 
 
 @pytest.mark.parametrize(("says", "case"), list(_cases()))

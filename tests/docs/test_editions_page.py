@@ -31,32 +31,31 @@ TITLES = {"SSI": "ssi", "BiSS": "biss", "RS-485": "rs485"}
 
 
 def fences(word: str) -> list[str]:
-    found = re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
-    return [text for kind, text in found if kind == word]
+    blocks = re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+    return [text for kind, text in blocks if kind == word]
 
 
 def edition(name: str, revision: str) -> Device:
     families, report = loading.load_families([SPECS / f"{name}.yaml"])
-    made = in_edition(families[0], revision, report)
-    assert made is not None
+    family = in_edition(families[0], revision, report)
+    assert family is not None
     assert report.problems == ()
-    return made.device
+    return family.device
 
 
 @pytest.fixture(scope="module")
 def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """All outputs of the specs with each older edition of AMM5, and with edition 1.1 of AM36."""
     out = tmp_path_factory.mktemp("out")
-    asked = [
-        word for name in (*(f"amm5={item}" for item in OLD), "am36=1.1", "sma21=1.0") for word in ("--edition", name)
-    ]
-    assert main(["generate", str(SPECS), "-o", str(out), *asked]) == 0
+    editions = [*(f"amm5={revision}" for revision in OLD), "am36=1.1", "sma21=1.0"]
+    options = [f"--edition={edition}" for edition in editions]
+    assert main(["generate", str(SPECS), "-o", str(out), *options]) == 0
     return out
 
 
 def test_the_yaml_is_that_of_the_spec() -> None:
-    (shown,) = fences("yaml")
-    lines = shown.splitlines()
+    (example,) = fences("yaml")
+    lines = example.splitlines()
     spec = (SPECS / "amm5.yaml").read_text(encoding="utf-8")
     assert lines[0] in spec.splitlines()
     assert "\n".join(lines[1:]) in spec
@@ -64,13 +63,13 @@ def test_the_yaml_is_that_of_the_spec() -> None:
 
 def test_commands_print_what_is_shown(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
-    shown = fences("")
-    assert len(shown) == 3
-    for text in shown:
+    examples = fences("")
+    assert len(examples) == 3
+    for text in examples:
         command, _, printed = text.removeprefix("$ ").partition("\n")
         main(shlex.split(command)[1:])
-        said = capsys.readouterr()
-        assert said.out + said.err == printed
+        captured = capsys.readouterr()
+        assert captured.out + captured.err == printed
 
 
 @pytest.mark.parametrize("revision", OLD)
@@ -80,16 +79,16 @@ def test_the_story_is_what_the_editions_are(revision: str) -> None:
     device = edition("amm5", revision)
     assert device.manual.date == date
     assert len(device.variants) == int(codes)
-    assert {item.name for item in device.interfaces} == {TITLES[word] for word in interfaces.split(", ")}
+    assert {interface.name for interface in device.interfaces} == {TITLES[word] for word in interfaces.split(", ")}
     assert (len(device.registers), len(device.procedures)) == (int(registers), int(procedures))
 
 
 def test_dates_and_changes_are_those_of_the_revision_table() -> None:
     """By the last page of the manual, in the form of the spec."""
     families, _ = loading.load_families([SPECS / "amm5.yaml"])
-    history = {item.revision: item.date for item in families[0].device.manual.history}
+    history = {release.revision: release.date for release in families[0].device.manual.history}
     assert list(history) == [*OLD, "1.9"]
-    assert {item.revision: item.date for item in families[0].device.editions} == history
+    assert {release.revision: release.date for release in families[0].device.editions} == history
     assert (history["1.7"], history["1.4"]) == ("2020-05-06", "2019-07-31")
 
 
@@ -101,26 +100,26 @@ def test_the_year_of_am36(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_what_the_table_says_of_each_revision() -> None:
-    assert {item.parts["mount"] for item in edition("amm5", "1.7").variants} == {"A"}
-    assert {item.parts["mount"] for item in edition("amm5", "1.8").variants} == {"A", "B"}
+    assert {variant.parts["mount"] for variant in edition("amm5", "1.7").variants} == {"A"}
+    assert {variant.parts["mount"] for variant in edition("amm5", "1.8").variants} == {"A", "B"}
     for revision in OLD:
         device = edition("amm5", revision)
-        at = {item.address for item in device.registers}
+        at = {register.address for register in device.registers}
         assert (0x44 in at) == (0x78 in at) == (revision >= "1.7"), revision
         assert (0x77 in at) == (revision >= "1.4"), revision
-        told = [item for item in device.errata if item.edition == "before 1.4" and "3Bh" in item.printed]
-        assert len(told) == (revision < "1.4"), revision
-        assert all(item.used == "not known" for item in told)
+        errata = [erratum for erratum in device.errata if erratum.edition == "before 1.4" and "3Bh" in erratum.printed]
+        assert len(errata) == (revision < "1.4"), revision
+        assert all(erratum.used == "not known" for erratum in errata)
         # "To-be-updated" information removed, with 1.3.
-        marked = [item.used for item in device.errata if item.edition == "before 1.3"]
+        marked = [erratum.used for erratum in device.errata if erratum.edition == "before 1.3"]
         assert marked == ["not known"] * (revision < "1.3"), revision
-        pins = {contact.contact for item in device.connectors for contact in item.contacts}
+        pins = {contact.contact for connector in device.connectors for contact in connector.contacts}
         assert ("1" in pins) == (revision >= "1.5"), revision
         assert bool(device.leds) == (revision >= "1.1"), revision
 
 
 @pytest.mark.parametrize(
-    ("asked", "said", "not_said"),
+    ("edition_arguments", "phrase", "not_said"),
     [
         ([], "November 2023. An older encoder may have it. Its cause is not known", "this encoder does not have it"),
         (
@@ -134,12 +133,12 @@ def test_what_the_table_says_of_each_revision() -> None:
     ],
 )
 def test_the_alarm_that_sma21_had(
-    asked: list[str], said: str, not_said: str, capsys: pytest.CaptureFixture[str]
+    edition_arguments: list[str], phrase: str, not_said: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Bit 3 of ALMC, which 1.1 of 2023-11-10 removed. The CRC is the XOR of the bytes: 8Bh."""
-    assert main(["decode", "SMA21-JP1-0050", "A2 20 01 00 00 08 8B", *asked]) == 3
+    assert main(["decode", "SMA21-JP1-0050", "A2 20 01 00 00 08 8B", *edition_arguments]) == 3
     report = " ".join(capsys.readouterr().out.split()).split("the encoder reports:")[1]
-    assert said in report
+    assert phrase in report
     assert not_said not in report
     assert report.endswith("so the position is not usable evidence: manual")
 
@@ -148,9 +147,11 @@ def test_editions_of_sma21() -> None:
     """Implemented only before 1.1. Panasonic® is named since 1.2."""
     for revision, has_alarm in (("1.0", True), ("1.1", False)):
         device = edition("sma21", revision)
-        assert [item.implemented for item in device.alarms if item.name == "encoder_inharmonious_error"] == [has_alarm]
+        assert [alarm.implemented for alarm in device.alarms if alarm.name == "encoder_inharmonious_error"] == [
+            has_alarm
+        ]
         (output,) = [part for part in device.order_code.parts if part.name == "output"]
-        assert ["Panasonic" in item.meaning for item in output.values if item.text == "JP"] == [False]
+        assert ["Panasonic" in value.meaning for value in output.values if value.text == "JP"] == [False]
 
 
 @pytest.mark.slow
@@ -173,7 +174,7 @@ def test_nothing_is_filled_in_for_the_old_serial_number(generated: Path) -> None
 
 @pytest.mark.slow
 def test_each_edition_is_in_each_output(generated: Path) -> None:
-    for name, revision in [*(("amm5", item) for item in OLD), ("am36", "1.1"), ("sma21", "1.0")]:
+    for name, revision in [*(("amm5", revision) for revision in OLD), ("am36", "1.1"), ("sma21", "1.0")]:
         stem = f"{name}_{revision.replace('.', '_')}"
         device = edition(name, revision)
         xml = (generated / "biss" / f"lika-{stem}.xml").read_bytes()
@@ -224,7 +225,7 @@ assert lika.identify({"manufacturer_id": b"Li"}) == tuple(dict.fromkeys(lika.ide
 
 @pytest.mark.slow
 def test_c_has_the_editions_side_by_side(generated: Path, tmp_path: Path) -> None:
-    names = ["amm5", "am36", "am36_1_1", *(f"amm5_{item.replace('.', '_')}" for item in OLD)]
+    names = ["amm5", "am36", "am36_1_1", *(f"amm5_{revision.replace('.', '_')}" for revision in OLD)]
     program = tmp_path / "all.c"
     include = generated / "c" / "include"
     headers = [path.name for name in names for path in sorted((include / "lika").glob(f"{name}_[bsr]*.h"))]
@@ -243,13 +244,13 @@ def test_c_has_the_editions_side_by_side(generated: Path, tmp_path: Path) -> Non
 def test_am36_1_1_is_what_six_pages_say() -> None:
     """Pages 21, 22, 24, 29 and 30: order codes, frame, addresses, resolution, preset."""
     device = edition("am36", "1.1")
-    assert {item.parts["output"] for item in device.variants} == {"I7"}
-    assert {(item.parts["singleturn"], item.parts["turns"]) for item in device.variants} == {
+    assert {variant.parts["output"] for variant in device.variants} == {"I7"}
+    assert {(variant.parts["singleturn"], variant.parts["turns"]) for variant in device.variants} == {
         ("16", "4096"),
         ("19", "4096"),
     }
-    assert [item.name for item in device.interfaces] == ["biss"]
-    assert {(item.address, item.length) for item in device.registers} == {
+    assert [interface.name for interface in device.interfaces] == ["biss"]
+    assert {(register.address, register.length) for register in device.registers} == {
         (0x49, 1), (0x4B, 3), (0x4E, 2), (0x50, 5), (0x56, 1), (0x57, 1)
     }  # fmt: skip
     assert (device.crc("biss_6").poly, device.crc("biss_4").poly) == (0x03, 0x3)
@@ -259,7 +260,7 @@ def test_am36_1_1_is_what_six_pages_say() -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "said"),
+    ("arguments", "phrase"),
     [
         (["--edition", "2020-04-30"], "Describes encoders of edition 1.6 of the manual"),
         (["--edition", "2018-08-10"], "Describes encoders of edition 1.0 of the manual"),
@@ -268,53 +269,55 @@ def test_am36_1_1_is_what_six_pages_say() -> None:
     ],
 )
 def test_an_edition_is_chosen_by_revision_or_date(
-    arguments: list[str], said: str, capsys: pytest.CaptureFixture[str]
+    arguments: list[str], phrase: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
     assert main(["show", "AMM5A21/65KSC1", *arguments]) == 0
-    assert said in capsys.readouterr().out
+    assert phrase in capsys.readouterr().out
 
 
-def held(text: str) -> list[str]:
-    return [word for at, byte in zip(range(0x44, 0x48), text.split(), strict=True) for word in
-            ("--register", f"{at:#x}=0x{byte}")]  # fmt: skip
+def serial_number_options(text: str) -> list[str]:
+    registers = zip(range(0x44, 0x48), text.split(), strict=True)
+    return [f"--register={address:#x}=0x{byte}" for address, byte in registers]
 
 
 @pytest.mark.parametrize(("serial", "revision"), [("EE 69 E8 0A", "1.6"), ("0A E8 69 EE", "")])
 def test_an_edition_is_chosen_by_a_register(serial: str, revision: str, capsys: pytest.CaptureFixture[str]) -> None:
     """The number of the manual, and the same in the order of the sister AMM36."""
-    assert main(["decode", "AMM5A21/65KSC1", "0xF4243D3", "--edition", "registers", *held(serial)]) == 0
-    said = capsys.readouterr().out
-    assert ("Describes encoders of edition" in said) == bool(revision)
-    assert f"Describes encoders of edition {revision}" in said or not revision
+    assert (
+        main(["decode", "AMM5A21/65KSC1", "0xF4243D3", "--edition", "registers", *serial_number_options(serial)]) == 0
+    )
+    out = capsys.readouterr().out
+    assert ("Describes encoders of edition" in out) == bool(revision)
+    assert f"Describes encoders of edition {revision}" in out or not revision
 
 
 def test_a_master_is_told_of_an_edition(capsys: pytest.CaptureFixture[str]) -> None:
     """Pages 21 to 24, 29 and 30 of AM36's 1.1, which are public, do not mention the supply. 1.0 does (10 V to 30 V)."""
-    asked = ["master", "AM3616/4096SC5", "--master", "ti_c2000"]
-    assert main(asked) == 0
+    command = ["master", "AM3616/4096SC5", "--master", "ti_c2000"]
+    assert main(command) == 0
     newest = capsys.readouterr().out
     assert "Describes encoders of edition" not in newest
     assert re.search(r"Supply +10 V to 30 V", newest)
     for edition in ("1.1", "label"):
-        assert main([*asked, "--edition", edition]) == 0
-        said = capsys.readouterr().out
-        assert "Describes encoders of edition 1.1 of the manual" in said, edition
-        assert re.search(r"Supply +the manual does not say", said), edition
-        assert main([*asked, "--edition", edition, "--json"]) == 0
+        assert main([*command, "--edition", edition]) == 0
+        out = capsys.readouterr().out
+        assert "Describes encoders of edition 1.1 of the manual" in out, edition
+        assert re.search(r"Supply +the manual does not say", out), edition
+        assert main([*command, "--edition", edition, "--json"]) == 0
         assert json.loads(capsys.readouterr().out)["family"] == "am36_1_1"
     # A possible serial number of an AMM5 from before 1.7. Only these registers identify the edition.
-    told = ["master", "AMM5A21/65KSC1", "--edition", "registers"]
-    assert main([*told, *held("EE 69 E8 0A")]) == 0
+    command_of_registers = ["master", "AMM5A21/65KSC1", "--edition", "registers"]
+    assert main([*command_of_registers, *serial_number_options("EE 69 E8 0A")]) == 0
     assert "Describes encoders of edition 1.6 of the manual of 2020-04-03" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("edition", ["2.0", "2018-01-01", "label", "registers", "1.0", "nonsense"])
 def test_a_master_refuses_as_show_does(edition: str, capsys: pytest.CaptureFixture[str]) -> None:
     """RS-485, SSI and AMM5B were added after 1.0 (Document release), so 1.0 has no such order code."""
-    asked = ["AMM5B21/65KBG1", "--edition", edition]
+    arguments = ["AMM5B21/65KBG1", "--edition", edition]
     refused = []
     for command in ("show", "master"):
-        assert main([command, *asked]) == 2
+        assert main([command, *arguments]) == 2
         out, error = capsys.readouterr()
         assert out == ""
         refused.append(error)
@@ -366,7 +369,7 @@ def test_a_master_refuses_as_show_does(edition: str, capsys: pytest.CaptureFixtu
         ),
         (["generate", str(SPECS), "--edition", "amm5=1.9"], "the spec of amm5 is already edition 1.9"),
     ],
-    ids=lambda item: item if isinstance(item, str) else " ".join(Path(word).name for word in item),
+    ids=lambda value: value if isinstance(value, str) else " ".join(map(os.path.basename, value)),
 )
 def test_what_cannot_be_asked_for(
     arguments: list[str],
@@ -432,16 +435,16 @@ SLIPS = {
 
 @pytest.mark.parametrize("slip", SLIPS)
 def test_slips_are_told_in_the_spec(slip: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    right, wrong, message = SLIPS[slip]
+    original, mistaken, message = SLIPS[slip]
     text = (SPECS / "amm5.yaml").read_text(encoding="utf-8")
     head, editions = text.split("\neditions:\n")
-    assert right in editions
+    assert original in editions
     spec = tmp_path / "amm5.yaml"
-    spec.write_text(f"{head}\neditions:\n{editions.replace(right, wrong, 1)}", encoding="utf-8")
+    spec.write_text(f"{head}\neditions:\n{editions.replace(original, mistaken, 1)}", encoding="utf-8")
     (tmp_path / "manufacturer.yaml").write_text((SPECS / "manufacturer.yaml").read_text(encoding="utf-8"))
     assert main(["check", str(spec)]) == 1
-    told = [line for line in capsys.readouterr().out.splitlines() if line.startswith(str(spec))]
-    assert any(message in line for line in told), told
+    messages = [line for line in capsys.readouterr().out.splitlines() if line.startswith(str(spec))]
+    assert any(message in line for line in messages), messages
 
 
 def test_labels_of_an_edition_are_among_those_also_written(tmp_path: Path) -> None:
@@ -452,7 +455,7 @@ def test_labels_of_an_edition_are_among_those_also_written(tmp_path: Path) -> No
     )
     (tmp_path / "manufacturer.yaml").write_text((SPECS / "manufacturer.yaml").read_text(encoding="utf-8"))
     _, report = loading.load_families([spec])
-    assert [item.message for item in report.problems] == [
+    assert [problem.message for problem in report.problems] == [
         "there is no spelling '{model}' in 'also_written' of the order code"
     ]
 

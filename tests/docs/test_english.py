@@ -36,15 +36,15 @@ def files(root: Path, place: str) -> list[Path]:
     return sorted({path for pattern in PLACES[place] for path in root.glob(pattern) if path.is_file()})
 
 
-def once(paths: list[Path]) -> Iterator[tuple[Path, Text]]:
+def distinct_texts(paths: list[Path]) -> Iterator[tuple[Path, Text]]:
     """Yield the texts of the files, without repetitions."""
-    seen = set()
+    yielded = set()
     for path in paths:
         for text in texts(path):
             if text.message and ROOT / "tests" in path.parents:
                 continue  # Most strings of tests are samples.
-            if text.words not in seen:
-                seen.add(text.words)
+            if text.words not in yielded:
+                yielded.add(text.words)
                 yield path, replace(text, message=text.message and not MESSAGES_IN.isdisjoint(path.parts))
 
 
@@ -60,31 +60,30 @@ def statements(text: str) -> str:
     return re.sub(r"[^.!?:|]*\?(?=\s|$)", "", text)
 
 
-def densities(found: list[Text]) -> tuple[int, dict[str, float]]:
+def densities(samples: list[Text]) -> tuple[int, dict[str, float]]:
     """Return the number of words and, for each pattern, its frequency per 1,000 words."""
-    prose = [(statements(text.words).lower(), text.message) for text in found if not text.heading]
+    prose = [(statements(text.words).lower(), text.message) for text in samples if not text.heading]
     words = sum(len(re.findall(r"[a-z][a-z'-]*", text)) for text, _ in prose)
-    return words, {
-        name: 1000
-        * sum(len(pattern.findall(text)) for text, message in prose if not (message and name in NOT_OF_MESSAGES))
-        / max(words, 1)
-        for name, (pattern, _) in DENSITIES.items()
-    }
+    per_thousand = {}
+    for name, (pattern, _) in DENSITIES.items():
+        leaves_out_messages = name in NOT_OF_MESSAGES
+        counted = [text for text, is_message in prose if not (is_message and leaves_out_messages)]
+        matches = sum(len(pattern.findall(text)) for text in counted)
+        per_thousand[name] = 1000 * matches / max(words, 1)
+    return words, per_thousand
 
 
 @pytest.mark.parametrize(
     "place", [pytest.param(place, marks=pytest.mark.slow) if place in LAST else place for place in PLACES]
 )
 def test_texts_avoid_the_phrases_and_patterns(place: str) -> None:
-    found = list(once(files(ROOT, place)))
-    lines = [line for path, text in found for line in findings(ROOT, path, text)]
-    words, measured = densities([text for _, text in found])
+    found_texts = list(distinct_texts(files(ROOT, place)))
+    lines = [line for path, text in found_texts for line in findings(ROOT, path, text)]
+    words, measured = densities([text for _, text in found_texts])
     if words >= ENOUGH_WORDS:
-        lines += [
-            f"{place}: {measured[name]:.2f} times a {name} per 1,000 words, at most {most}"
-            for name, (_, most) in DENSITIES.items()
-            if measured[name] > most
-        ]
+        for name, (_, limit) in DENSITIES.items():
+            if measured[name] > limit:
+                lines.append(f"{place}: {measured[name]:.2f} times a {name} per 1,000 words, at most {limit}")
     assert not lines, f"{len(lines)} findings:\n" + "\n".join(lines)
 
 
@@ -101,16 +100,16 @@ def test_texts_avoid_the_phrases_and_patterns(place: str) -> None:
 def test_a_planted_phrase_is_found(tmp_path: Path, name: str, source: str, line: int, phrase: str) -> None:
     planted = tmp_path / name
     planted.write_text(source, encoding="utf-8")
-    found = [finding for text in texts(planted) for finding in findings(tmp_path, planted, text)]
-    assert [finding.split(": better")[0] for finding in found] == [f"{name}:{line}: '{phrase}'"]
+    found_phrases = [finding for text in texts(planted) for finding in findings(tmp_path, planted, text)]
+    assert [finding.split(": better")[0] for finding in found_phrases] == [f"{name}:{line}: '{phrase}'"]
 
 
 def test_what_a_manual_prints_is_a_quotation(tmp_path: Path) -> None:
     (tmp_path / "spec.yaml").write_text("printed: the bit is low active\nwhy: 'Printed \"is low active\" there.'\n")
     (tmp_path / "page.md").write_text('The manual has "low active", as in `low active`.\n')
-    assert [
-        finding for path in tmp_path.iterdir() for text in texts(path) for finding in findings(tmp_path, path, text)
-    ] == []
+    for path in tmp_path.iterdir():
+        for text in texts(path):
+            assert list(findings(tmp_path, path, text)) == []
 
 
 def test_only_a_message_may_join_cause_and_remedy(tmp_path: Path) -> None:
@@ -126,12 +125,12 @@ def test_only_a_message_may_join_cause_and_remedy(tmp_path: Path) -> None:
     texts_of = {path.name: list(texts(path)) for path in tmp_path.rglob("*.*")}
     assert [text.words for text in texts_of["check.py"] if text.message] == ["it is even; write 0x43"]
     assert [text.words.strip() for text in texts_of["rules.md"] if text.message] == ["it is even; write 3"]
-    words, measured = densities([found for found in texts_of["rules.md"] if not found.heading])
+    words, measured = densities([text for text in texts_of["rules.md"] if not text.heading])
     assert (words, measured["semicolon"]) == (10, 200)
 
 
 def test_densities_leave_out_headings_questions_and_code() -> None:
-    found = [Text(1, "# What it is", heading=True), Text(3, "What is it? It is ····. What it is; that is said.")]
-    words, measured = densities(found)
+    samples = [Text(1, "# What it is", heading=True), Text(3, "What is it? It is ····. What it is; that is said.")]
+    words, measured = densities(samples)
     assert words == 8
     assert measured == {"headless what/where/whether clause": 125, "told/said": 125, "stands": 0, "semicolon": 125}

@@ -38,8 +38,9 @@ def test_a_term_leads_nowhere_else(pages: Mapping[str, str]) -> None:
 
 
 def test_terms_of_an_interface_that_nobody_has_are_left_out(library: Library) -> None:
-    alone = [replace(item, interfaces=item.interfaces[:1]) for item in library.devices if len(item.interfaces) > 1]
-    assert {item.interfaces[0].name for item in alone} == {"ssi"}
+    devices = [device for device in library.devices if len(device.interfaces) > 1]
+    alone = [replace(device, interfaces=device.interfaces[:1]) for device in devices]
+    assert {device.interfaces[0].name for device in alone} == {"ssi"}
     names = {row[0] for row in page_values(alone)["term_rows"]}
     assert names >= {"Tm, monoflop time", "Singleturn"}
     assert names.isdisjoint({"CDM", "ALMC", "MEM BUSY", "Preset"})

@@ -31,17 +31,17 @@ def installed(folder: Path) -> None:
         (folder / "source" / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / "source" / name).write_text(text, encoding="utf-8")
     command = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--no-deps"]
-    done = subprocess.run(
+    completed = subprocess.run(
         [*command, "--target", str(folder / "site"), str(folder / "source")],
         capture_output=True,
         text=True,
         check=False,
     )
-    assert done.returncode == 0, done.stdout + done.stderr
+    assert completed.returncode == 0, completed.stdout + completed.stderr
 
 
 def run(site: Path, cwd: Path, *arguments: str, module: str = "codewheel") -> tuple[int, str, str]:
-    done = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "-m", module, *arguments],
         cwd=cwd,
         capture_output=True,
@@ -49,7 +49,7 @@ def run(site: Path, cwd: Path, *arguments: str, module: str = "codewheel") -> tu
         check=False,
         env={**os.environ, "PYTHONPATH": str(site)},
     )
-    return done.returncode, done.stdout, done.stderr
+    return completed.returncode, completed.stdout, completed.stderr
 
 
 def test_its_commands(site: Path, tmp_path: Path) -> None:
@@ -68,8 +68,8 @@ def test_its_commands(site: Path, tmp_path: Path) -> None:
 
 
 def test_help_and_wrong_options(site: Path, tmp_path: Path) -> None:
-    shown = " ".join(run(site, tmp_path, "generate", "--help")[1].split())
-    assert "plc tables of registers for a PLC --option plc.separator=comma|semicolon: separator" in shown
+    help_text = " ".join(run(site, tmp_path, "generate", "--help")[1].split())
+    assert "plc tables of registers for a PLC --option plc.separator=comma|semicolon: separator" in help_text
     code, _, err = run(
         site, tmp_path, "generate", "--packaged", "icmu", "--target", "plc", "--option", "plc.separator=tab"
     )
@@ -88,9 +88,9 @@ def test_its_problems(site: Path) -> None:
 
 def test_templates_of_its_user(site: Path, tmp_path: Path) -> None:
     assert run(site, tmp_path, "new", "my_encoder")[0] == 0
-    own = tmp_path / "house/plc"
-    own.mkdir(parents=True)
-    template = own / "table.csv.jinja"
+    own_templates = tmp_path / "house/plc"
+    own_templates.mkdir(parents=True)
+    template = own_templates / "table.csv.jinja"
     command = ("generate", "my_encoder.yaml", "--target", "plc", "--templates", "house")
     template.write_text('name{{ separator }}address{{ separator }}length\n{% include "shipped/table.csv.jinja" %}')
     assert run(site, tmp_path, *command)[0] == 0
@@ -100,7 +100,7 @@ def test_templates_of_its_user(site: Path, tmp_path: Path) -> None:
     template.write_text("first\n{{ sepaator }}")
     message = "codewheel: house/plc/table.csv.jinja:2: 'sepaator' is undefined\n"
     assert run(site, tmp_path, *command)[2] == message
-    template.rename(own / "tables.csv.jinja")
+    template.rename(own_templates / "tables.csv.jinja")
     code, _, err = run(site, tmp_path, *command)
     assert code == 2
     assert "no output uses house/plc/tables.csv.jinja; did you mean 'plc/table.csv.jinja'?\n" in err

@@ -29,10 +29,10 @@ from codewheel.model import Device
 def test_a_question_is_an_erratum(
     devices: Mapping[str, Device], family: str, erratum: str, is_open: bool, printed: str, affected: str
 ) -> None:
-    (found,) = [item for item in devices[family].errata if item.name == erratum]
-    assert (found.status == "open") == is_open
-    assert printed in found.printed
-    assert affected in found.affects
+    (listed_erratum,) = [candidate for candidate in devices[family].errata if candidate.name == erratum]
+    assert (listed_erratum.status == "open") == is_open
+    assert printed in listed_erratum.printed
+    assert affected in listed_erratum.affects
 
 
 def test_revolutions_while_off(pages: Mapping[str, str]) -> None:

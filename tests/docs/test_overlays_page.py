@@ -22,8 +22,8 @@ OVERLAY = ROOT / "docs" / "example-overlay" / "tv62.s042.overlay.yaml"
 
 
 def fences(word: str) -> list[str]:
-    found = re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
-    return [text for kind, text in found if kind == word]
+    blocks = re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, re.MULTILINE | re.DOTALL)
+    return [text for kind, text in blocks if kind == word]
 
 
 @pytest.fixture(scope="module")
@@ -34,16 +34,16 @@ def generated(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_the_file_is_the_one_that_is_shown() -> None:
-    (shown,) = fences("yaml")
-    assert OVERLAY.read_text(encoding="utf-8").endswith(shown)
+    (example,) = fences("yaml")
+    assert OVERLAY.read_text(encoding="utf-8").endswith(example)
 
 
 @pytest.mark.slow
 def test_commands_print_what_is_shown(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
-    shown = fences("")
-    assert len(shown) == 2
-    for text in shown:
+    examples = fences("")
+    assert len(examples) == 2
+    for text in examples:
         command, _, printed = text.removeprefix("$ ").partition("\n")
         assert main(shlex.split(command)[1:]) == 0
         assert capsys.readouterr().out == printed
@@ -51,27 +51,28 @@ def test_commands_print_what_is_shown(capsys: pytest.CaptureFixture[str], monkey
 
 @pytest.mark.slow
 def test_the_comment_is_that_of_the_header(generated: Path) -> None:
-    (shown,) = fences("c")
-    assert shown in _c(generated, "tv62_s042")
+    (example,) = fences("c")
+    assert example in _c(generated, "tv62_s042")
 
 
 def test_the_wait_that_is_forgotten_is_told(tmp_path: Path) -> None:
     text = OVERLAY.read_text(encoding="utf-8")
     path = tmp_path / OVERLAY.name
-    kept = [line for line in text.splitlines(keepends=True) if "- procedures." not in line]
-    path.write_text("".join(kept), encoding="utf-8")
+    lines_without_wait = [line for line in text.splitlines(keepends=True) if "- procedures." not in line]
+    path.write_text("".join(lines_without_wait), encoding="utf-8")
     _, report = load_library([TOLVARN, path])
-    (shown,) = fences("text")
-    told = [item.format().splitlines()[0].removeprefix(f"{tmp_path}/") for item in report.problems]
-    assert told[0] == shown.strip()
-    assert len(told) == 2
+    (message,) = fences("text")
+    messages = [problem.format().splitlines()[0].removeprefix(f"{tmp_path}/") for problem in report.problems]
+    assert messages[0] == message.strip()
+    assert len(messages) == 2
 
 
 def _c(generated: Path, family: str) -> str:
     """All headers of a family."""
     headers = (generated / "c" / "include" / "tolvarn").glob(f"{family}_*.h")
-    others = () if family == "tv62_s042" else ("tv62_s042_",)
-    return "\n".join(path.read_text(encoding="utf-8") for path in sorted(headers) if not path.name.startswith(others))
+    other_prefixes = () if family == "tv62_s042" else ("tv62_s042_",)
+    paths = [path for path in sorted(headers) if not path.name.startswith(other_prefixes)]
+    return "\n".join(path.read_text(encoding="utf-8") for path in paths)
 
 
 def test_every_output_has_the_change_with_reason_and_source(generated: Path) -> None:
@@ -130,7 +131,9 @@ int main(void) {
 """,
         encoding="utf-8",
     )
-    made = tmp_path / "both"
+    executable = tmp_path / "both"
     include = generated / "c" / "include"
-    subprocess.run(["cc", "-std=c99", "-Wall", "-Wextra", "-Werror", f"-I{include}", program, "-o", made], check=True)
-    subprocess.run([made], check=True)
+    subprocess.run(
+        ["cc", "-std=c99", "-Wall", "-Wextra", "-Werror", f"-I{include}", program, "-o", executable], check=True
+    )
+    subprocess.run([executable], check=True)

@@ -20,10 +20,9 @@ def test_every_register_is_listed_by_its_address(library: Library, pages: Files)
     page = pages["docs/registers-by-address.md"]
     for device in library.devices:
         for register in device.registers:
-            found = rows(page, f"{register.address:02X}h")
-            assert any(f"({device.name}/{register.interface}.md#register-{register.name})" in row for row in found), (
-                register.name
-            )
+            register_rows = rows(page, f"{register.address:02X}h")
+            link = f"({device.name}/{register.interface}.md#register-{register.name})"
+            assert any(link in row for row in register_rows), register.name
     places = [line[2:4] for line in page.splitlines() if line[4:5] == "h" and line.startswith("| ")]
     assert places == sorted(places)
 
@@ -31,8 +30,8 @@ def test_every_register_is_listed_by_its_address(library: Library, pages: Files)
 def test_every_alarm_and_led_is_listed(library: Library, pages: Files) -> None:
     page = pages["docs/alarms-and-leds.md"]
     for device in library.devices:
-        assert [item.name for item in device.alarms if f".md#alarm-{item.name})" not in page] == []
-        assert [item.title for item in device.leds if not rows(page, item.title)] == []
+        assert [alarm.name for alarm in device.alarms if f".md#alarm-{alarm.name})" not in page] == []
+        assert [led.title for led in device.leds if not rows(page, led.title)] == []
 
 
 @pytest.mark.parametrize(
@@ -66,31 +65,32 @@ def cells(page: str, part: str) -> list[list[str]]:
 
 
 def numbers(text: str, base: int) -> list[int]:
-    return [int(found, base) for found in re.findall(r"\b[0-9A-F]+(?=h\b)" if base == 16 else r"\d+", text)]
+    pattern = r"\b[0-9A-F]+(?=h\b)" if base == 16 else r"\d+"
+    return [int(number, base) for number in re.findall(pattern, text)]
 
 
-def holds(shown: str, value: object) -> bool:
+def shows_value(cell: str, value: object) -> bool:
     """Return True if a cell shows this content: a number, a text, or an expression by its parameter."""
-    inner = shown.split("`")[1]
-    if shown.endswith("by order code"):
+    inner = cell.split("`")[1]
+    if cell.endswith("by order code"):
         return f"'{inner}'" in repr(value)
     return numbers(inner, 16) == [value] if isinstance(value, int) else inner == value
 
 
 def test_addresses_and_contents_by_which_an_encoder_is_recognised(devices: Mapping[str, Device], pages: Files) -> None:
     page = pages["docs/which-encoder.md"]
-    found = cells(page, "Without a label, identify the encoder by the content of its registers:")
-    assert len(found) == sum(len(list(device.identity)) for device in devices.values()) > 10
-    for _, where, name, held, _ in found:
-        ((shown, device, register_name),) = LINK.findall(where)
-        (register,) = (item for item in devices[device].registers if item.name == register_name)
-        assert numbers(shown, 16) == sorted({register.address, register.address + register.length - 1}), where
-        assert any(holds(held, item.equals) for item in register.layout.fields), (name, held)
+    identity_rows = cells(page, "Without a label, identify the encoder by the content of its registers:")
+    assert len(identity_rows) == sum(len(list(device.identity)) for device in devices.values()) > 10
+    for _, where, name, content, _ in identity_rows:
+        ((addresses, device, register_name),) = LINK.findall(where)
+        (register,) = (register for register in devices[device].registers if register.name == register_name)
+        assert numbers(addresses, 16) == sorted({register.address, register.address + register.length - 1}), where
+        assert any(shows_value(content, field.equals) for field in register.layout.fields), (name, content)
     for _, _, links in cells(page, "## Byte order of registers"):
-        for shown, device, register_name in LINK.findall(links):
-            (register,) = (item for item in devices[device].registers if item.name == register_name)
+        for addresses, device, register_name in LINK.findall(links):
+            (register,) = (register for register in devices[device].registers if register.name == register_name)
             last = register.address + register.length - 1
-            assert shown.startswith(f"{register.address:02X}h to {last:02X}h "), shown
+            assert addresses.startswith(f"{register.address:02X}h to {last:02X}h "), addresses
 
 
 def test_frames_and_resolutions_side_by_side(devices: Mapping[str, Device], pages: Files) -> None:
@@ -98,15 +98,15 @@ def test_frames_and_resolutions_side_by_side(devices: Mapping[str, Device], page
     for _, _, frame, bits, order, _ in cells(page, "## Frames with a position"):
         ((_, name, layout_name),) = LINK.findall(frame)
         ((interface, layout),) = (pair for pair in devices[name].layouts() if pair[1].name == layout_name)
-        variants = [item for item in devices[name].variants if item.interface == interface.name]
-        lengths = {layout.place(item.parameters).bits for item in variants}
+        variants = [variant for variant in devices[name].variants if variant.interface == interface.name]
+        lengths = {layout.place(variant.parameters).bits for variant in variants}
         assert numbers(bits, 10) == sorted({min(lengths), max(lengths)}), frame
         assert order.split()[0] == (layout.byte_order.split("_")[0] if layout.in_bytes else "most")
     for family, quantity, values, _, _ in cells(page, "## Resolution"):
         device = devices[family.split("(")[1].removesuffix(".md)")]
-        meant = [item.name for item in device.set_parameters if item.meaning == quantity]
-        sets = [{one.parameters[name] for one in device.variants if name in one.parameters} for name in meant]
-        assert [sorted(found) for found in sets] == [numbers(values, 10)], quantity
+        (name,) = [parameter.name for parameter in device.set_parameters if parameter.meaning == quantity]
+        settings = {variant.parameters[name] for variant in device.variants if name in variant.parameters}
+        assert sorted(settings) == numbers(values, 10), quantity
 
 
 def test_interfaces_stand_together(pages: Files) -> None:

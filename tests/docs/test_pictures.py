@@ -15,14 +15,14 @@ Files = Mapping[str, str]
 
 
 def drawn(pages: Files) -> Iterator[tuple[str, ElementTree.Element]]:
-    for name, made in pages.items():
+    for name, content in pages.items():
         if name.endswith(".svg") and "/timing-" not in name:
-            yield name, ElementTree.fromstring(made)
+            yield name, ElementTree.fromstring(content)
 
 
 def texts(pages: Files, name: str) -> list[str]:
     root = ElementTree.fromstring(pages[f"docs/{name}.svg"])
-    return ["".join(item.itertext()) for item in root.iter(f"{SVG}text")]
+    return ["".join(element.itertext()) for element in root.iter(f"{SVG}text")]
 
 
 def desc(pages: Files, name: str) -> str:
@@ -33,19 +33,19 @@ def test_text_has_11_pixels_on_a_phone(pages: Files) -> None:
     for name, root in drawn(pages):
         # A frame as one line is shown on wide screens only.
         room = 720 if name.endswith("-wide.svg") else PHONE
-        shown = min(1.0, room / float(root.attrib["width"]))
-        assert all(float(item.attrib["font-size"]) * shown >= 11 for item in root.iter(f"{SVG}text")), name
+        scale = min(1.0, room / float(root.attrib["width"]))
+        assert all(float(element.attrib["font-size"]) * scale >= 11 for element in root.iter(f"{SVG}text")), name
 
 
 def test_no_text_leaves_the_card_or_its_box(pages: Files) -> None:
     """A letter is taken as half the font size wide, which is more than the average in the fonts of browsers."""
     for name, root in drawn(pages):
-        for item in root.iter(f"{SVG}text"):
-            size, x = float(item.attrib["font-size"]), float(item.attrib["x"])
-            wide = size * 0.5 * len("".join(item.itertext()))
-            left = x - {"start": 0.0, "middle": wide / 2, "end": wide}[item.attrib["text-anchor"]]
-            assert left >= 0, name
-            assert left + wide <= float(root.attrib["width"]), (name, item.text)
+        for element in root.iter(f"{SVG}text"):
+            size, x = float(element.attrib["font-size"]), float(element.attrib["x"])
+            wide = size * 0.5 * len("".join(element.itertext()))
+            x_left = x - {"start": 0.0, "middle": wide / 2, "end": wide}[element.attrib["text-anchor"]]
+            assert x_left >= 0, name
+            assert x_left + wide <= float(root.attrib["width"]), (name, element.text)
 
 
 @pytest.mark.slow
@@ -53,13 +53,9 @@ def test_a_picture_and_the_words_beside_it_say_the_same(pages: Files) -> None:
     for name, root in drawn(pages):
         words = root.findtext(f"{SVG}desc", "")
         assert words, name
-        page = name.rpartition("/")[2]
-        shown = [
-            made
-            for other, made in pages.items()
-            if other.endswith(".md") and (f"{page})" in made or f'{page}"' in made)
-        ]
-        assert shown, name
+        picture = name.rpartition("/")[2]
+        contents = [content for page_name, content in pages.items() if page_name.endswith(".md")]
+        assert any(f"{picture})" in content or f'{picture}"' in content for content in contents), name
 
 
 def test_the_bits_of_a_frame_as_counted_by_hand(pages: Files) -> None:
@@ -67,12 +63,12 @@ def test_the_bits_of_a_frame_as_counted_by_hand(pages: Files) -> None:
     assert desc(pages, "amm5/AMM5A21-65KSC1-single_cycle_data") == (
         "45 bits: multiturn 44:29, singleturn 28:8, error 7 (0 = active), warning 6 (0 = active), crc 5:0"
     )
-    found = texts(pages, "amm5/AMM5A21-65KSC1-single_cycle_data")
-    assert [item for item in found if item[0].isdigit()] == [
+    words = texts(pages, "amm5/AMM5A21-65KSC1-single_cycle_data")
+    assert [word for word in words if word[0].isdigit()] == [
         *("44:40", "44:40", "39:32", "39:32", "31:24", "31:29", "28:24", "23:16", "23:16", "15:8", "15:8"),
         *("7:0", "7", "6", "5:0"),
     ]
-    assert "error (bit 7, 0 = active)" in found
+    assert "error (bit 7, 0 = active)" in words
 
 
 def test_the_bytes_of_a_register_as_counted_by_hand(pages: Files) -> None:
@@ -113,14 +109,14 @@ def rows_of(pages: Files, name: str) -> dict[str, list[str]]:
     """Return the texts in the boxes of each row, by the label of the row."""
     root = ElementTree.fromstring(pages[f"docs/{name}.svg"])
     labels = {}
-    for item in root.iter(f"{SVG}text"):
-        if item.attrib["text-anchor"] == "start" and float(item.attrib["x"]) < 15:
-            labels[float(item.attrib["y"])] = item.text or ""
+    for element in root.iter(f"{SVG}text"):
+        if element.attrib["text-anchor"] == "start" and float(element.attrib["x"]) < 15:
+            labels[float(element.attrib["y"])] = element.text or ""
     rows: dict[str, list[str]] = {label: [] for label in labels.values()}
-    for item in root.iter(f"{SVG}text"):
-        if item.attrib["text-anchor"] == "middle":
-            nearest = min(labels, key=lambda y: abs(y - float(item.attrib["y"])))
-            rows[labels[nearest]].append(item.text or "")
+    for element in root.iter(f"{SVG}text"):
+        if element.attrib["text-anchor"] == "middle":
+            nearest = min(labels, key=lambda y: abs(y - float(element.attrib["y"])))
+            rows[labels[nearest]].append(element.text or "")
     return rows
 
 
@@ -133,14 +129,14 @@ def rows_of(pages: Files, name: str) -> dict[str, list[str]]:
     ],
 )
 def test_a_connector_has_its_pins_and_wires(pages: Files, picture: str, expected: list[str]) -> None:
-    found = texts(pages, picture)
-    assert [item for item in expected if item not in found] == []
-    assert [found[found.index(name) + 1] for name in expected[::2]] == expected[1::2]
+    words = texts(pages, picture)
+    assert [word for word in expected if word not in words] == []
+    assert [words[words.index(name) + 1] for name in expected[::2]] == expected[1::2]
 
 
 def test_a_wire_of_two_colours_has_both(pages: Files) -> None:
     root = ElementTree.fromstring(pages["docs/sma21/connector-ssi_biss_cable.svg"])
-    first = [item.attrib["fill"] for item in root.iter(f"{SVG}rect") if "fill" in item.attrib][:2]
+    first = [element.attrib["fill"] for element in root.iter(f"{SVG}rect") if "fill" in element.attrib][:2]
     assert first == ["#ffffff", "#15803d"], "White_Green stands first in 4.1 p.15"
 
 
@@ -155,11 +151,11 @@ def test_a_frame_as_one_line_has_its_ruler(pages: Files) -> None:
     """AMM5 6.2 p.32, 21 and 16 bits: the numbers of the first and the last bit of each field, from left to right."""
     name = "docs/amm5/AMM5A21-65KSC1-single_cycle_data-wide.svg"
     root = ElementTree.fromstring(pages[name])
-    found = [(float(item.attrib["x"]), item.text or "") for item in root.iter(f"{SVG}text")]
-    numbers = [(x, int(words)) for x, words in found if words.isdigit()]
+    words = [(float(element.attrib["x"]), element.text or "") for element in root.iter(f"{SVG}text")]
+    numbers = [(x, int(words)) for x, words in words if words.isdigit()]
     assert [number for _, number in numbers] == [44, 29, 28, 8, 7, 6, 5, 0]
     assert [x for x, _ in numbers] == sorted(x for x, _ in numbers)
-    boxes = [float(item.attrib["width"]) for item in root.iter(f"{SVG}rect")][1:]
+    boxes = [float(element.attrib["width"]) for element in root.iter(f"{SVG}rect")][1:]
     bit = boxes[2]
     assert [round(wide / bit) for wide in boxes[:5]] == [16, 21, 1, 1, 6]
     page = pages["docs/amm5/AMM5A21-65KSC1.md"]

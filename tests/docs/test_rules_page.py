@@ -12,20 +12,20 @@ def test_the_page_is_that_of_today() -> None:
 
 
 def test_a_known_rule() -> None:
-    shown = examples()["crc-impossible"]
-    assert "poly" in shown.lines[-1]
-    assert f"\n### crc-impossible\n\n{shown.message}" in rules_page().replace("\\", "")
+    example = examples()["crc-impossible"]
+    assert "poly" in example.lines[-1]
+    assert f"\n### crc-impossible\n\n{example.message}" in rules_page().replace("\\", "")
 
 
 def test_each_shows_the_line_that_is_at_fault() -> None:
     assert len(examples()) > 70
-    assert all(item.lines[-1].strip() for rule, item in examples().items() if rule != "yaml-syntax")
+    assert all(example.lines[-1].strip() for rule, example in examples().items() if rule != "yaml-syntax")
 
 
 def test_explain_shows_what_the_page_shows() -> None:
-    for rule, item in examples().items():
-        assert explain(rule).startswith(f"{rule}, a rule of check. Example message:\n  {item.message[:20]}"), rule
-        assert explain(rule).endswith(item.lines[-1])
+    for rule, example in examples().items():
+        assert explain(rule).startswith(f"{rule}, a rule of check. Example message:\n  {example.message[:20]}"), rule
+        assert explain(rule).endswith(example.lines[-1])
     assert [*rules_of_check()] == [*examples()]
 
 

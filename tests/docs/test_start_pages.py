@@ -26,8 +26,8 @@ def commands(page: str) -> Iterator[tuple[str, str]]:
     """Return each command with its output."""
     for block in re.findall(r"^```\n(\$ .*?)^```$", page, re.DOTALL | re.MULTILINE):
         for part in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
-            command, _, shown = part.partition("\n")
-            yield command, shown
+            command, _, output = part.partition("\n")
+            yield command, output
 
 
 def environment(folder: Path) -> dict[str, str]:
@@ -47,8 +47,8 @@ def test_its_commands(page: Path, tmp_path: Path) -> None:
     tools.mkdir()
     for name, content in files(text).items():
         (work / name).write_text(content, encoding="utf-8")
-    for command, shown in commands(text):
-        done = subprocess.run(
+    for command, output in commands(text):
+        completed = subprocess.run(
             ["bash", "-c", command],
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -57,8 +57,10 @@ def test_its_commands(page: Path, tmp_path: Path) -> None:
             env=environment(tools),
         )
         # Three dots replace omitted lines. All other lines are shown.
-        pieces = shown.split("...\n")
-        assert re.fullmatch("(?:.*\n)*".join(map(re.escape, pieces)), done.stdout), f"{command}\n{done.stdout}"
+        pieces = output.split("...\n")
+        assert re.fullmatch("(?:.*\n)*".join(map(re.escape, pieces)), completed.stdout), (
+            f"{command}\n{completed.stdout}"
+        )
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
@@ -83,10 +85,8 @@ def test_the_warning_about_hardware_is_given_once() -> None:
     assert header.count("""href="{{ pathto('docs/evidence') }}">Not yet tested on hardware</a>""") == 1
     site = sorted((ROOT / "docs" / "site").glob("*.md"))
     repeated = re.compile("(tested|tried) on (an encoder|hardware)")
-    prose = {
-        page.name: re.sub("^```.*?^```$", "", page.read_text(encoding="utf-8"), flags=re.MULTILINE | re.DOTALL)
-        for page in [*PAGES, *site]
-    }
+    fence = re.compile("^```.*?^```$", flags=re.MULTILINE | re.DOTALL)
+    prose = {page.name: fence.sub("", page.read_text(encoding="utf-8")) for page in [*PAGES, *site]}
     assert [name for name, text in prose.items() if repeated.search(text)] == []
 
 

@@ -18,44 +18,47 @@ def test_every_page_says_where_one_is_and_leads_back(pages: Files) -> None:
     for name, page in pages.items():
         if name.endswith(".md") and name != "docs/README.md":
             up = "../" * (name.count("/") - 1)
-            (way,) = [line for line in page.splitlines() if line.startswith("[Encoders](") and " › " in line]
-            assert way.startswith(f"[Encoders]({up}README.md) › "), name
-            assert page.index(way) < page.index("\n# "), name
+            (breadcrumb,) = [line for line in page.splitlines() if line.startswith("[Encoders](") and " › " in line]
+            assert breadcrumb.startswith(f"[Encoders]({up}README.md) › "), name
+            assert page.index(breadcrumb) < page.index("\n# "), name
 
 
 def test_a_page_of_a_family_leads_to_all_of_it(library: Library, pages: Files) -> None:
     for device in library.devices:
         index = pages[f"docs/{device.name}.md"]
         links = set(re.findall(r"\]\(([^)#]+)", index))
-        own = {name.removeprefix("docs/") for name in pages if name.startswith(f"docs/{device.name}/")}
+        family_pages = {name.removeprefix("docs/") for name in pages if name.startswith(f"docs/{device.name}/")}
         empty = set() if device.characteristics else {f"{device.name}/hardware.md"}
-        assert {name for name in own if name.endswith(".md")} - empty <= links
-        assert all(f"#procedure-{item.name})" in index for item in device.procedures)
+        assert {name for name in family_pages if name.endswith(".md")} - empty <= links
+        assert all(f"#procedure-{procedure.name})" in index for procedure in device.procedures)
         assert len(index) < 12_000, "an index is no page to read"
 
 
 def test_what_belongs_to_an_interface_is_on_its_page(library: Library, pages: Files) -> None:
     for device in library.devices:
-        for part in device.interfaces:
-            page = pages[f"docs/{device.name}/{part.name}.md"]
-            names = [f"layout-{item.name}" for item in part.layouts]
-            names += [f"register-{item.name}" for item in device.registers if item.interface == part.name]
-            names += [f"procedure-{item.name}" for item in device.procedures if item.interface == part.name]
-            names += [f"connector-{item.name}" for item in device.connectors if part.name in item.interfaces]
+        for interface in device.interfaces:
+            page = pages[f"docs/{device.name}/{interface.name}.md"]
+            names = [f"layout-{layout.name}" for layout in interface.layouts]
+            registers = [register for register in device.registers if register.interface == interface.name]
+            names += [f"register-{register.name}" for register in registers]
+            procedures = [procedure for procedure in device.procedures if procedure.interface == interface.name]
+            names += [f"procedure-{procedure.name}" for procedure in procedures]
+            connectors = [connector for connector in device.connectors if interface.name in connector.interfaces]
+            names += [f"connector-{connector.name}" for connector in connectors]
             assert [name for name in names if f'<a id="{name}"></a>' not in page] == []
 
 
 def test_an_erratum_is_told_where_it_first_bites_and_named_where_it_does_again(pages: Files) -> None:
     """AMM5 7.5 p.46: it is open which bit is MEM BUSY. This affects four frames."""
     page = pages["docs/amm5/rs485.md"]
-    told = [line for line in page.splitlines() if "[Mem busy position]" in line]
-    assert told[0].startswith(
+    lines = [line for line in page.splitlines() if "[Mem busy position]" in line]
+    assert lines[0].startswith(
         '- <a id="erratum-mem_busy_position"></a>⚠ **open** [Mem busy position](errata.md#erratum-mem_busy_position): '
         "Either position is possible. The user must choose, and there is no default."
     )
-    assert set(told[1:]) == {"- ⚠ **open** [Mem busy position](#erratum-mem_busy_position), see above"}
+    assert set(lines[1:]) == {"- ⚠ **open** [Mem busy position](#erratum-mem_busy_position), see above"}
     frame = page.partition('<a id="layout-eeprom_write_request"></a>')[2].partition('<a id="layout-')[0]
-    assert told[0] in frame
+    assert lines[0] in frame
 
 
 def test_an_erratum_is_a_badge_with_one_line_on_the_page_of_an_order_code(pages: Files) -> None:
@@ -73,19 +76,19 @@ def test_an_erratum_is_a_badge_with_one_line_on_the_page_of_an_order_code(pages:
 @pytest.mark.slow
 def test_the_reason_of_an_erratum_is_on_one_page(library: Library, pages: Files) -> None:
     for device in library.devices:
-        for item in device.errata:
-            if item.why and not item.overlay:
-                why = " ".join(text(item.why).split())
-                own = {name: page for name, page in pages.items() if name.startswith(f"docs/{device.name}")}
-                shown = [name for name, page in own.items() if why in " ".join(page.split())]
-                assert shown == [f"docs/{device.name}/errata.md"], item.name
+        for erratum in device.errata:
+            if erratum.why and not erratum.overlay:
+                why = " ".join(text(erratum.why).split())
+                family_pages = {name: page for name, page in pages.items() if name.startswith(f"docs/{device.name}")}
+                pages_with_reason = [name for name, page in family_pages.items() if why in " ".join(page.split())]
+                assert pages_with_reason == [f"docs/{device.name}/errata.md"], erratum.name
 
 
 @pytest.mark.slow
 def test_each_erratum_stands_in_full_on_one_page(library: Library, pages: Files) -> None:
     for device in library.devices:
-        for item in device.errata:
-            heads = [name for name, page in pages.items() if f" (`{item.name}`)\n" in page and device.name in name]
+        for erratum in device.errata:
+            heads = [name for name, page in pages.items() if f" (`{erratum.name}`)\n" in page and device.name in name]
             assert heads == [f"docs/{device.name}/errata.md"]
 
 
@@ -96,18 +99,18 @@ def test_no_heading_without_errata() -> None:
 def test_open_errata_of_all_families_come_first(library: Library, pages: Files) -> None:
     opened, settled = pages["docs/all-errata.md"].split('<a id="settled"></a>')
     for device in library.devices:
-        for item in device.errata:
-            if not item.edition:
-                link = f"]({device.name}/errata.md#erratum-{item.name})"
-                assert (link in opened, link in settled) == (item.status == "open", item.status == "settled")
+        for erratum in device.errata:
+            if not erratum.edition:
+                link = f"]({device.name}/errata.md#erratum-{erratum.name})"
+                assert (link in opened, link in settled) == (erratum.status == "open", erratum.status == "settled")
 
 
 def test_a_battery_is_changed_step_by_step(pages: Files) -> None:
     """AMM5 4.3.1 p.23 has 8 steps, 4.3.2 p.24 has 21."""
     page = pages["docs/amm5/hardware.md"]
     for name, count in (("without", 8), ("with", 21)):
-        part = page.partition(f'<a id="by-hand-battery_replacement_{name}_error"></a>')[2].partition("<a id=")[0]
-        numbers = [int(item) for item in re.findall(r"(?m)^(\d+)\. ", part)]
+        interface = page.partition(f'<a id="by-hand-battery_replacement_{name}_error"></a>')[2].partition("<a id=")[0]
+        numbers = [int(number) for number in re.findall(r"(?m)^(\d+)\. ", interface)]
         assert numbers == list(range(1, count + 1))
     assert "14. Short-circuit the battery terminals (white and blue wires)" in page
     assert "(amm5/hardware.md#by-hand-battery_replacement_with_error)" in pages["docs/amm5.md"]

@@ -25,15 +25,15 @@ def test_its_example(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: py
     page = PAGE.read_text(encoding="utf-8")
     template = re.search(r"`(house/\S+)`:\n\n```jinja\n(.*?)```", page, re.DOTALL)
     command, ending = re.findall(r"\n\n```\n(.*?)^```", page, re.DOTALL | re.MULTILINE)
-    made = re.search(r"`(generated/\S+)` now ends with", page)
+    generated = re.search(r"`(generated/\S+)` now ends with", page)
     assert template is not None
-    assert made is not None
+    assert generated is not None
     monkeypatch.chdir(tmp_path)
     assert main(["new", "my_encoder"]) == 0
     place = tmp_path / template[1]
     place.parent.mkdir(parents=True)
     place.write_text(template[2], encoding="utf-8")
     assert main(shlex.split(command)[1:]) == 0, capsys.readouterr().err
-    assert (tmp_path / made[1]).read_text(encoding="utf-8").endswith(f"\n\n{ending}")
+    assert (tmp_path / generated[1]).read_text(encoding="utf-8").endswith(f"\n\n{ending}")
     environments.environment.cache_clear()
     environments.own_loader.cache_clear()

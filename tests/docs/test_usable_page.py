@@ -25,13 +25,13 @@ def rows(page: str, after: str) -> list[Row]:
     """Return the rows of the table below a heading. A cell that is left out repeats the row above."""
     lines = page.partition(f"## {after}\n")[2].partition("\n## ")[0].splitlines()
     table = [re.split(r" ?(?<!\\)\| ?", line)[1:-1] for line in lines if line.startswith("|")][2:]
-    found: list[Row] = []
+    table_rows: list[Row] = []
     for cells in table:
         # A family, an interface and a frame apply until the next one is named.
-        given = next((index for index, cell in enumerate(cells) if cell), 0)
-        above = found[-1][:given] if found else ()
-        found.append((*above, *cells[len(above) :]))
-    return found
+        first_filled = next((index for index, cell in enumerate(cells) if cell), 0)
+        above = table_rows[-1][:first_filled] if table_rows else ()
+        table_rows.append((*above, *cells[len(above) :]))
+    return table_rows
 
 
 def plain(cell: str) -> str:
@@ -43,32 +43,38 @@ def frames(device: Device, cell: str) -> list[Layout]:
     return [device.layout(name.strip("`")) for name in plain(cell).split(", ")]
 
 
-def said(device: Device, layout: Layout, active: str, when: str = "") -> Findings:
+def code_part(when: str) -> str:
+    """Return the part of the order codes to which a row applies, since AMM5 has flags that depend on the order code."""
+    if "with all others" in when:
+        return "/1"
+    return "/65K" if ".../65K..." in when else ""
+
+
+def findings_of_frame(device: Device, layout: Layout, active: str, when: str = "") -> Findings:
     """Return the findings of a frame in which one flag is active, or unused bits differ, or neither.
 
     If ``active`` is not a field, nothing is active. The order code, and the answer of the user, are those to which the
     row applies, according to ``when``.
     """
-    interface = next(kind for kind, item in device.layouts() if item is layout)
-    # Only AMM5 has flags with a different meaning for some order codes.
-    mark = "/1" if "with all others" in when else "/65K" if ".../65K..." in when else ""
-    variant = next(item for item in device.variants if item.interface == interface.name and mark in item.code)
+    interface = next(kind for kind, candidate in device.layouts() if candidate is layout)
+    variants = [variant for variant in device.variants if variant.interface == interface.name]
+    variant = next(variant for variant in variants if code_part(when) in variant.code)
     answer = re.search(r"your choice is `(\w+)`", plain(when))
     for question in device.verdict_alternatives(layout) if answer is not None else ():
         variant = with_answers(device, variant, {question.name: answer[1]})
     placed = layout.place(variant.parameters)
-    unused = {item.name: ((1 << item.widest) - 1) << place for item, place in layout.unused}
+    unused = {field.name: ((1 << field.widest) - 1) << place for field, place in layout.unused}
     values: dict[str, int | str | bool] = {"unused": unused.get(active, 0)} if layout.unused else {}
-    for item in placed.fields:
-        match item.field.kind:
+    for placed_field in placed.fields:
+        match placed_field.field.kind:
             case Flag():
-                values[item.name] = item.name == active
+                values[placed_field.name] = placed_field.name == active
             case Number():
-                values[item.name] = item.field.number.zero_means
+                values[placed_field.name] = placed_field.field.number.zero_means
             case Choice(values=choices):
-                values[item.name] = next(
-                    one.name for one in choices if item.name != layout.selector or one.value in layout.selects
-                )
+                is_selector = placed_field.name == layout.selector
+                possible = [choice for choice in choices if not is_selector or choice.value in layout.selects]
+                values[placed_field.name] = possible[0].name
     decoded = codec.decode(device, placed, codec.encode(device, placed, values))
     assert decoded.problems == ()
     return findings(device, variant, decoded)
@@ -81,28 +87,28 @@ def by_family(library: Library, page: str, heading: str) -> Iterator[tuple[Devic
 
 
 def test_the_table_is_what_the_reference_codec_decides(library: Library, page: str) -> None:
-    seen: dict[tuple[str, str], set[str]] = {}
+    names_by_layout: dict[tuple[str, str], set[str]] = {}
     for device, (title, cell, name, when, verdict, *_) in by_family(library, page, "Deciding bits"):
         for layout in frames(device, cell):
-            assert title in {kind.title for kind, item in device.layouts() if item is layout}
+            assert title in {kind.title for kind, candidate in device.layouts() if candidate is layout}
             speaks = plain(name).strip("`")
-            found = said(device, layout, speaks, when).verdict
-            assert found is not None
-            assert f"`{found.value}`" == verdict, (layout.name, name)
-            seen.setdefault((device.name, layout.name), set()).add(speaks)
-            if speaks in {item.name for item in layout.fields}:
-                assert when.startswith(level(layout, speaks)), (layout.name, name)
-    told = {
-        (device.name, layout.name): {item.name for item in layout.fields if isinstance(item.kind, (Flag, Unused))}
-        for device in library.devices
-        for kind, layout in device.layouts()
-        if device.tells_position(kind.name, layout)
-    }
-    assert {key: names & told[key] for key, names in seen.items()} == told
-    assert all(names & {"none of these", "no field decides"} for names in seen.values())
+            decided = findings_of_frame(device, layout, speaks, when).verdict
+            assert decided is not None
+            assert f"`{decided.value}`" == verdict, (layout.name, name)
+            names_by_layout.setdefault((device.name, layout.name), set()).add(speaks)
+            if speaks in {field.name for field in layout.fields}:
+                assert when.startswith(active_value(layout, speaks)), (layout.name, name)
+    deciding_fields = {}
+    for device in library.devices:
+        for kind, layout in device.layouts():
+            if device.tells_position(kind.name, layout):
+                fields = [field.name for field in layout.fields if isinstance(field.kind, (Flag, Unused))]
+                deciding_fields[device.name, layout.name] = set(fields)
+    assert {key: names & deciding_fields[key] for key, names in names_by_layout.items()} == deciding_fields
+    assert all(names & {"none of these", "no field decides"} for names in names_by_layout.values())
 
 
-def level(layout: Layout, name: str) -> str:
+def active_value(layout: Layout, name: str) -> str:
     field = layout.field(name)
     match field.kind:
         case Flag(active_low=low):
@@ -143,41 +149,36 @@ def level(layout: Layout, name: str) -> str:
 def test_as_the_manuals_have_it(
     library: Library, page: str, family: str, frame: str, name: str, when: str, verdict: str
 ) -> None:
-    found = [
-        row[3:5]
-        for device, row in by_family(library, page, "Deciding bits")
-        if device.name == family
-        and frame in [item.name for item in frames(device, row[1])]
-        and plain(row[2]).strip("`") == name
-    ]
-    assert found == [(when, f"`{verdict}`")]
+    verdict_rows = []
+    for device, row in by_family(library, page, "Deciding bits"):
+        if device.name == family and plain(row[2]).strip("`") == name:
+            frame_names = [layout.name for layout in frames(device, row[1])]
+            if frame in frame_names:
+                verdict_rows.append(row[3:5])
+    assert verdict_rows == [(when, f"`{verdict}`")]
 
 
 def test_what_a_battery_decides_goes_by_the_order_code(library: Library, page: str) -> None:
     """AMM5, 6.2.1 p.33 and 7.4.1 p.44: only multiturn models have a battery (4.3 p.23)."""
-    found = {
-        (plain(row[2]).strip("`"), plain(row[3]).partition(", ")[0], row[4])
-        for device, row in by_family(library, page, "Deciding bits")
-        if device.name == "amm5"
-    }
+    amm5_rows = [row for device, row in by_family(library, page, "Deciding bits") if device.name == "amm5"]
+    conditions = {(plain(row[2]).strip("`"), plain(row[3]).partition(", ")[0], row[4]) for row in amm5_rows}
     chosen = {
         "warning": ("0 with `.../65K...` and your choice is `either_cause`", "0 with all others"),
         "mt_error": ("1 with `.../65K...`", "1 with all others"),
     }
     for name, (with_battery, without) in chosen.items():
-        assert (name, with_battery, "`not_usable`") in found
-        assert (name, without, "`usable_with_warning`") in found
+        assert (name, with_battery, "`not_usable`") in conditions
+        assert (name, without, "`usable_with_warning`") in conditions
     with_answer = "0 with `.../65K...` and your choice is `low_battery`"
-    assert ("warning", with_answer, "`usable_with_warning`") in found
+    assert ("warning", with_answer, "`usable_with_warning`") in conditions
 
 
 def test_where_the_manual_is_silent_the_erratum_is_named(library: Library, page: str) -> None:
     silent = {"amm5", "asc85", "sma21"}
     for device, row in by_family(library, page, "Deciding bits"):
         name = plain(row[2]).strip("`")
-        flags = {
-            item.name for layout in frames(device, row[1]) for item in layout.fields if isinstance(item.kind, Flag)
-        }
+        fields = [field for layout in frames(device, row[1]) for field in layout.fields]
+        flags = {field.name for field in fields if isinstance(field.kind, Flag)}
         assert ("position_under_error" in row[6]) == (name in flags and device.name in silent), (device.name, name)
         # The spec of a part of a manual cites the pages of a frame, but not of each flag.
         cites = name not in ("no field decides", "none of these") and device.evidence.grade == "manual"
@@ -199,12 +200,9 @@ def test_where_the_manual_is_silent_the_erratum_is_named(library: Library, page:
     ],
 )
 def test_a_remedy_of_the_manual_is_named(library: Library, page: str, family: str, name: str, remedy: str) -> None:
-    found = [
-        row[2]
-        for device, row in by_family(library, page, "Meaning of each report")
-        if device.name == family and plain(row[0]).strip("`") == name
-    ]
-    assert found == [remedy]
+    meanings = by_family(library, page, "Meaning of each report")
+    rows_of_family = [row for device, row in meanings if device.name == family]
+    assert [row[2] for row in rows_of_family if plain(row[0]).strip("`") == name] == [remedy]
 
 
 def test_every_report_is_there_and_each_frame_says_which(library: Library, page: str) -> None:
@@ -212,18 +210,21 @@ def test_every_report_is_there_and_each_frame_says_which(library: Library, page:
     for device, row in by_family(library, page, "Meaning of each report"):
         listed.setdefault(device.name, []).append(plain(row[0]).strip("`"))
         assert row[1]
-    assert listed == {device.name: [item.name for item in reports_of(device)] for device in library.devices}
-    told: dict[str, set[str]] = {}
+    for device in library.devices:
+        assert listed[device.name] == [report.name for report in reports_of(device)]
+    assert set(listed) == {device.name for device in library.devices}
+    reported: dict[str, set[str]] = {}
     for device, row in by_family(library, page, "Reports of each frame"):
-        told.setdefault(device.name, set()).update(re.findall("`([a-z0-9_]+)`", row[2]))
+        reported.setdefault(device.name, set()).update(re.findall("`([a-z0-9_]+)`", row[2]))
         for layout in frames(device, row[1]):
             assert layout.sender == "encoder"
-            expected = {report.field for item in layout.fields for report in said(device, layout, item.name).reports}
-            flags = (item for item in layout.fields if isinstance(item.kind, Flag) and item.kind.only)
-            expected |= {f"{item.name}_unexplained" for item in flags}
+            frame_findings = [findings_of_frame(device, layout, field.name) for field in layout.fields]
+            expected = {report.field for findings in frame_findings for report in findings.reports}
+            flags = (field for field in layout.fields if isinstance(field.kind, Flag) and field.kind.only)
+            expected |= {f"{field.name}_unexplained" for field in flags}
             if device.alternatives_of(layout) == ():
                 assert set(re.findall("`([a-z0-9_]+)`", row[2])) == expected
-    assert told == {name: set(names) for name, names in listed.items()}
+    assert reported == {name: set(names) for name, names in listed.items()}
 
 
 def test_every_page_leads_to_it(library: Library, pages: Mapping[str, str]) -> None:

@@ -28,8 +28,8 @@ def test_the_page_of_verdicts_lists_values_and_combinations() -> None:
     conditions = {row[3].partition("<br>")[0]: row[4:6] for row in rows}
     assert conditions["`light_dark`"] == ("`light` is 3 (`dark`)", "`not_usable`")
     assert conditions["`light_good`"] == ("`light` is 0 (`good`)", "`usable`")
-    both = "`increasing` is 1 and `decreasing` is 1"
-    assert conditions["`field_out_of_range`"] == (both, "`usable_with_warning`")
+    combination = "`increasing` is 1 and `decreasing` is 1"
+    assert conditions["`field_out_of_range`"] == (combination, "`usable_with_warning`")
     # The flag is active low.
     three = "`quality` is 1 (`fair`) and `moving` is 1 and `cold` is 1"
     assert conditions["`fair_while_moving`"] == (three, "`not_usable`")
@@ -51,12 +51,12 @@ def test_decode_shows_the_value_that_decides(capsys: pytest.CaptureFixture[str])
 
 def test_the_data_have_both(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["show", "signs", "--json", "--specs", str(TESTS / "specs")]) == 0
-    layouts = {item["name"]: item for item in json.loads(capsys.readouterr().out)["layouts"]}
+    layouts = {layout["name"]: layout for layout in json.loads(capsys.readouterr().out)["layouts"]}
     (combination,) = layouts["word"]["combinations"]
     assert combination["when"] == ["increasing.active", "decreasing.active"]
     assert combination["makes_position"] == "usable_with_warning"
-    quality = next(item for item in layouts["gray_word"]["fields"] if item["name"] == "quality")
-    assert {item["name"]: item["makes_position"] for item in quality["values"]} == {
+    quality = next(field for field in layouts["gray_word"]["fields"] if field["name"] == "quality")
+    assert {value["name"]: value["makes_position"] for value in quality["values"]} == {
         "good": "",
         "fair": "",
         "poor": "usable_with_warning",

@@ -28,14 +28,14 @@ SVG = "{http://www.w3.org/2000/svg}"
 )
 def test_times_are_those_of_the_manual(pages: Mapping[str, str], family: str, interface: str, times: list[str]) -> None:
     root = ElementTree.fromstring(pages[f"docs/{family}/timing-{interface}.svg"])
-    found = [item.text for item in root.iter(f"{SVG}text")]
-    assert [item for item in times if item not in found] == []
+    times_in_picture = [element.text for element in root.iter(f"{SVG}text")]
+    assert [time for time in times if time not in times_in_picture] == []
 
 
 def test_biss_is_in_the_order_of_the_protocol(pages: Mapping[str, str]) -> None:
     """Protocol description (BiSS C), p. 3: acknowledge, start, CDS, data, CRC, stop, time-out with CDM."""
     root = ElementTree.fromstring(pages["docs/amm5/timing-biss.svg"])
-    places = {item.text: float(item.get("x", "")) for item in root.iter(f"{SVG}text")}
+    places = {element.text: float(element.get("x", "")) for element in root.iter(f"{SVG}text")}
     order = ["Ack", "Start", "CDS", "position", "error", "warning", "CRC", "stop"]
     assert sorted(order, key=places.__getitem__) == order
     assert places["not CDM"] == places["stop"]
@@ -45,24 +45,23 @@ def test_nothing_sticks_out(pages: Mapping[str, str]) -> None:
     for name, picture in pages.items():
         if "/timing-" in name:
             root = ElementTree.fromstring(picture)
-            right = float(root.get("width", ""))
-            assert all(
-                float(item.get("x", "")) + float(item.get("width", "")) <= right for item in root.iter(f"{SVG}rect")
-            )
+            right_edge = float(root.get("width", ""))
+            for box in root.iter(f"{SVG}rect"):
+                assert float(box.get("x", "")) + float(box.get("width", "")) <= right_edge
 
 
 def test_a_clock_pulse_is_as_wide_as_any_other(pages: Mapping[str, str]) -> None:
     """A pulse is low for half of its period everywhere."""
     for family, interface in (("amm5", "ssi"), ("amm5", "biss"), ("sma21", "biss")):
         root = ElementTree.fromstring(pages[f"docs/{family}/timing-{interface}.svg"])
-        clock = next(item.get("d", "") for item in root.iter(f"{SVG}path") if item.get("class") == "wave")
+        clock = next(element.get("d", "") for element in root.iter(f"{SVG}path") if element.get("class") == "wave")
         edges = re.findall(r"L([\d.]+) [\d.]+H([\d.]+)V", clock)
         assert edges
         assert {round(float(up) - float(down), 2) for down, up in edges} <= {11.9, 12.0, 12.1}
 
 
 def family(name: str) -> Device:
-    return next(item for item in load_sound()[0] if item.name == name)
+    return next(device for device in load_sound()[0] if device.name == name)
 
 
 def test_requests_that_are_repeated_are_those_of_a_procedure(pages: Mapping[str, str]) -> None:
@@ -70,9 +69,9 @@ def test_requests_that_are_repeated_are_those_of_a_procedure(pages: Mapping[str,
     amm5 = family("amm5")
     assert "Between repeated requests: at least 40 µs." in pages["docs/amm5/rs485.md"]
     assert "(rs485.md#timings)" in pages["docs/amm5/AMM5A17-1JP1.md"]
-    shown = wave(replace(amm5, procedures=()), amm5.interface("rs485"))
-    assert shown is not None
-    assert "repeated" not in shown.told + drawn(shown)
+    picture = wave(replace(amm5, procedures=()), amm5.interface("rs485"))
+    assert picture is not None
+    assert "repeated" not in picture.told + drawn(picture)
 
 
 def test_the_shortest_request_is_said_to_be_the_shortest(pages: Mapping[str, str]) -> None:
@@ -92,6 +91,6 @@ def test_it_says_what_it_is_drawn_from(pages: Mapping[str, str]) -> None:
 def test_the_words_have_each_field_and_time(library: Library) -> None:
     for device in library.devices:
         for interface in device.interfaces:
-            shown = wave(device, interface)
-            assert shown is not None
-            assert [span.label for span in shown.spans if span.label.rpartition(": ")[2] not in shown.told] == []
+            picture = wave(device, interface)
+            assert picture is not None
+            assert [span.label for span in picture.spans if span.label.rpartition(": ")[2] not in picture.told] == []

@@ -14,19 +14,19 @@ from codewheel.order_codes.labels import UnknownOrderCode, find
 
 ROOT = Path(__file__).parents[2]
 
-Told = Callable[[str, str], dict[str, Any]]
+ValuesOf = Callable[[str, str], dict[str, Any]]
 
 
 @pytest.fixture(scope="session")
 def masters() -> dict[str, Master]:
-    found, report = load_masters()
+    masters, report = load_masters()
     assert not report.problems
-    return {item.name: item for item in found}
+    return {master.name: master for master in masters}
 
 
 @pytest.fixture(scope="session")
 def record_of(devices: Mapping[str, Device]) -> Callable[[str], Record]:
-    def made(label: str) -> Record:
+    def record_of_label(label: str) -> Record:
         """Take an order code, and after a space the answer about ASC85's 0 bit, such as ``as_printed``."""
         code, _, decided = label.partition(" ")
         answers = {"zero_bit": decided} if decided else {}
@@ -37,7 +37,7 @@ def record_of(devices: Mapping[str, Device]) -> Callable[[str], Record]:
                 continue
         raise LookupError(code)
 
-    return made
+    return record_of_label
 
 
 @pytest.fixture(scope="session")
@@ -46,12 +46,12 @@ def sheet_of(masters: dict[str, Master], record_of: Callable[[str], Record]) -> 
 
 
 @pytest.fixture(scope="session")
-def told(sheet_of: Callable[[str, str], Sheet]) -> Told:
+def values_of(sheet_of: Callable[[str, str], Sheet]) -> ValuesOf:
     """Return a master's settings for an order code by name."""
 
-    def values(master: str, code: str) -> dict[str, Any]:
-        found = sheet_of(master, code)
-        assert not found.refusals, found.refusals
-        return {item.name: item.value for item in found.settings}
+    def setting_values(master: str, code: str) -> dict[str, Any]:
+        settings_sheet = sheet_of(master, code)
+        assert not settings_sheet.refusals, settings_sheet.refusals
+        return {setting.name: setting.value for setting in settings_sheet.settings}
 
-    return values
+    return setting_values

@@ -54,13 +54,13 @@ class Refused(ValueError):
     """The tool would not know the content."""
 
 
-def _known(found: Iterable[str], known: Iterable[str]) -> None:
-    unknown = set(found) ^ set(known)
+def _require_names(names: Iterable[str], known_names: Iterable[str]) -> None:
+    unknown = set(names) ^ set(known_names)
     if unknown:
         raise Refused(sorted(unknown))
 
 
-def _added(objects: Objects, index: int, subindex: int, value: int, size: int) -> None:
+def _add_object(objects: Objects, index: int, subindex: int, value: int, size: int) -> None:
     if (index, subindex) in objects or not 0 <= value < 1 << 8 * size:
         raise Refused((index, subindex, value))
     objects[index, subindex] = value, size
@@ -68,45 +68,45 @@ def _added(objects: Objects, index: int, subindex: int, value: int, size: int) -
 
 def ethercat_driver_ros2(text: str) -> Objects:
     data = yaml.safe_load(text)
-    _known(data, ["sdo"])
-    found: Objects = {}
-    for item in data["sdo"]:
-        _known(item, ["index", "sub_index", "type", "value"])
-        if not isinstance(item["value"], int) or not -(1 << 31) <= item["value"] < 1 << 31:
-            raise Refused(item["value"])
-        _added(found, item["index"], item["sub_index"], item["value"], _SIZES[item["type"]])
-    return found
+    _require_names(data, ["sdo"])
+    objects: Objects = {}
+    for sdo in data["sdo"]:
+        _require_names(sdo, ["index", "sub_index", "type", "value"])
+        if not isinstance(sdo["value"], int) or not -(1 << 31) <= sdo["value"] < 1 << 31:
+            raise Refused(sdo["value"])
+        _add_object(objects, sdo["index"], sdo["sub_index"], sdo["value"], _SIZES[sdo["type"]])
+    return objects
 
 
 def linuxcnc_ethercat(text: str) -> Objects:
     root = ElementTree.fromstring(text)
     slave = root.find("master/slave")
     assert slave is not None
-    _known([root.tag, *(item.tag for item in slave)], ["masters", "sdoConfig"])
-    _known([slave.get("type", "")], ["generic"])
-    found: Objects = {}
-    for item in slave:
-        _known(item.attrib, ["idx", "subIdx"])
-        data = b"".join(bytes.fromhex(raw.attrib["data"]) for raw in item)
-        _added(
-            found,
-            int(item.attrib["idx"], 16),
-            int(item.attrib["subIdx"], 16),
+    _require_names([root.tag, *(node.tag for node in slave)], ["masters", "sdoConfig"])
+    _require_names([slave.get("type", "")], ["generic"])
+    objects: Objects = {}
+    for sdo in slave:
+        _require_names(sdo.attrib, ["idx", "subIdx"])
+        data = b"".join(bytes.fromhex(raw.attrib["data"]) for raw in sdo)
+        _add_object(
+            objects,
+            int(sdo.attrib["idx"], 16),
+            int(sdo.attrib["subIdx"], 16),
             int.from_bytes(data, "little"),
             len(data),
         )
-    return found
+    return objects
 
 
 def ecmc(text: str) -> Objects:
-    found: Objects = {}
+    objects: Objects = {}
     for line in filter(None, text.splitlines()):
         if not line.startswith("#-"):
             match = _ECMC.fullmatch(line)
             if match is None:
                 raise Refused(line)
-            _added(found, *(int(item, 0) for item in match.groups()))
-    return found
+            _add_object(objects, *(int(number, 0) for number in match.groups()))
+    return objects
 
 
 def twincat(text: str) -> Objects:
@@ -114,41 +114,44 @@ def twincat(text: str) -> Objects:
     commands = root.find("EtherCAT/Slave/Mailbox/CoE/InitCmds")
     assert root.tag == "TreeItem"
     assert commands is not None
-    found: Objects = {}
-    for item in commands:
-        parts = {part.tag: part.text or "" for part in item}
-        _known(parts, ["Transition", "Comment", "Timeout", "Ccs", "Index", "SubIndex", "Data"])
-        _known([item.tag, parts["Transition"], parts["Ccs"]], ["InitCmd", "PS", "1"])
+    objects: Objects = {}
+    for command in commands:
+        parts = {part.tag: part.text or "" for part in command}
+        _require_names(parts, ["Transition", "Comment", "Timeout", "Ccs", "Index", "SubIndex", "Data"])
+        _require_names([command.tag, parts["Transition"], parts["Ccs"]], ["InitCmd", "PS", "1"])
         data = bytes.fromhex(parts["Data"])
-        _added(found, int(parts["Index"]), int(parts["SubIndex"]), int.from_bytes(data, "little"), len(data))
-    return found
+        _add_object(objects, int(parts["Index"]), int(parts["SubIndex"]), int.from_bytes(data, "little"), len(data))
+    return objects
 
 
 def fastcat(text: str) -> dict[int, int]:
     """Return the values by subindex, which must be the same for both channels."""
     (device,) = yaml.safe_load(text)
-    _known(device, ["device_class", "name", *_FASTCAT])
-    _known([device["device_class"]], ["El5042"])
-    found = {}
+    _require_names(device, ["device_class", "name", *_FASTCAT])
+    _require_names([device["device_class"]], ["El5042"])
+    objects = {}
     for key, subindex in _FASTCAT.items():
-        first, second = (_CLOCKS[item] if key == "clock_frequency" else item for item in device[key])
+        names_or_values = device[key]
+        if key == "clock_frequency":
+            names_or_values = [_CLOCKS[clock] for clock in names_or_values]
+        first, second = names_or_values
         if first != second or not isinstance(first, int):
             raise Refused((key, first, second))
-        found[subindex] = first
-    return found
+        objects[subindex] = first
+    return objects
 
 
 def conf_set(text: str) -> dict[str, int]:
-    found = {}
+    objects = {}
     for line in text.splitlines():
         if not line.startswith("#"):
             command, action, name, value = line.split(" ")
             channel, group, member = name.split(".")
-            _known([command, action, channel, group], ["conf", "set", "aux1", "bissc"])
+            _require_names([command, action, channel, group], ["conf", "set", "aux1", "bissc"])
             if not 0 <= int(value) <= _MOTEUS[member]:
                 raise Refused(line)
-            found[member] = int(value)
-    return found
+            objects[member] = int(value)
+    return objects
 
 
 def hal(text: str) -> tuple[str, float]:
@@ -166,15 +169,15 @@ def xcf(text: str) -> dict[str, int]:
     root = ElementTree.fromstring(text)
     device = root.find("Body/Device")
     assert device is not None
-    _known(device.attrib, ["Interface", "PartNumber", "ProductCode", "RevisionNumber", "firmwareVersion"])
-    found = {}
-    for item in device.iterfind("Registers/Register"):
-        _known(item.attrib, ["access", "dtype", "id", "storage", "subnode"])
-        bits = {"u16": 16, "u32": 32}[item.attrib["dtype"]]
-        if not 0 <= int(item.attrib["storage"]) < 1 << bits:
-            raise Refused(item.attrib)
-        found[item.attrib["id"]] = int(item.attrib["storage"])
-    return found
+    _require_names(device.attrib, ["Interface", "PartNumber", "ProductCode", "RevisionNumber", "firmwareVersion"])
+    objects = {}
+    for register in device.iterfind("Registers/Register"):
+        _require_names(register.attrib, ["access", "dtype", "id", "storage", "subnode"])
+        bits = {"u16": 16, "u32": 32}[register.attrib["dtype"]]
+        if not 0 <= int(register.attrib["storage"]) < 1 << bits:
+            raise Refused(register.attrib)
+        objects[register.attrib["id"]] = int(register.attrib["storage"])
+    return objects
 
 
 def defines(text: str) -> dict[str, int]:

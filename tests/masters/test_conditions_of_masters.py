@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from codewheel.commands.cli import main
 from codewheel.masters.sheet import sheet
-from test_master_limits import changed
+from test_master_limits import record_with
 
 RecordOf = Callable[[str], Any]
 
@@ -62,8 +62,8 @@ PFB = "          - {name: pfb, active: LEVEL, makes_position: not_usable, when_a
 HIGH, LOW = PFB.replace("LEVEL", "high"), PFB.replace("LEVEL", "low")
 
 
-def position(bits: int, *others: str) -> str:
-    return "\n".join([f"          - {{name: position, bits: {bits}, unit: counts}}", *others])
+def position(bits: int, *extra_fields: str) -> str:
+    return "\n".join([f"          - {{name: position, bits: {bits}, unit: counts}}", *extra_fields])
 
 
 def write_spec(
@@ -84,7 +84,11 @@ def settings_of(
     data = json.loads(capsys.readouterr().out)
     (sheet,) = data["masters"]
     settings = {setting["name"]: setting["value"] for setting in sheet["settings"]}
-    return {**settings, "notes": " ".join(sheet["notes"]), "refusals": [item["reason"] for item in sheet["refusals"]]}
+    return {
+        **settings,
+        "notes": " ".join(sheet["notes"]),
+        "refusals": [refusal["reason"] for refusal in sheet["refusals"]],
+    }
 
 
 @pytest.mark.parametrize(
@@ -101,20 +105,20 @@ def test_power_fail_bit_of_keb(
 ) -> None:
     """ec42, p. 247: PFB at the end is 2, serial right-justified is 8. The bit is 1 for an error and not among ec40."""
     write_spec(tmp_path, position(13, *flags), counts=1 << 13)
-    found = settings_of(capsys, tmp_path, "keb_f6")
-    assert str(found["SSI data format"]).split()[0] == str(number)
-    assert found["Singleturn resolution"] == 13
-    assert ("PFB at end" in found["SSI data format"]) == (number == 10)
-    assert note in found["notes"]
-    assert "not read" not in found["notes"] or note
+    settings = settings_of(capsys, tmp_path, "keb_f6")
+    assert str(settings["SSI data format"]).split()[0] == str(number)
+    assert settings["Singleturn resolution"] == 13
+    assert ("PFB at end" in settings["SSI data format"]) == (number == 10)
+    assert note in settings["notes"]
+    assert "not read" not in settings["notes"] or note
 
 
 def test_gray_code_without_the_power_fail_bit_of_keb(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """P. 247: Gray code is 16. The drive does not support a position in Gray code with a bit outside the code."""
     write_spec(tmp_path, position(13, HIGH), counts=1 << 13, code="gray")
-    found = settings_of(capsys, tmp_path, "keb_f6")
-    assert found["SSI data format"] == "24 (serial right-justified, Gray, no PFB)"
-    assert "the drive cannot read the bit" in found["notes"]
+    settings = settings_of(capsys, tmp_path, "keb_f6")
+    assert settings["SSI data format"] == "24 (serial right-justified, Gray, no PFB)"
+    assert "the drive cannot read the bit" in settings["notes"]
 
 
 def test_power_fail_bit_in_the_gray_code_of_keb(
@@ -124,12 +128,12 @@ def test_power_fail_bit_in_the_gray_code_of_keb(
     write_spec(tmp_path, position(13, HIGH, "        join: {word: [position, pfb]}"), counts=1 << 13, code="gray")
     spec = tmp_path / "example_x.yaml"
     spec.write_text(spec.read_text(encoding="utf-8").replace("gray: {of: position}", "gray: {of: word}"), "utf-8")
-    found = settings_of(capsys, tmp_path, "keb_f6")
-    assert found["SSI data format"].split()[0] == str(2 + 8 + 16)
+    settings = settings_of(capsys, tmp_path, "keb_f6")
+    assert settings["SSI data format"].split()[0] == str(2 + 8 + 16)
     for master in ("omron_nx", "siemens_posinput", "synapticon", "linuxcnc_hostmot2", "galil_ssi", "beckhoff_el5042"):
         assert settings_of(capsys, tmp_path, master)["refusals"], master
-    low = changed(record_of("AM3616/4096-GG"), coding="gray_with_status", status_active="low", status_bits=1)
-    assert [item.reason for item in sheet(masters["keb_f6"], low).refusals] == [
+    low = record_with(record_of("AM3616/4096-GG"), coding="gray_with_status", status_active="low", status_bits=1)
+    assert [refusal.reason for refusal in sheet(masters["keb_f6"], low).refusals] == [
         "A Power Fail Bit is 1 for an error. For this encoder: status active low."
     ]
 
@@ -161,14 +165,15 @@ def test_encoder_resolution_of_omron(
 def test_remainder_gray_code_of_omron(masters: Any, record_of: RecordOf) -> None:
     """W524 p. 7-46: a singleturn encoder has its resolution, a multiturn encoder in Gray code must have 0."""
     encoder = record_of("AM3616/4096-GG")
-    single = changed(encoder, multiturn_bits=0, singleturn_bits=9, counts_per_turn=360, singleturn_codes="some")
+    single = record_with(encoder, multiturn_bits=0, singleturn_bits=9, counts_per_turn=360, singleturn_codes="some")
     values = {setting.name: setting.value for setting in sheet(masters["omron_nx"], single).settings}
     assert values["Encoder Resolution"] == 360
-    multi = changed(encoder, singleturn_bits=9, counts_per_turn=360, singleturn_codes="some")
+    multi = record_with(encoder, singleturn_bits=9, counts_per_turn=360, singleturn_codes="some")
     (refusal,) = sheet(masters["omron_nx"], multi).refusals
     assert refusal.reason.startswith("For a multiturn encoder with Gray code, Encoder Resolution must be 0.")
-    unknown = changed(single, counts_per_turn=None, singleturn_codes="unknown")
-    (setting,) = [item for item in sheet(masters["omron_nx"], unknown).settings if item.name == "Encoder Resolution"]
+    unknown = record_with(single, counts_per_turn=None, singleturn_codes="unknown")
+    settings = sheet(masters["omron_nx"], unknown).settings
+    (setting,) = [setting for setting in settings if setting.name == "Encoder Resolution"]
     assert (setting.value, setting.text) == (None, "unknown: not in the encoder's spec (counts per revolution)")
 
 
@@ -189,21 +194,21 @@ def test_resolution_in_bits(tmp_path: Path, capsys: pytest.CaptureFixture[str], 
     assert settings_of(capsys, tmp_path, master)["refusals"] == []
 
 
-@pytest.mark.parametrize(("bits", "most"), [(31, 30), (32, None)])
+@pytest.mark.parametrize(("bits", "msb_bit"), [(31, 30), (32, None)])
 def test_longest_position_of_siemens(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], bits: int, most: int | None
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], bits: int, msb_bit: int | None
 ) -> None:
     """P. 143: the bit numbers of MSB and LSB differ by less than 31, so that 31 bits are 30 to 0."""
     write_spec(tmp_path, position(bits), counts=1 << bits)
-    found = settings_of(capsys, tmp_path, "siemens_posinput")
-    assert found.get("Bit number of MSB of the position value") == most
-    assert bool(found["refusals"]) == (most is None)
+    settings = settings_of(capsys, tmp_path, "siemens_posinput")
+    assert settings.get("Bit number of MSB of the position value") == msb_bit
+    assert bool(settings["refusals"]) == (msb_bit is None)
 
 
 @pytest.mark.parametrize(("code", "multiturn"), [("SMA21-SC1-0050", 16), ("AMM5A17/1SC1", 0)])
-def test_linear_encoder_on_the_ax5000(told: Any, code: str, multiturn: int) -> None:
+def test_linear_encoder_on_the_ax5000(values_of: Any, code: str, multiturn: int) -> None:
     """Parameter channel of the BiSS C description: 16 for a linear encoder, the multiturn bits of a rotary one."""
-    assert told("beckhoff_ax5000", code)["Bit resolution multiturn position"] == multiturn
+    assert values_of("beckhoff_ax5000", code)["Bit resolution multiturn position"] == multiturn
 
 
 def test_level_of_the_status_bits_of_the_el5042(sheet_of: Any) -> None:
@@ -242,7 +247,7 @@ def test_facts_of_other_order_codes(tmp_path: Path, capsys: pytest.CaptureFixtur
 
 def test_pages_name_the_order_codes_of_a_fact(tmp_path: Path) -> None:
     """Codes that are identical for software share a page, which says to which of them a time, state or pin applies."""
-    specs, made = tmp_path / "specs", tmp_path / "made"
+    specs, output = tmp_path / "specs", tmp_path / "made"
     specs.mkdir()
     timings = (
         "{name: pause_x, symbol: Tp, meaning: Pause, at_least_us: 20, only: EXAMPLE-X, source: '1'}, "
@@ -262,19 +267,19 @@ leds:
     source: "1"
 """
     write_spec(specs, position(13), counts=1 << 13, timings=timings, more=more)
-    assert main(["generate", str(specs), "-o", str(made), "--target", "docs"]) == 0
-    pages = {path.stem: path.read_text(encoding="utf-8") for path in made.rglob("*.md")}
+    assert main(["generate", str(specs), "-o", str(output), "--target", "docs"]) == 0
+    pages = {path.stem: path.read_text(encoding="utf-8") for path in output.rglob("*.md")}
     page = next(text for stem, text in pages.items() if stem == "EXAMPLE-X")
-    for shown in (
+    for phrase in (
         "Pause between two words: at least 20 µs (only with EXAMPLE-X)",
         "Pause between two words: at least 90 µs (only with EXAMPLE-Y)",
         "| 2 | Spare <small>(only EXAMPLE-Y)</small> |",
         "| at least 90 µs (only with EXAMPLE-Y) |",
         "| red | Error. Only with `EXAMPLE-Y`. |",
     ):
-        assert shown in page, shown
+        assert phrase in page, phrase
     assert "| at least 90 µs (only with EXAMPLE-Y) |" in pages["ssi"]
-    picture = next(text for text in map(Path.read_text, made.rglob("*timing*.svg")))
+    picture = next(text for text in map(Path.read_text, output.rglob("*timing*.svg")))
     assert "Tp, at least 20 µs (only with EXAMPLE-X), at least 90 µs (only with EXAMPLE-Y)" in picture
 
 
@@ -292,15 +297,15 @@ def test_special_bits_and_parity_of_siemens(tmp_path: Path, capsys: pytest.Captu
     The position of the example is in Gray code, over which a spec has no parity. The numbers are the same in binary.
     """
     write_spec(tmp_path, SIEMENS, counts=1 << 17, turns=1 << 11)
-    found = settings_of(capsys, tmp_path, "siemens_posinput")
-    assert {name: found[name] for name in list(found)[:5]} == {
+    settings = settings_of(capsys, tmp_path, "siemens_posinput")
+    assert {name: settings[name] for name in list(settings)[:5]} == {
         "Frame length": 34,
         "Code type": "Dual",
         "Bit number of LSB of the position value": 6,
         "Bit number of MSB of the position value": 33,
         "Parity": "even",
     }
-    assert "special bits, which the module ignores" in found["notes"]
+    assert "special bits, which the module ignores" in settings["notes"]
     assert settings_of(capsys, tmp_path, "beckhoff_el5042")["Offset LSB Bit [Bit]"] == 6 + 1
     assert settings_of(capsys, tmp_path, "galil_ssi")["refusals"] == [
         "The description of this master does not say how it handles 'special' and 'parity' in the frame."
@@ -327,9 +332,9 @@ def test_status_data_of_delta(tmp_path: Path, capsys: pytest.CaptureFixture[str]
 def test_parity_of_delta(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """Example 3 of the AS02HC: 17 bits of position and an even parity bit over these 17."""
     write_spec(tmp_path, position(17, "          - {name: parity, parity_of: [position]}"), counts=1 << 17)
-    found = settings_of(capsys, tmp_path, "siemens_posinput")
-    assert (found["Frame length"], found["Bit number of MSB of the position value"]) == (17, 16)
-    assert found["Parity"] == "even"
+    settings = settings_of(capsys, tmp_path, "siemens_posinput")
+    assert (settings["Frame length"], settings["Bit number of MSB of the position value"]) == (17, 16)
+    assert settings["Parity"] == "even"
     assert settings_of(capsys, tmp_path, "omron_nx")["refusals"] == [
         "The public pages do not show the parity settings. For this encoder: parity bits 1."
     ]
@@ -346,13 +351,18 @@ def test_parity_over_a_part_of_the_frame(tmp_path: Path, capsys: pytest.CaptureF
     """The modules check the parity of the whole frame, so that a parity over a part of its bits is a special bit."""
     joined = JOINED.replace("        join:", f"          - {parity}\n        join:")
     fields = joined if "singleturn" in parity else position(13, f"          - {parity}")
-    write_spec(tmp_path, fields, counts=512 if fields == joined else 1 << 13, turns=16 if fields == joined else 1)
-    found = settings_of(capsys, tmp_path, "siemens_posinput")
-    assert (found["Frame length"], found["Bit number of LSB of the position value"], found["Parity"]) == (14, 1, "none")
+    counts, turns = (512, 16) if fields == joined else (1 << 13, 1)
+    write_spec(tmp_path, fields, counts=counts, turns=turns)
+    settings = settings_of(capsys, tmp_path, "siemens_posinput")
+    assert (settings["Frame length"], settings["Bit number of LSB of the position value"], settings["Parity"]) == (
+        14,
+        1,
+        "none",
+    )
 
 
 @pytest.mark.parametrize(
-    ("before", "after", "left", "right", "padding"),
+    ("before", "after", "bits_left", "bits_right", "padding"),
     [
         (["{name: life, bits: 4}"], [], 4, 0, 0),
         ([HIGH.strip()[2:]], ["{name: zero, bits: 2, unused: 0}"], 1, 0, 2),
@@ -364,8 +374,8 @@ def test_other_bits(
     capsys: pytest.CaptureFixture[str],
     before: list[str],
     after: list[str],
-    left: int,
-    right: int,
+    bits_left: int,
+    bits_right: int,
     padding: int,
 ) -> None:
     """The record of a frame with bits that the common frame lacks is shown, and its bits are counted by side."""
@@ -374,7 +384,7 @@ def test_other_bits(
     assert main(["master", "EXAMPLE-X", "--specs", str(tmp_path), "--json"]) == 0
     record = json.loads(capsys.readouterr().out)["record"]
     counted = (record["other_bits_left"], record["other_bits_right"], record["padding_right"], record["frame_bits"])
-    assert counted == (left, right, padding, 13 + left + right + padding)
+    assert counted == (bits_left, bits_right, padding, 13 + bits_left + bits_right + padding)
 
 
 CRC = """\

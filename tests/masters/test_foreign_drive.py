@@ -5,6 +5,7 @@ from __future__ import annotations
 import socket
 from collections.abc import Callable, Iterator
 from importlib import resources
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +23,7 @@ pytestmark = pytest.mark.slow
 DRIVES = [("virtual_drive.xdf", 32, set[str]()), ("virtual_drive_v3.0.xdf", 40, {"FBK_BISS1_SSI1_WAIT_CYCLES"})]
 
 
-@pytest.fixture(scope="module", params=[item[0] for item in DRIVES])
+@pytest.fixture(scope="module", params=[drive[0] for drive in DRIVES])
 def servo(request: pytest.FixtureRequest) -> Iterator[Any]:
     """A drive with a dictionary from its package, on a free port."""
     network = pytest.importorskip("ingenialink.ethernet.network", reason="ingenialink is not installed")
@@ -34,10 +35,11 @@ def servo(request: pytest.FixtureRequest) -> Iterator[Any]:
     running = drive.VirtualDrive(port, dictionary)
     running.start()
     connection = network.EthernetNetwork()
-    found = connection.connect_to_slave("127.0.0.1", dictionary, port)
-    found.most, found.lacks = next(item[1:] for item in DRIVES if item[0] == request.param)
-    yield found
-    connection.disconnect_from_slave(found)
+    connected = connection.connect_to_slave("127.0.0.1", dictionary, port)
+    limits = {name: drive_limits for name, *drive_limits in DRIVES}
+    connected.max_position_bits, connected.missing_registers = limits[request.param]
+    yield connected
+    connection.disconnect_from_slave(connected)
     running.stop()
 
 
@@ -49,36 +51,39 @@ def test_a_drive_takes_the_configuration(
     master = masters["novanta"]
     rule = master.files[0]
     typed = {"AMM5A17/1SC1": (25, 17), "SMA21-SC1-0002": (32, 24), "SMA21-SC1-0050": (32, 24)}
-    seen = 0
+    loaded_count = 0
     for device in library.devices:
-        for told in (item for interface in device.interfaces for item in records_of(device, interface)):
-            made = sheet(master, told)
-            if made.refusals:
+        records = chain.from_iterable(records_of(device, interface) for interface in device.interfaces)
+        for record in records:
+            settings_sheet = sheet(master, record)
+            if settings_sheet.refusals:
                 continue
             path = tmp_path / "encoder.xcf"
-            path.write_text(file_text(device, [told.code], made, rule, master.devices[0].name), encoding="utf-8")
+            path.write_text(
+                file_text(device, [record.code], settings_sheet, rule, master.devices[0].name), encoding="utf-8"
+            )
             assert len(configuration.load_from_xcf(str(path)).registers) == 8
-            if (told.numbers["position_bits"] or 0) + (told.numbers["padding_left"] or 0) > servo.most:
+            if (record.numbers["position_bits"] or 0) + (record.numbers["padding_left"] or 0) > servo.max_position_bits:
                 with pytest.raises(Exception, match="POS_BITS"):
                     servo.load_configuration(str(path), strict=True)
                 continue
-            servo.load_configuration(str(path), strict=not servo.lacks)
-            for item in made.settings:
-                if item.places[0].symbol not in servo.lacks:
-                    assert servo.read(item.places[0].symbol, subnode=1) == item.value, (told.code, item.name)
-            if told.code in typed:
-                held = [servo.read(f"FBK_BISS1_SSI1_{name}", subnode=1) for name in ("FRAME_SIZE", "POS_BITS")]
-                assert tuple(held) == typed[told.code]
-            seen += 1
+            servo.load_configuration(str(path), strict=not servo.missing_registers)
+            for setting in settings_sheet.settings:
+                if setting.places[0].symbol not in servo.missing_registers:
+                    assert servo.read(setting.places[0].symbol, subnode=1) == setting.value, (record.code, setting.name)
+            if record.code in typed:
+                read_back = [servo.read(f"FBK_BISS1_SSI1_{name}", subnode=1) for name in ("FRAME_SIZE", "POS_BITS")]
+                assert tuple(read_back) == typed[record.code]
+            loaded_count += 1
     # Of the iC-MU, the 36 with at most 28 position bits.
-    assert seen == (76 if servo.most == 32 else 86)
+    assert loaded_count == (76 if servo.max_position_bits == 32 else 86)
 
 
 def test_a_wrong_register_is_reported(
     servo: Any, tmp_path: Path, library: Library, masters: dict[str, Master], record_of: Callable[[str], Record]
 ) -> None:
     """With a register that the drive lacks, its software does not report success."""
-    device = next(item for item in library.devices if item.name == "amm5")
+    device = next(device for device in library.devices if device.name == "amm5")
     master = masters["novanta"]
     text = file_text(device, ["AMM5A17/1SC1"], sheet(master, record_of("AMM5A17/1SC1")), master.files[0], master.title)
     path = tmp_path / "encoder.xcf"

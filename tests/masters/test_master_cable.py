@@ -10,10 +10,10 @@ from codewheel.commands.cli import main
 from codewheel.masters.text import cited
 
 
-def told(capsys: pytest.CaptureFixture[str], code: str, master: str, *more: str) -> dict[str, Any]:
+def data_with_settings(capsys: pytest.CaptureFixture[str], code: str, master: str, *more: str) -> dict[str, Any]:
     assert main(["master", code, "--master", master, "--json", *more]) == 0
-    found: dict[str, Any] = json.loads(capsys.readouterr().out)
-    return found | {"settings": {item["name"]: item for item in found["masters"][0]["settings"]}}
+    data: dict[str, Any] = json.loads(capsys.readouterr().out)
+    return data | {"settings": {setting["name"]: setting for setting in data["masters"][0]["settings"]}}
 
 
 @pytest.mark.parametrize(
@@ -28,8 +28,8 @@ def told(capsys: pytest.CaptureFixture[str], code: str, master: str, *more: str)
     ],
 )
 def test_ssi(capsys: pytest.CaptureFixture[str], code: str, metres: str, below: int) -> None:
-    found = told(capsys, code, "linuxcnc_hostmot2", "--cable", metres)["settings"]["frequency-khz"]
-    assert (found["bound"], found["value"]) == ("below", below)
+    clock = data_with_settings(capsys, code, "linuxcnc_hostmot2", "--cable", metres)["settings"]["frequency-khz"]
+    assert (clock["bound"], clock["value"]) == ("below", below)
 
 
 @pytest.mark.parametrize(
@@ -44,22 +44,24 @@ def test_ssi(capsys: pytest.CaptureFixture[str], code: str, metres: str, below: 
     ],
 )
 def test_biss(capsys: pytest.CaptureFixture[str], code: str, metres: str, kilohertz: int) -> None:
-    found = told(capsys, code, "linuxcnc_hostmot2", "--cable", metres)["settings"]["frequency-khz"]
-    assert (found["bound"], found["value"]) == ("at_most", kilohertz)
+    clock = data_with_settings(capsys, code, "linuxcnc_hostmot2", "--cable", metres)["settings"]["frequency-khz"]
+    assert (clock["bound"], clock["value"]) == ("at_most", kilohertz)
 
 
 def test_a_list_of_clocks(capsys: pytest.CaptureFixture[str]) -> None:
     """Below 400 kHz the terminal has only 19, 250 kHz. The other master has 300 kHz, which is 2."""
-    settings = told(capsys, "AM3619/4096-GG", "beckhoff_el5042", "--cable", "30")["settings"]
+    settings = data_with_settings(capsys, "AM3619/4096-GG", "beckhoff_el5042", "--cable", "30")["settings"]
     assert (
         settings["Clock Frequency, EL5042 and EP7041-4032"]["value"],
         settings["Clock Frequency, EJ5042"]["value"],
     ) == (19, 19)
-    assert told(capsys, "AM3619/4096-GG", "omron_nx", "--cable", "30")["settings"]["Baud Rate"]["value"] == 2
+    assert (
+        data_with_settings(capsys, "AM3619/4096-GG", "omron_nx", "--cable", "30")["settings"]["Baud Rate"]["value"] == 2
+    )
 
 
 def test_without_a_cable_the_clock_says_what_it_is_for(capsys: pytest.CaptureFixture[str]) -> None:
-    ssi = told(capsys, "AMM5A21/65KBG1", "beckhoff_el5042")
+    ssi = data_with_settings(capsys, "AMM5A21/65KBG1", "beckhoff_el5042")
     assert ssi["record"]["cable_lengths"][0] == {"metres": 50, "hz": 400_000, "is_below": True}
     assert ssi["record"]["cable_errata"] == ["ssi_cable_400_m", "ssi_cable_50_m"]
     note = ssi["settings"]["Clock Frequency, EL5042 and EP7041-4032"]["note"]
@@ -67,7 +69,7 @@ def test_without_a_cable_the_clock_says_what_it_is_for(capsys: pytest.CaptureFix
         "the encoder's manual, no cable allows this clock: a cable shorter than 50 m needs a clock below 400 kHz, "
         "and a longer one needs a lower clock." in note
     )
-    biss = told(capsys, "AMM5A21/65KSC1", "beckhoff_el5042")
+    biss = data_with_settings(capsys, "AMM5A21/65KSC1", "beckhoff_el5042")
     assert (
         biss["settings"]["Clock Frequency, EL5042 and EP7041-4032"]["note"]
         == "For a cable up to 10 m, according to the table in AN15 of iC-Haus, revision A3, for RS-422."

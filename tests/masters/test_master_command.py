@@ -55,9 +55,8 @@ def test_one_master(capsys: pytest.CaptureFixture[str]) -> None:
     code, out, _ = run(capsys, "master", "SMA21-SC1-0050", "--master", "linuxcnc_hostmot2")
     assert code == 0
     # It is on its own line, so that it can be copied without the mark.
-    assert "biss_chan_0=crc%6pnwarning%1bnerror%1bposition%20epadding%4p *" in [
-        line.strip().removeprefix("biss_chan_0 ").strip() for line in out.splitlines()
-    ]
+    lines = [line.strip().removeprefix("biss_chan_0 ").strip() for line in out.splitlines()]
+    assert "biss_chan_0=crc%6pnwarning%1bnerror%1bposition%20epadding%4p *" in lines
     assert "docs/src/man/man9/hostmot2.9.adoc" in out
     assert "AX8000" not in out
 
@@ -65,17 +64,17 @@ def test_one_master(capsys: pytest.CaptureFixture[str]) -> None:
 @pytest.mark.slow
 def test_columns_end_where_most_settings_do(devices: Mapping[str, Device], sheet_of: SheetOf) -> None:
     """A long name or value moves what follows it in its own line, and no other line."""
-    found = sheet_of("linuxcnc_hostmot2", "SMA21-SC1-0050")
-    one = replace(found.settings[0], at="place", note="", standing="documented", places=())
+    settings_sheet = sheet_of("linuxcnc_hostmot2", "SMA21-SC1-0050")
+    setting = replace(settings_sheet.settings[0], at="place", note="", standing="documented", places=())
     long = [
-        replace(one, name="n" * 41, text="1"),
-        replace(one, name="m", text="v" * 19),
-        replace(one, name="m", text="1"),
+        replace(setting, name="n" * 41, text="1"),
+        replace(setting, name="m", text="v" * 19),
+        replace(setting, name="m", text="1"),
     ]
     device = devices["sma21"]
     match = find(device, "SMA21-SC1-0050")
-    made = replace(found, settings=tuple(long), writing=(), notes=())
-    lines = sheet_text(device, match, record(device, match.variant), [made]).splitlines()
+    narrow_sheet = replace(settings_sheet, settings=tuple(long), writing=(), notes=())
+    lines = sheet_text(device, match, record(device, match.variant), [narrow_sheet]).splitlines()
     begun = lines.index(next(line for line in lines if line.startswith("  nnn")))
     assert lines[begun : begun + 3] == [
         "  " + "n" * 41 + "  1" + " " * 17 + "  place",
@@ -115,7 +114,7 @@ def test_registers(capsys: pytest.CaptureFixture[str]) -> None:
         "0x56=0x10",
         "--json",
     )
-    settings = {item["name"]: item["value"] for item in json.loads(out)["masters"][0]["settings"]}
+    settings = {setting["name"]: setting["value"] for setting in json.loads(out)["masters"][0]["settings"]}
     assert (code, settings["Frame size"], settings["Position bits"], settings["Single-turn bits"]) == (0, 36, 28, 16)
 
 
@@ -166,9 +165,8 @@ def test_the_list(capsys: pytest.CaptureFixture[str]) -> None:
     assert "iC-Haus iC-MB3 and iC-MB4: BiSS C-mode" in out
     assert len(out.splitlines()) == len(list((ROOT / "specs" / "masters").glob("*.yaml")))
     code, out, _ = run(capsys, "master", "--json")
-    assert {item["name"] for item in json.loads(out)["masters"]} == {
-        path.stem for path in (ROOT / "specs" / "masters").glob("*.yaml")
-    }
+    listed_masters = {master["name"] for master in json.loads(out)["masters"]}
+    assert listed_masters == {path.stem for path in (ROOT / "specs" / "masters").glob("*.yaml")}
 
 
 @pytest.mark.slow
@@ -196,10 +194,9 @@ def test_every_page_is_linked(pages: dict[str, str], library: Library) -> None:
 def test_every_order_code_is_on_the_page(pages: dict[str, str], library: Library) -> None:
     for device in library.devices:
         page = pages[f"docs/{device.name}-masters.md"]
-        assert [
-            item.code for item in device.variants if item.interface != "rs485" and f"`{item.code}`" not in page
-        ] == []
-        assert [item.code for item in device.variants if item.interface == "rs485" and f"`{item.code}`" in page] == []
+        for variant in device.variants:
+            is_on_page = f"`{variant.code}`" in page
+            assert is_on_page == (variant.interface != "rs485"), variant.code
 
 
 def test_the_page_says_what_the_command_says(pages: dict[str, str]) -> None:
@@ -222,23 +219,17 @@ def test_hostile_texts_stay_text(library: Library, monkeypatch: pytest.MonkeyPat
 
     hostile = "a | b `c` <script>x</script> [d](e) *f* <!-- g --> ]]>"
     master = shipped_masters()[0]
+    place_texts = {"symbol": hostile, "unit": hostile, "source": hostile}
+    setting_texts = {"name": hostile, "at": hostile, "note": hostile, "source": hostile}
+    settings: list[dict[str, Any]] = []
+    for setting in master.settings:
+        places = [{**place, **place_texts} for place in setting["places"]]
+        settings.append({**setting, **setting_texts, "places": places})
     spoilt: Any = replace(
         master,
         title=hostile,
-        documents=tuple(replace(item, title=hostile) for item in master.documents),
-        settings=tuple(
-            {
-                **item,
-                "name": hostile,
-                "at": hostile,
-                "note": hostile,
-                "source": hostile,
-                "places": [
-                    {**place, "symbol": hostile, "unit": hostile, "source": hostile} for place in item["places"]
-                ],
-            }
-            for item in master.settings
-        ),
+        documents=tuple(replace(document, title=hostile) for document in master.documents),
+        settings=tuple(settings),
         notes=({"text": hostile},),
         limits=({"item": "data_bits", "at_most": 1, "reason": hostile, "source": hostile},),
     )
@@ -255,11 +246,11 @@ def test_hostile_texts_stay_text(library: Library, monkeypatch: pytest.MonkeyPat
 @pytest.mark.slow
 def test_a_device_without_masters(library: Library) -> None:
     """A family with only RS-485 has no page."""
-    device: Device = next(item for item in library.devices if item.name == "amm5")
+    device: Device = next(device for device in library.devices if device.name == "amm5")
     assert masters_page.has_masters(device)
     from dataclasses import replace
 
-    alone = replace(device, variants=tuple(item for item in device.variants if item.interface == "rs485"))
+    alone = replace(device, variants=tuple(variant for variant in device.variants if variant.interface == "rs485"))
     assert not masters_page.has_masters(alone)
     assert "docs/amm5-masters.md" not in generate(Library((alone,)))
 

@@ -27,6 +27,7 @@ from codewheel.targets.masters.files import file_text, generate
 
 Raw = Mapping[str, Any]
 CODE = "AMM5A21/65KSC1"
+FAMILY_BY_START = {"AMM5": "amm5", "AM36": "am36", "SMA21": "sma21"}
 
 #: EL5042, channel 1, for CODE: index and subindex with value and size, from infosys el5042/4216721675.
 EL5042: readers.Objects = {
@@ -43,7 +44,7 @@ EL5042: readers.Objects = {
 #: The EJ5042 has no supply voltage, and CRC Polynomial has 8 bytes: infosys ej5042/10839989899.
 EJ5042: readers.Objects = {**EL5042, (0x8008, 0x11): (0x43, 8)}
 #: The page of the EP7041-4032 gives no type for Mode and Offset LSB Bit.
-EP7041: readers.Objects = {key: found for key, found in EL5042.items() if key[1] not in (0x17, 0x18)}
+EP7041: readers.Objects = {key: value for key, value in EL5042.items() if key[1] not in (0x17, 0x18)}
 #: 32EF: 2^21 steps, 2^16 turns, layout 0, no fill bits, 10,000 kHz, inverted. The page of the polynomial has no type.
 AX8000: readers.Objects = {
     (0x32EF, 0x02): (0, 4),
@@ -76,30 +77,36 @@ OBJECTS = [
 
 SheetOf = Callable[[str, str], Sheet]
 RecordOf = Callable[[str], Record]
-Written = Callable[..., str]
+FileOf = Callable[..., str]
+
+
+def format_names(master: Master) -> list[str]:
+    return [rule["format"] for rule in master.files]
 
 
 def rule_of(master: Master, name: str) -> Raw:
-    return next(item for item in master.files if item["format"] == name)
+    return next(file_rule for file_rule in master.files if file_rule["format"] == name)
 
 
 @pytest.fixture
-def written(devices: Mapping[str, Device], sheet_of: SheetOf) -> Written:
+def file_of(devices: Mapping[str, Device], sheet_of: SheetOf) -> FileOf:
     """Return the file of a master for an order code."""
 
-    def file(master: str, name: str, code: str = CODE, on: str = "", found: Sheet | None = None) -> str:
-        found = found or sheet_of(master, code)
-        rule = rule_of(found.master, name)
-        family = "amm5" if code.startswith("AMM5") else "am36" if code.startswith("AM36") else "sma21"
-        return file_text(devices[family], [code], found, rule, on or found.devices_with(rule)[0])
+    def written_file(
+        master: str, name: str, code: str = CODE, on: str = "", settings_sheet: Sheet | None = None
+    ) -> str:
+        settings_sheet = settings_sheet or sheet_of(master, code)
+        rule = rule_of(settings_sheet.master, name)
+        family = next(name for start, name in FAMILY_BY_START.items() if code.startswith(start))
+        return file_text(devices[family], [code], settings_sheet, rule, on or settings_sheet.devices_with(rule)[0])
 
-    return file
+    return written_file
 
 
 @pytest.mark.parametrize("name", SDO)
 @pytest.mark.parametrize(("master", "on", "expected"), OBJECTS)
-def test_objects_as_typed(written: Written, master: str, on: str, expected: readers.Objects, name: str) -> None:
-    assert getattr(readers, name)(written(master, name, on=on)) == expected
+def test_objects_as_typed(file_of: FileOf, master: str, on: str, expected: readers.Objects, name: str) -> None:
+    assert getattr(readers, name)(file_of(master, name, on=on)) == expected
 
 
 #: EL5042 for a scale of 4 zeros and 20 bits with BiSS, and for one with SSI: 22 bits in Gray code and an error bit.
@@ -111,55 +118,57 @@ OTHERS = [
 
 @pytest.mark.parametrize("name", SDO)
 @pytest.mark.parametrize(("code", "expected"), OTHERS)
-def test_other_encoders_as_typed(written: Written, code: str, expected: dict[int, int], name: str) -> None:
-    found = getattr(readers, name)(written("beckhoff_el5042", name, code))
+def test_other_encoders_as_typed(file_of: FileOf, code: str, expected: dict[int, int], name: str) -> None:
+    objects = getattr(readers, name)(file_of("beckhoff_el5042", name, code))
     sizes = {subindex: 4 if subindex == 0x11 else 1 for subindex in expected}
-    assert found == {(0x8008, subindex): (value, sizes[subindex]) for subindex, value in expected.items()}
+    assert objects == {(0x8008, subindex): (value, sizes[subindex]) for subindex, value in expected.items()}
 
 
-def test_the_second_channel_is_a_comment(written: Written) -> None:
-    text = written("beckhoff_el5042", "ethercat_driver_ros2")
+def test_the_second_channel_is_a_comment(file_of: FileOf) -> None:
+    text = file_of("beckhoff_el5042", "ethercat_driver_ros2")
     lines = [line.replace("  # - {", "  - {") for line in text.splitlines() if "0x8018" in line]
     second = readers.ethercat_driver_ros2("\n".join(["sdo:", *lines]))
-    assert second == {(0x8018, subindex): found for (_, subindex), found in EL5042.items()}
+    assert second == {(0x8018, subindex): value for (_, subindex), value in EL5042.items()}
 
 
 def test_a_code_word_comes_first(
-    written: Written, masters: dict[str, Master], record_of: Callable[[str], Record]
+    file_of: FileOf, masters: dict[str, Master], record_of: Callable[[str], Record]
 ) -> None:
     """An encoder for 7 V to 30 V needs 9 V: F008 = 72657375h is written before 8008:12 = 90."""
-    told = record_of(CODE)
-    told = replace(told, numbers={**told.numbers, "supply_min_mv": 7000, "supply_max_mv": 30_000})
-    text = written("beckhoff_el5042", "ecmc", found=sheet(masters["beckhoff_el5042"], told))
-    found = readers.ecmc(text)
-    order = list(found)
+    record = record_of(CODE)
+    record = replace(record, numbers={**record.numbers, "supply_min_mv": 7000, "supply_max_mv": 30_000})
+    text = file_of("beckhoff_el5042", "ecmc", settings_sheet=sheet(masters["beckhoff_el5042"], record))
+    objects = readers.ecmc(text)
+    order = list(objects)
     assert order.index((0xF008, 0)) + 1 == order.index((0x8008, 0x12))
-    assert (found[0xF008, 0], found[0x8008, 0x12]) == ((0x72657375, 4), (90, 1))
+    assert (objects[0xF008, 0], objects[0x8008, 0x12]) == ((0x72657375, 4), (90, 1))
 
 
 def test_a_device_without_a_clock_does_not_bar_the_others(
-    written: Written, masters: dict[str, Master], record_of: RecordOf
+    file_of: FileOf, masters: dict[str, Master], record_of: RecordOf
 ) -> None:
     """The EJ5042 has no clock between 500 kHz and 2.5 MHz, but the EL5042 has 1 MHz, which is 9."""
-    told = record_of(CODE)
-    told = replace(told, numbers={**told.numbers, "clock_min_hz": 1_000_000, "clock_max_hz": 1_000_000})
-    found = sheet(masters["beckhoff_el5042"], told)
-    assert (found.refusals, found.barred) == ((), {"EJ5042"})
-    assert found.notes[0].startswith("Not for EJ5042. Clock Frequency, EJ5042: no clock is between 1 MHz and 1 MHz")
-    assert found.devices_with({}) == ["EL5042", "EP7041-4032"]
-    assert readers.ecmc(written("beckhoff_el5042", "ecmc", found=found))[0x8008, 0x13] == (9, 1)
+    record = record_of(CODE)
+    record = replace(record, numbers={**record.numbers, "clock_min_hz": 1_000_000, "clock_max_hz": 1_000_000})
+    settings_sheet = sheet(masters["beckhoff_el5042"], record)
+    assert (settings_sheet.refusals, settings_sheet.barred) == ((), {"EJ5042"})
+    assert settings_sheet.notes[0].startswith(
+        "Not for EJ5042. Clock Frequency, EJ5042: no clock is between 1 MHz and 1 MHz"
+    )
+    assert settings_sheet.devices_with({}) == ["EL5042", "EP7041-4032"]
+    assert readers.ecmc(file_of("beckhoff_el5042", "ecmc", settings_sheet=settings_sheet))[0x8008, 0x13] == (9, 1)
 
 
-def test_fastcat_as_typed(written: Written) -> None:
+def test_fastcat_as_typed(file_of: FileOf) -> None:
     expected = {1: 0, 2: 0, 3: 1, 0x11: 67, 0x12: 50, 0x13: 0, 0x14: 0, 0x15: 16, 0x16: 21, 0x17: 0, 0x18: 0}
-    assert readers.fastcat(written("beckhoff_el5042", "fastcat")) == expected
+    assert readers.fastcat(file_of("beckhoff_el5042", "fastcat")) == expected
     # SSI at 1 MHz, in Gray code: 22 bits, of which the lowest is the error bit after 4 zeros.
-    ssi = readers.fastcat(written("beckhoff_el5042", "fastcat", "SMA21-GG1-0010"))
+    ssi = readers.fastcat(file_of("beckhoff_el5042", "fastcat", "SMA21-GG1-0010"))
     assert (ssi[0x18], ssi[0x14], ssi[0x02], ssi[0x11], ssi[0x13]) == (1, 1, 1, 0, 9)
 
 
-def test_moteus_as_typed(written: Written) -> None:
-    assert readers.conf_set(written("moteus", "conf_set")) == {
+def test_moteus_as_typed(file_of: FileOf) -> None:
+    assert readers.conf_set(file_of("moteus", "conf_set")) == {
         "enabled": 1,
         "rate_hz": 1_000_000,
         "data_bits": 37,
@@ -167,14 +176,14 @@ def test_moteus_as_typed(written: Written) -> None:
     }
 
 
-def test_hostmot2_as_typed(written: Written) -> None:
+def test_hostmot2_as_typed(file_of: FileOf) -> None:
     config = "biss_chan_0=crc%6pnwarning%1bnerror%1bpositionlow%21lposition%16mh"
-    assert readers.hal(written("linuxcnc_hostmot2", "hal")) == (config, 10_000)
+    assert readers.hal(file_of("linuxcnc_hostmot2", "hal")) == (config, 10_000)
 
 
-def test_novanta_as_typed(written: Written) -> None:
+def test_novanta_as_typed(file_of: FileOf) -> None:
     """25 bits in all, 17 of them position from bit 8 up."""
-    assert readers.xcf(written("novanta", "xcf", "AMM5A17/1SC1")) == {
+    assert readers.xcf(file_of("novanta", "xcf", "AMM5A17/1SC1")) == {
         "FBK_BISS1_SSI1_PROTOCOL": 0,
         "FBK_BISS1_SSI1_FRAME_SIZE": 25,
         "FBK_BISS1_SSI1_FRAME_TYPE": 3,
@@ -186,8 +195,8 @@ def test_novanta_as_typed(written: Written) -> None:
     }
 
 
-def test_c_as_typed(written: Written) -> None:
-    assert readers.members(written("ti_c2000", "c_struct")) == {
+def test_c_as_typed(file_of: FileOf) -> None:
+    assert readers.members(file_of("ti_c2000", "c_struct")) == {
         "crcBits": 6,
         "crcPoly": 3,
         "crcStart": 0,
@@ -195,18 +204,17 @@ def test_c_as_typed(written: Written) -> None:
         "positionSTBits": 21,
     }
     expected = {"multi_turn_len": 16, "single_turn_len": 21, "baud_rate": 10}
-    assert readers.members(written("ti_motor_control_sdk", "c_struct")) == expected
+    assert readers.members(file_of("ti_motor_control_sdk", "c_struct")) == expected
 
 
-def test_registers_as_typed(written: Written) -> None:
+def test_registers_as_typed(file_of: FileOf) -> None:
     """B1CLTCONx: SCDLEN 38 in 5:0, SCDEN in 6, CRCLEN in 14:8. iC-MB3: SDLEN 38, ENSENS in 6, 21h, INVCRCS in 7."""
-    dspic = readers.defines(written("microchip_dspic33a", "c_registers"))
-    assert {
-        f"AMM5A21_65KSC1_B1CLTCON{client}_VALUE": 38 | 1 << 6 | 6 << 8 for client in range(4)
-    }.items() <= dspic.items()
-    assert {dspic[f"AMM5A21_65KSC1_B1CLTCON{client}_MASK"] for client in range(4)} == {0xFFFFFFFF}
+    dspic = readers.defines(file_of("microchip_dspic33a", "c_registers"))
+    for client in range(4):
+        assert dspic[f"AMM5A21_65KSC1_B1CLTCON{client}_VALUE"] == 38 | 1 << 6 | 6 << 8
+        assert dspic[f"AMM5A21_65KSC1_B1CLTCON{client}_MASK"] == 0xFFFFFFFF
     assert len(dspic) == 8
-    mb3 = readers.defines(written("ic_mb", "c_registers"))
+    mb3 = readers.defines(file_of("ic_mb", "c_registers"))
     assert len(mb3) == 18
     for slave in range(3):
         start = f"AMM5A21_65KSC1_ADDRESS_{192 + 4 * slave}"
@@ -217,9 +225,9 @@ def test_registers_as_typed(written: Written) -> None:
         assert (mb3[f"{start}_VALUE"], mb3[f"{start}_MASK"]) == (0, 0x80)
 
 
-def test_ax5000_as_typed(written: Written) -> None:
+def test_ax5000_as_typed(file_of: FileOf) -> None:
     """Bit offsets of P-0-0150 from its pages, UINT of 16 bits, little-endian."""
-    text = written("beckhoff_ax5000", "soe_structure")
+    text = file_of("beckhoff_ax5000", "soe_structure")
     rows = [line.split(";") for line in text.splitlines() if line.startswith("P-0-0150")]
     channel, biss = "P-0-0150 Parameter channel", "P-0-0150 Parameter channel / Data / BiSS"
     assert {(row[0], int(row[2])): (int(row[3]), int(row[4]), row[5]) for row in rows} == {
@@ -237,9 +245,9 @@ def test_ax5000_as_typed(written: Written) -> None:
 
 
 @pytest.mark.parametrize(("on", "divider"), [("Optima and Econo", 24), ("Accelera", 24)])
-def test_galil_as_typed(written: Written, on: str, divider: int) -> None:
+def test_galil_as_typed(file_of: FileOf, on: str, divider: int) -> None:
     """SMA21-GG1 takes 1 MHz: 25 MHz / (2 * 13) is 961,538 Hz with 12, and 27 MHz / (2 * 14) is 964,286 Hz with 13."""
-    text = written("galil_ssi", "dmc", "AMM5A21/65KBG1", on)
+    text = file_of("galil_ssi", "dmc", "AMM5A21/65KBG1", on)
     assert text.splitlines()[-1] == "SIA=1,37,21,0<4>1"
     assert all(line.startswith("REM ") for line in text.splitlines()[:-1])
 
@@ -263,55 +271,51 @@ MISTAKES = [
 ]
 
 
-def _with_mistake(master: Master, setting: str, key: str, wrong: Any) -> Master:
+def _with_mistake(master: Master, setting: str, key: str, wrong_value: Any) -> Master:
     settings = deepcopy(master.settings)
-    for item in settings:
-        if item["name"] == setting:
-            (item if key == "value" else item["places"][0])[key] = wrong
+    for mapping in settings:
+        if mapping["name"] == setting:
+            owner = mapping if key == "value" else mapping["places"][0]
+            owner[key] = wrong_value
     return replace(master, settings=settings)
 
 
-def _values(text: str) -> list[str]:
-    """Return the lines that a tool reads."""
-    return [line for line in text.splitlines() if not line.lstrip().startswith(("#", "//", "<!--", "     "))]
-
-
-@pytest.mark.parametrize(("master", "name", "setting", "key", "wrong"), MISTAKES)
+@pytest.mark.parametrize(("master", "name", "setting", "key", "wrong_value"), MISTAKES)
 def test_a_planted_mistake_changes_the_file(
     masters: dict[str, Master],
     record_of: Callable[[str], Record],
-    written: Written,
+    file_of: FileOf,
     master: str,
     name: str,
     setting: str,
     key: str,
-    wrong: Any,
+    wrong_value: Any,
 ) -> None:
     """Every mistake reaches the file, so the typed values above fail with it."""
-    right = written(master, name)
-    found = sheet(_with_mistake(masters[master], setting, key, wrong), record_of(CODE))
-    assert not found.refusals
-    made = written(master, name, found=found)
+    right_text = file_of(master, name)
+    wrong_sheet = sheet(_with_mistake(masters[master], setting, key, wrong_value), record_of(CODE))
+    assert not wrong_sheet.refusals
+    wrong_text = file_of(master, name, settings_sheet=wrong_sheet)
     reader = getattr(readers, name, None)
     if reader is None:
-        assert made != right
+        assert wrong_text != right_text
     else:
         with suppress(readers.Refused, KeyError):
-            assert reader(made) != reader(right)
+            assert reader(wrong_text) != reader(right_text)
 
 
 def records(library: Library) -> Iterator[tuple[Device, Record]]:
     for device in library.devices:
         for interface in device.interfaces:
-            for found in records_of(device, interface):
-                yield device, found
+            for encoder_record in records_of(device, interface):
+                yield device, encoder_record
 
 
 @pytest.mark.slow
 def test_every_order_code_has_a_file_or_a_reason(library: Library, masters: dict[str, Master]) -> None:
     """154 of the 171 order codes have a record. The other 17 have RS-485, and the reason says so."""
-    codes = {found.code for _, found in records(library)}
-    variants = [(device, item) for device in library.devices for item in device.variants]
+    codes = {encoder_record.code for _, encoder_record in records(library)}
+    variants = [(device, variant) for device in library.devices for variant in device.variants]
     assert (len(codes), len(variants)) == (154, 171)
     for device, variant in variants:
         if variant.code not in codes:
@@ -319,37 +323,37 @@ def test_every_order_code_has_a_file_or_a_reason(library: Library, masters: dict
                 NoRecord, match="has the interface RS-485; there are masters for SSI and BiSS C-mode only"
             ):
                 record(device, variant)
-    seen = 0
-    for device, found in records(library):
+    file_count = 0
+    for device, encoder_record in records(library):
         for master in masters.values():
-            made = sheet(master, found)
-            if made.refusals:
-                assert all(item.reason.endswith(".") for item in made.refusals)
+            settings_sheet = sheet(master, encoder_record)
+            if settings_sheet.refusals:
+                assert all(refusal.reason.endswith(".") for refusal in settings_sheet.refusals)
                 continue
             for rule in master.files:
-                for on in made.devices_with(rule):
-                    text = file_text(device, [found.code], made, rule, on)
+                for on in settings_sheet.devices_with(rule):
+                    text = file_text(device, [encoder_record.code], settings_sheet, rule, on)
                     assert "Not yet tested on hardware." in " ".join(text.split())
-                    _read_back(rule["format"], text, made, on, rule)
-                    seen += 1
-    assert seen > 2_800
+                    _read_back(rule["format"], text, settings_sheet, on, rule)
+                    file_count += 1
+    assert file_count > 2_800
 
 
-def _read_back(name: str, text: str, made: Sheet, on: str, rule: Raw) -> None:
+def _read_back(name: str, text: str, settings_sheet: Sheet, on: str, rule: Raw) -> None:
     """Read a file with the reader of its format, and compare each value with the page of the master."""
-    entries = content(made, rule, on).entries
-    page = {item.name: item.value for item in made.settings}
-    for item in entries:
-        assert item.value == page.get(item.name, item.value)
+    entries = content(settings_sheet, rule, on).entries
+    page = {setting.name: setting.value for setting in settings_sheet.settings}
+    for entry in entries:
+        assert entry.value == page.get(entry.name, entry.value)
     reader = getattr(readers, name, None)
     if name in SDO:
-        expected = {(item.place.index, item.place.subindex): (int(item.value), item.size) for item in entries}
+        expected = {(entry.place.index, entry.place.subindex): (int(entry.value), entry.size) for entry in entries}
         assert reader is not None
         assert reader(text) == expected
         assert len(expected) == len(entries)
     elif name == "fastcat":
-        found = readers.fastcat(text)
-        assert {item.place.subindex: item.value for item in entries}.items() <= found.items()
+        values = readers.fastcat(text)
+        assert {entry.place.subindex: entry.value for entry in entries}.items() <= values.items()
     elif reader is not None:
         reader(text)
 
@@ -359,7 +363,8 @@ def test_bulk_files_have_every_order_code_as_a_comment(library: Library) -> None
     files = generate(library)
     assert 100 < len(files) < 200
     # LinuxCNC takes at most 32 position bits of a BiSS frame. A few iC-MU have 38.
-    codes = {found.code for _, found in records(library) if (found.numbers["position_bits"] or 0) <= 32}
+    all_records = [encoder_record for _, encoder_record in records(library)]
+    codes = {encoder.code for encoder in all_records if (encoder.numbers["position_bits"] or 0) <= 32}
     for path, text in files.items():
         if path.endswith((".yaml", ".cmd", ".cfg", ".hal", ".h", ".csv", ".dmc")):
             assert all(line.startswith(("#", "//", "REM")) for line in text.splitlines() if line), path
@@ -369,17 +374,20 @@ def test_bulk_files_have_every_order_code_as_a_comment(library: Library) -> None
 
 @pytest.mark.parametrize("name", [*SDO, "c_struct", "xcf"])
 def test_hostile_names_stay_in_comments(
-    masters: dict[str, Master], written: Written, record_of: RecordOf, name: str
+    masters: dict[str, Master], file_of: FileOf, record_of: RecordOf, name: str
 ) -> None:
     """A setting or document whose name would end a comment changes no value."""
-    master = next(item for item in masters.values() if any(rule["format"] == name for rule in item.files))
-    bad = "x --> */ \n- {index: 1}\\"
-    settings = [{**item, "name": f"{item['name']} {bad}"} for item in master.settings]
-    documents = tuple(replace(item, title=f"{item.title} {bad}") for item in master.documents)
-    found = sheet(replace(master, settings=tuple(settings), documents=documents, writing=()), record_of("AMM5A17/1SC1"))
+    masters_with_format = (master for master in masters.values() if name in format_names(master))
+    master = next(masters_with_format)
+    hostile = "x --> */ \n- {index: 1}\\"
+    settings = [{**setting, "name": f"{setting['name']} {hostile}"} for setting in master.settings]
+    documents = tuple(replace(document, title=f"{document.title} {hostile}") for document in master.documents)
+    hostile_sheet = sheet(
+        replace(master, settings=tuple(settings), documents=documents, writing=()), record_of("AMM5A17/1SC1")
+    )
     reader = getattr(readers, name, readers.members)
-    text = written(master.name, name, found=found)
-    assert reader(text) == reader(written(master.name, name, "AMM5A17/1SC1"))
+    text = file_of(master.name, name, settings_sheet=hostile_sheet)
+    assert reader(text) == reader(file_of(master.name, name, "AMM5A17/1SC1"))
     assert not any(line.endswith("\\") for line in text.splitlines() if line.startswith("//"))
 
 
@@ -437,11 +445,12 @@ def test_a_missing_choice_and_a_master_without_files(capsys: pytest.CaptureFixtu
 
 def test_data_name_the_formats(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["master", CODE, "--json"]) == 0
-    files = {item["name"]: item["files"] for item in json.loads(capsys.readouterr().out)["masters"]}
+    masters = json.loads(capsys.readouterr().out)["masters"]
+    files = {master["name"]: master["files"] for master in masters}
     assert {"format": "fastcat", "devices": ["EL5042"]} in files["beckhoff_el5042"]
     assert (files["keb_f5"], files["omron_nx"]) == ([], [])
 
 
-def test_the_command_prints_the_file(capsys: pytest.CaptureFixture[str], written: Written) -> None:
+def test_the_command_prints_the_file(capsys: pytest.CaptureFixture[str], file_of: FileOf) -> None:
     assert main(["master", CODE, "--master", "moteus", "--format", "conf_set"]) == 0
-    assert capsys.readouterr().out == written("moteus", "conf_set")
+    assert capsys.readouterr().out == file_of("moteus", "conf_set")

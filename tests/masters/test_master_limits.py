@@ -13,7 +13,7 @@ from codewheel.masters.sheet import Master, load_masters, sheet
 RecordOf = Callable[[str], Record]
 
 
-def changed(record: Record, **items: int | str | None) -> Record:
+def record_with(record: Record, **items: int | str | None) -> Record:
     words = {name: str(items.get(name, value)) for name, value in record.words.items()}
     numbers: Mapping[str, int | None]
     numbers = {name: items.get(name, value) for name, value in record.numbers.items()}  # type: ignore[misc]
@@ -115,8 +115,8 @@ def test_limits(
     reason: str,
 ) -> None:
     sound = record_of("AMM5A17/1SC1")
-    assert sheet(masters[master], changed(sound, **within)).refusals == ()
-    assert reason in [item.reason for item in sheet(masters[master], changed(sound, **beyond)).refusals]
+    assert sheet(masters[master], record_with(sound, **within)).refusals == ()
+    assert reason in [refusal.reason for refusal in sheet(masters[master], record_with(sound, **beyond)).refusals]
 
 
 @pytest.mark.parametrize(
@@ -132,21 +132,24 @@ def test_limits(
 def test_the_fastest_clock_that_both_have(
     masters: dict[str, Master], record_of: RecordOf, slowest: int, fastest: int, clock: int
 ) -> None:
-    found = sheet(
-        masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_min_hz=slowest, clock_max_hz=fastest)
+    settings_sheet = sheet(
+        masters["beckhoff_el5042"], record_with(record_of("AMM5A17/1SC1"), clock_min_hz=slowest, clock_max_hz=fastest)
     )
-    assert {item.name: item.value for item in found.settings}["Clock Frequency, EL5042 and EP7041-4032"] == clock
+    assert {setting.name: setting.value for setting in settings_sheet.settings}[
+        "Clock Frequency, EL5042 and EP7041-4032"
+    ] == clock
 
 
 def test_no_clock_that_both_have(masters: dict[str, Master], record_of: RecordOf) -> None:
     sound = record_of("AMM5A17/1SC1")
-    slow = sheet(masters["beckhoff_el5042"], changed(sound, clock_min_hz=50_000, clock_max_hz=249_999))
-    assert [item.reason for item in slow.refusals] == [
-        f"Clock Frequency, {item}: no clock is between 50 kHz and 249.999 kHz, the limits of the encoder."
-        for item in ("EL5042 and EP7041-4032", "EJ5042")
+    slow = sheet(masters["beckhoff_el5042"], record_with(sound, clock_min_hz=50_000, clock_max_hz=249_999))
+    limits = "no clock is between 50 kHz and 249.999 kHz, the limits of the encoder."
+    assert [refusal.reason for refusal in slow.refusals] == [
+        f"Clock Frequency, EL5042 and EP7041-4032: {limits}",
+        f"Clock Frequency, EJ5042: {limits}",
     ]
-    fast = sheet(masters["moteus"], changed(sound, clock_min_hz=2_000_000))
-    assert [item.reason for item in fast.refusals] == [
+    fast = sheet(masters["moteus"], record_with(sound, clock_min_hz=2_000_000))
+    assert [refusal.reason for refusal in fast.refusals] == [
         "The master supports clocks of at most 1 MHz, but the encoder needs 2 MHz to 10 MHz."
     ]
 
@@ -156,15 +159,16 @@ def test_the_module_with_fewer_clocks(
     masters: dict[str, Master], record_of: RecordOf, fastest: int, clock: int
 ) -> None:
     """The EJ5042 has no 5 MHz, 2 MHz and 1 MHz."""
-    found = sheet(
-        masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_min_hz=50_000, clock_max_hz=fastest)
+    settings_sheet = sheet(
+        masters["beckhoff_el5042"], record_with(record_of("AMM5A17/1SC1"), clock_min_hz=50_000, clock_max_hz=fastest)
     )
-    assert {item.name: item.value for item in found.settings}["Clock Frequency, EJ5042"] == clock
+    assert {setting.name: setting.value for setting in settings_sheet.settings}["Clock Frequency, EJ5042"] == clock
 
 
 def test_unknown_is_said(masters: dict[str, Master], record_of: RecordOf) -> None:
-    found = sheet(masters["beckhoff_el5042"], changed(record_of("AMM5A17/1SC1"), clock_max_hz=None))
-    clock = next(item for item in found.settings if item.name == "Clock Frequency, EL5042 and EP7041-4032")
+    settings_sheet = sheet(masters["beckhoff_el5042"], record_with(record_of("AMM5A17/1SC1"), clock_max_hz=None))
+    settings = {setting.name: setting for setting in settings_sheet.settings}
+    clock = settings["Clock Frequency, EL5042 and EP7041-4032"]
     assert (clock.value, clock.text) == (
         None,
         "unknown: not in the encoder's spec (fastest clock of the encoder, in Hz)",
@@ -182,14 +186,14 @@ def test_unknown_is_said(masters: dict[str, Master], record_of: RecordOf) -> Non
 def test_polynomials_of_microchip(
     masters: dict[str, Master], record_of: RecordOf, polynomial: int, bits: int, expected: dict[str, int]
 ) -> None:
-    record = changed(
+    record = record_with(
         record_of("AMM5A17/1SC1"),
         crc_polynomial=polynomial,
         crc_bits=bits,
         crc_polynomial_without_last_1=polynomial >> 1,
     )
-    found = {item.name: item.value for item in sheet(masters["microchip_dspic33a"], record).settings}
-    assert {name: value for name, value in found.items() if name in ("CRCSELx", "CRCLENx", "CRCPOLYx")} == expected
+    settings = {setting.name: setting.value for setting in sheet(masters["microchip_dspic33a"], record).settings}
+    assert {name: value for name, value in settings.items() if name in ("CRCSELx", "CRCLENx", "CRCPOLYx")} == expected
 
 
 OWN = """
@@ -211,14 +215,14 @@ def test_own_masters(record_of: RecordOf, tmp_path: Path) -> None:
     """A user's file is added to ours or replaces one with its name, and an impossible value is a refusal."""
     (tmp_path / "mine.yaml").write_text(OWN.format(name="mine", title="Mine"), encoding="utf-8")
     (tmp_path / "moteus.yaml").write_text(OWN.format(name="moteus", title="Other"), encoding="utf-8")
-    found, report = load_masters([tmp_path])
+    masters, report = load_masters([tmp_path])
     assert not report.problems
-    by_name = {item.name: item for item in found}
+    by_name = {master.name: master for master in masters}
     assert by_name["mine"].title == "Mine"
     assert by_name["moteus"].title == "Other"
     assert "ic_mb" in by_name
     refusals = sheet(by_name["mine"], record_of("AMM5A17/1SC1")).refusals
-    assert [item.reason for item in refusals] == ["Less would be position_bits - 100, which cannot be set."]
+    assert [refusal.reason for refusal in refusals] == ["Less would be position_bits - 100, which cannot be set."]
 
 
 @pytest.mark.slow
@@ -226,6 +230,6 @@ def test_a_spec_is_no_master(tmp_path: Path) -> None:
     path = tmp_path / "manufacturer.yaml"
     path.write_text("codewheel: 1\nmanufacturer: x\ntitle: X\nsource: y\n", encoding="utf-8")
     _, report = load_masters([path])
-    assert [item.message for item in report.problems] == [
+    assert [problem.message for problem in report.problems] == [
         "this is not a description of a master: the key 'master' is missing"
     ]

@@ -23,6 +23,7 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
+from codewheel.masters.places import Place
 from codewheel.masters.record import Record
 from codewheel.masters.sheet import Master, Setting, Sheet, sheet
 from codewheel.masters.writing import write_order
@@ -33,42 +34,50 @@ Row = tuple[Any, ...]
 
 CODE = "AMM5A21/65KSC1"
 
+
+def rows_of_channels(device: str, settings: list[Row]) -> list[Row]:
+    """Return the rows of a terminal with two channels, whose objects are 0x10 apart."""
+    rows: list[Row] = []
+    for channel in (1, 2):
+        index = 0x8008 + 0x10 * (channel - 1)
+        rows += [(name, device, f"channel {channel}", index, *facts) for name, *facts in settings]
+    return rows
+
+
 #: Setting, device, channel, index, subindex, type, kind, width, unit, default, value, for AMM5A21/65KSC1: 16 + 21 bits,
 #: CRC 0x43 inverted, 10 MHz.
-EL5042: list[Row] = [
-    (name, "EL5042", f"channel {channel}", 0x8008 + 0x10 * (channel - 1), *rest)
-    for name, *rest in [
-        ("Mode", 0x18, "UINT8", "unsigned", 8, "none", 0, 0),
-        ("Disable Status Bits", 0x02, "BOOLEAN", "boolean", 1, "none", False, False),
-        ("CRC Invert", 0x03, "BOOLEAN", "boolean", 1, "none", True, True),
-        ("CRC Polynomial", 0x11, "UINT32", "unsigned", 32, "none", 67, 67),
-        ("Clock Frequency, EL5042 and EP7041-4032", 0x13, "UINT8", "unsigned", 8, "none", 0, 0),
-        ("Coding", 0x14, "UINT8", "unsigned", 8, "none", 0, 0),
-        ("Multiturn [Bit]", 0x15, "UINT8", "unsigned", 8, "bits", 12, 16),
-        ("Singleturn [Bit]", 0x16, "UINT8", "unsigned", 8, "bits", 13, 21),
-        ("Offset LSB Bit [Bit]", 0x17, "UINT8", "unsigned", 8, "bits", 0, 0),
-    ]
-    for channel in (1, 2)
+EL5042_SETTINGS: list[Row] = [
+    ("Mode", 0x18, "UINT8", "unsigned", 8, "none", 0, 0),
+    ("Disable Status Bits", 0x02, "BOOLEAN", "boolean", 1, "none", False, False),
+    ("CRC Invert", 0x03, "BOOLEAN", "boolean", 1, "none", True, True),
+    ("CRC Polynomial", 0x11, "UINT32", "unsigned", 32, "none", 67, 67),
+    ("Clock Frequency, EL5042 and EP7041-4032", 0x13, "UINT8", "unsigned", 8, "none", 0, 0),
+    ("Coding", 0x14, "UINT8", "unsigned", 8, "none", 0, 0),
+    ("Multiturn [Bit]", 0x15, "UINT8", "unsigned", 8, "bits", 12, 16),
+    ("Singleturn [Bit]", 0x16, "UINT8", "unsigned", 8, "bits", 13, 21),
+    ("Offset LSB Bit [Bit]", 0x17, "UINT8", "unsigned", 8, "bits", 0, 0),
 ]
+EL5042 = rows_of_channels("EL5042", EL5042_SETTINGS)
 SUPPLY: Row = ("Supply Voltage", "EL5042", "", 0x8008, 0x12, "UINT8", "unsigned", 8, "0.1 V", 50, 50)
-EJ5042: list[Row] = [
-    (name, "EJ5042", f"channel {channel}", 0x8008 + 0x10 * (channel - 1), *rest)
-    for name, *rest in [
-        ("Mode", 0x18, "UINT8", "unsigned", 8, "none", 0, 0),
-        ("Disable Status Bits", 0x02, "BOOLEAN", "boolean", 1, "none", False, False),
-        ("CRC Invert", 0x03, "BOOLEAN", "boolean", 1, "none", True, True),
-        ("CRC Polynomial", 0x11, "INT64", "signed", 64, "none", 67, 67),
-        ("Clock Frequency, EJ5042", 0x13, "UINT8", "unsigned", 8, "none", 0, 0),
-        ("Coding", 0x14, "UINT8", "unsigned", 8, "none", 0, 0),
-        ("Multiturn [Bit]", 0x15, "UINT8", "unsigned", 8, "bits", 12, 16),
-        ("Singleturn [Bit]", 0x16, "UINT8", "unsigned", 8, "bits", 13, 21),
-        ("Offset LSB Bit [Bit]", 0x17, "UINT8", "unsigned", 8, "bits", 0, 0),
-    ]
-    for channel in (1, 2)
+EJ5042_SETTINGS: list[Row] = [
+    ("Mode", 0x18, "UINT8", "unsigned", 8, "none", 0, 0),
+    ("Disable Status Bits", 0x02, "BOOLEAN", "boolean", 1, "none", False, False),
+    ("CRC Invert", 0x03, "BOOLEAN", "boolean", 1, "none", True, True),
+    ("CRC Polynomial", 0x11, "INT64", "signed", 64, "none", 67, 67),
+    ("Clock Frequency, EJ5042", 0x13, "UINT8", "unsigned", 8, "none", 0, 0),
+    ("Coding", 0x14, "UINT8", "unsigned", 8, "none", 0, 0),
+    ("Multiturn [Bit]", 0x15, "UINT8", "unsigned", 8, "bits", 12, 16),
+    ("Singleturn [Bit]", 0x16, "UINT8", "unsigned", 8, "bits", 13, 21),
+    ("Offset LSB Bit [Bit]", 0x17, "UINT8", "unsigned", 8, "bits", 0, 0),
 ]
+EJ5042 = rows_of_channels("EJ5042", EJ5042_SETTINGS)
+AKD2G_SETTING = ("Unsigned8", "unsigned", 8, "bits", 12, 16)
 AKD2G: list[Row] = [
-    ("FB#.MULTITURNBITS", "AKD2G", f"FB{number}", 0x34FF + number, 0x0C, "Unsigned8", "unsigned", 8, "bits", 12, 16)
-    for number in (1, 2, 3, 4, 5)
+    ("FB#.MULTITURNBITS", "AKD2G", "FB1", 0x3500, 0x0C, *AKD2G_SETTING),
+    ("FB#.MULTITURNBITS", "AKD2G", "FB2", 0x3501, 0x0C, *AKD2G_SETTING),
+    ("FB#.MULTITURNBITS", "AKD2G", "FB3", 0x3502, 0x0C, *AKD2G_SETTING),
+    ("FB#.MULTITURNBITS", "AKD2G", "FB4", 0x3503, 0x0C, *AKD2G_SETTING),
+    ("FB#.MULTITURNBITS", "AKD2G", "FB5", 0x3504, 0x0C, *AKD2G_SETTING),
 ]
 
 #: The manual of the AKD has an object only for FB1.ENCRES, and gives no width. 2 to the power of 32 - 16 is 65536.
@@ -79,17 +88,16 @@ AKD: list[Row] = [
 ]
 
 #: Setting, channel, symbol, type, kind, width, unit, default, value.
-MOTEUS: list[Row] = [
-    (f"aux[12].bissc.{name}", aux, f"{aux}.bissc.{name}", *rest)
-    for name, *rest in [
-        ("enabled", "bool", "boolean", 1, "none", False, 1),
-        ("rate_hz", "uint32_t", "unsigned", 32, "Hz", 1_000_000, 1_000_000),
-        ("data_bits", "uint8_t", "unsigned", 8, "bits", 20, 37),
-        ("crc_bits", "uint8_t", "unsigned", 8, "bits", 6, 6),
-        ("poll_rate_us", "int32_t", "signed", 32, "µs", 100, None),
-    ]
-    for aux in ("aux1", "aux2")
+MOTEUS_SETTINGS: list[Row] = [
+    ("enabled", "bool", "boolean", 1, "none", False, 1),
+    ("rate_hz", "uint32_t", "unsigned", 32, "Hz", 1_000_000, 1_000_000),
+    ("data_bits", "uint8_t", "unsigned", 8, "bits", 20, 37),
+    ("crc_bits", "uint8_t", "unsigned", 8, "bits", 6, 6),
+    ("poll_rate_us", "int32_t", "signed", 32, "µs", 100, None),
 ]
+MOTEUS: list[Row] = []
+for aux in ("aux1", "aux2"):
+    MOTEUS += [(f"aux[12].bissc.{name}", aux, f"{aux}.bissc.{name}", *facts) for name, *facts in MOTEUS_SETTINGS]
 HOSTMOT2: list[Row] = [
     (
         "biss_chan_0",
@@ -106,65 +114,67 @@ HOSTMOT2: list[Row] = [
 ]
 
 #: Setting, channel, register or address, highest bit, lowest bit, width, default, value. 37 + 2 - 1 = 38 data bits.
-DSPIC33A: list[Row] = [
-    (name, f"client {client}", f"B1CLTCON{client}", *rest)
-    for name, *rest in [
-        ("SCDENx", 6, 6, 1, 0, 1),
-        ("SCDLENx", 5, 0, 6, 0, 38),
-        ("CRCSELx", 15, 15, 1, 0, 0),
-        ("CRCLENx", 14, 8, 7, 0, 6),
-        ("CRCSEEDx", 31, 16, 16, 0, 0),
-        ("GRAYx", 7, 7, 1, 0, 0),
-    ]
-    for client in (0, 1, 2, 3)
+DSPIC33A_SETTINGS: list[Row] = [
+    ("SCDENx", 6, 6, 1, 0, 1),
+    ("SCDLENx", 5, 0, 6, 0, 38),
+    ("CRCSELx", 15, 15, 1, 0, 0),
+    ("CRCLENx", 14, 8, 7, 0, 6),
+    ("CRCSEEDx", 31, 16, 16, 0, 0),
+    ("GRAYx", 7, 7, 1, 0, 0),
 ]
-IC_MB3: list[Row] = [
-    (name, f"slave {slave}", first + 4 * (slave - 1), *rest)
-    for name, first, *rest in [
-        ("SDLEN", 192, 5, 0, 6, None, 38),
-        ("ENSENS", 192, 6, 6, 1, None, 1),
-        ("ACTnSENS", 192, 7, 7, 1, None, 0),
-        ("SENSCRCPOLY", 193, 6, 0, 7, None, 0x21),
-        ("INVCRCS", 193, 7, 7, 1, None, 1),
-        ("GRAY", 194, 7, 7, 1, None, 0),
-    ]
-    for slave in (1, 2, 3)
+DSPIC33A: list[Row] = []
+for client in (0, 1, 2, 3):
+    DSPIC33A += [(name, f"client {client}", f"B1CLTCON{client}", *facts) for name, *facts in DSPIC33A_SETTINGS]
+IC_MB3_SETTINGS: list[Row] = [
+    ("SDLEN", 192, 5, 0, 6, None, 38),
+    ("ENSENS", 192, 6, 6, 1, None, 1),
+    ("ACTnSENS", 192, 7, 7, 1, None, 0),
+    ("SENSCRCPOLY", 193, 6, 0, 7, None, 0x21),
+    ("INVCRCS", 193, 7, 7, 1, None, 1),
+    ("GRAY", 194, 7, 7, 1, None, 0),
 ]
+IC_MB3: list[Row] = []
+for slave in (1, 2, 3):
+    offset = 4 * (slave - 1)
+    IC_MB3 += [(name, f"slave {slave}", address + offset, *facts) for name, address, *facts in IC_MB3_SETTINGS]
 
 
-def objects(found: Sheet, device: str) -> list[Row]:
-    return [
-        (
-            *(item.name, place.device, place.channel, place.index, place.subindex),
-            *(place.type, place.kind, place.bits, place.unit, place.default, item.value),
-        )
-        for item in found.settings
-        for place in item.places
-        if place.device == device
-    ]
+def places_of(settings_sheet: Sheet) -> Iterator[tuple[Setting, Place]]:
+    for setting in settings_sheet.settings:
+        for place in setting.places:
+            yield setting, place
 
 
-def symbols(found: Sheet, _: str) -> list[Row]:
-    return [
-        (
-            *(item.name, place.channel, place.symbol),
-            *(place.type, place.kind, place.bits, place.unit, place.default, item.value),
-        )
-        for item in found.settings
-        for place in item.places
-    ]
+def object_row(setting: Setting, place: Place) -> Row:
+    address = (setting.name, place.device, place.channel, place.index, place.subindex)
+    return (*address, place.type, place.kind, place.bits, place.unit, place.default, setting.value)
 
 
-def registers(found: Sheet, device: str) -> list[Row]:
-    return [
-        (
-            *(item.name, place.channel, place.register or place.address),
-            *(place.high_bit, place.low_bit, place.bits, place.default, item.value),
-        )
-        for item in found.settings
-        for place in item.places
-        if place.device == device and place.high_bit is not None and item.value is not None
-    ]
+def symbol_row(setting: Setting, place: Place) -> Row:
+    address = (setting.name, place.channel, place.symbol)
+    return (*address, place.type, place.kind, place.bits, place.unit, place.default, setting.value)
+
+
+def register_row(setting: Setting, place: Place) -> Row:
+    address = (setting.name, place.channel, place.register or place.address)
+    return (*address, place.high_bit, place.low_bit, place.bits, place.default, setting.value)
+
+
+def objects(settings_sheet: Sheet, device: str) -> list[Row]:
+    return [object_row(setting, place) for setting, place in places_of(settings_sheet) if place.device == device]
+
+
+def symbols(settings_sheet: Sheet, _: str) -> list[Row]:
+    return [symbol_row(setting, place) for setting, place in places_of(settings_sheet)]
+
+
+def registers(settings_sheet: Sheet, device: str) -> list[Row]:
+    rows: list[Row] = []
+    for setting, place in places_of(settings_sheet):
+        has_value = place.high_bit is not None and setting.value is not None
+        if place.device == device and has_value:
+            rows.append(register_row(setting, place))
+    return rows
 
 
 #: Master, device, reader of its places, expected rows.
@@ -183,14 +193,14 @@ Reader = Callable[[Sheet, str], list[Row]]
 
 @pytest.mark.parametrize(("master", "device", "read", "rows"), TYPED)
 def test_as_typed(sheet_of: SheetOf, master: str, device: str, read: Reader, rows: list[Row]) -> None:
-    found = read(sheet_of(master, CODE), device)
-    assert sorted(found, key=repr) == sorted(rows, key=repr)
+    placed_rows = read(sheet_of(master, CODE), device)
+    assert sorted(placed_rows, key=repr) == sorted(rows, key=repr)
 
 
 def test_default_of_ej5042_clocks(sheet_of: SheetOf) -> None:
     """The page of the EJ5042 has no clock of 1 MHz, so its setting has a place on this module alone."""
-    found = sheet_of("beckhoff_el5042", "SMA21-GG1-0010")
-    clock = next(item for item in found.settings if item.name == "Clock Frequency, EJ5042")
+    settings_sheet = sheet_of("beckhoff_el5042", "SMA21-GG1-0010")
+    clock = next(setting for setting in settings_sheet.settings if setting.name == "Clock Frequency, EJ5042")
     assert {place.device for place in clock.places} == {"EJ5042"}
 
 
@@ -220,46 +230,43 @@ MISTAKES = [
 ]
 
 
-@pytest.mark.parametrize(("master", "setting", "key", "wrong"), MISTAKES)
+@pytest.mark.parametrize(("master", "setting", "key", "wrong_value"), MISTAKES)
 def test_a_planted_mistake_is_seen(
-    masters: dict[str, Master], record_of: RecordOf, master: str, setting: str, key: str, wrong: Any
+    masters: dict[str, Master], record_of: RecordOf, master: str, setting: str, key: str, wrong_value: Any
 ) -> None:
     settings = deepcopy(masters[master].settings)
-    (planted, *_) = [item for item in settings if item["name"] == setting]
+    (planted, *_) = [mapping for mapping in settings if mapping["name"] == setting]
     place = planted["places"][0]
     owner: Any = place if key in place else planted
-    assert owner[key] != wrong
-    owner[key] = wrong
+    assert owner[key] != wrong_value
+    owner[key] = wrong_value
     spoilt = sheet(replace(masters[master], settings=settings), record_of(CODE))
-    assert any(
-        sorted(read(spoilt, device), key=repr) != sorted(rows, key=repr)
-        for name, device, read, rows in TYPED
-        if name == master
-    )
+    typed = [(read(spoilt, device), rows) for name, device, read, rows in TYPED if name == master]
+    assert any(sorted(spoilt_rows, key=repr) != sorted(rows, key=repr) for spoilt_rows, rows in typed)
 
 
 def _all_settings(masters: Mapping[str, Master]) -> Iterator[tuple[str, Mapping[str, Any]]]:
     for master in masters.values():
-        for item in master.settings:
-            yield master.name, item
+        for setting in master.settings:
+            yield master.name, setting
 
 
 def test_a_place_agrees_with_the_notation_of_its_document(masters: dict[str, Master]) -> None:
     """80p8:15, 32EF:0C, 0x2110:10 (decimal), 3500h:06 and 5005 hex repeat the index and subindex of the first place."""
-    for name, item in _all_settings(masters):
-        place, at = item["places"][0], item.get("at", "")
+    for name, setting in _all_settings(masters):
+        place, at = setting["places"][0], setting.get("at", "")
         if "index" not in place:
             continue
         index = place["index"][0] if isinstance(place["index"], list) else place["index"]
         head, _, tail = at.replace("0x", "").replace("h:", ":").replace(" hex", "").partition(":")
-        assert head.replace("p", "0").replace("n", "0").upper() == f"{index:04X}", (name, item["name"])
+        assert head.replace("p", "0").replace("n", "0").upper() == f"{index:04X}", (name, setting["name"])
         if tail:
-            assert int(tail, 10 if name == "synapticon" else 16) == place["subindex"], (name, item["name"])
+            assert int(tail, 10 if name == "synapticon" else 16) == place["subindex"], (name, setting["name"])
 
 
 def test_an_unknown_width_is_said(sheet_of: SheetOf) -> None:
     """The page on object 32EF:0C was not available, and the pages of the TM PosInput show no data record."""
-    (crc,) = [item for item in sheet_of("beckhoff_ax8000", CODE).settings if item.name == "CRC polynome"]
+    (crc,) = [setting for setting in sheet_of("beckhoff_ax8000", CODE).settings if setting.name == "CRC polynome"]
     assert {(place.type, place.kind, place.bits, place.default) for place in crc.places} == {("", "", None, None)}
     length = sheet_of("siemens_posinput", "AM3616/4096-BG").settings[0]
     assert [(place.location, place.type) for place in length.places] == [("", "")]
@@ -269,7 +276,7 @@ def test_a_value_that_does_not_fit_is_a_refusal(masters: dict[str, Master], reco
     """Multiturn [Bit] of the EL5042 has 8 bits, and FB#.MULTITURNBITS is at most 32."""
     record = record_of(CODE)
     wide = replace(record, numbers={**record.numbers, "multiturn_bits": 256, "data_bits": 64})
-    reasons = [item.reason for item in sheet(masters["beckhoff_el5042"], wide).refusals]
+    reasons = [refusal.reason for refusal in sheet(masters["beckhoff_el5042"], wide).refusals]
     assert reasons == ["Multiturn [Bit] would be 256, but it is at most 255."]
 
 
@@ -284,10 +291,10 @@ def test_code_word_before_the_supply(sheet_of: SheetOf) -> None:
 
 def test_order(sheet_of: SheetOf) -> None:
     """SCDENx comes first in the description, but after SCDLENx, CRCSELx and CRCLENx in the text."""
-    found = sheet_of("microchip_dspic33a", CODE)
-    names = [item.name for item in found.settings]
+    settings_sheet = sheet_of("microchip_dspic33a", CODE)
+    names = [setting.name for setting in settings_sheet.settings]
     assert names[0] == "SCDENx"
-    assert write_order(names, found.writing) == (
+    assert write_order(names, settings_sheet.writing) == (
         *("SCDLENx", "CRCSELx", "CRCLENx", "SCDENx"),
         *("CRCSEEDx", "GRAYx", "SFREQ"),
     )
@@ -296,7 +303,7 @@ def test_order(sheet_of: SheetOf) -> None:
 def test_as_data(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["master", CODE, "--master", "moteus", "--json"]) == 0
     data = json.loads(capsys.readouterr().out)["masters"][0]
-    rate = next(item for item in data["settings"] if item["name"] == "aux[12].bissc.rate_hz")
+    rate = next(setting for setting in data["settings"] if setting["name"] == "aux[12].bissc.rate_hz")
     assert rate["places"][1] == {
         "device": "moteus",
         "channel": "aux2",
@@ -318,7 +325,7 @@ def test_as_data(capsys: pytest.CaptureFixture[str]) -> None:
         "standing": "documented",
         "source": "aux: BissC",
     }
-    assert data["write_order"] == [item["name"] for item in data["settings"]]
+    assert data["write_order"] == [setting["name"] for setting in data["settings"]]
 
 
 def test_as_text(capsys: pytest.CaptureFixture[str], pages: dict[str, str]) -> None:
@@ -332,6 +339,6 @@ def test_as_text(capsys: pytest.CaptureFixture[str], pages: dict[str, str]) -> N
 
 
 def test_every_setting_has_places(masters: dict[str, Master], sheet_of: SheetOf) -> None:
-    found: list[Setting] = [item for name in masters for item in sheet_of(name, CODE).settings]
-    assert found
-    assert all(item.places for item in found)
+    settings: list[Setting] = [setting for name in masters for setting in sheet_of(name, CODE).settings]
+    assert settings
+    assert all(setting.places for setting in settings)

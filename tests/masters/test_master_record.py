@@ -21,62 +21,66 @@ RecordOf = Callable[[str], Record]
 #: ASC85 with the 0 bit that its manual prints in the BiSS frame.
 AS_PRINTED = {"zero_bit": "as_printed"}
 
+#: SMA21-SC1-0050, from 6.2, 6.5 and the order code.
+SMA21_WORDS = {
+    "interface": "biss",
+    "movement": "linear",
+    "coding": "binary",
+    "status_active": "low",
+    "parity": "none",
+    "singleturn_codes": "none",
+}
+SMA21_NUMBERS = {
+    "multiturn_bits": 0,
+    "singleturn_bits": 20,
+    "position_bits": 20,
+    "padding_left": 4,
+    "padding_right": 0,
+    "data_bits": 24,
+    "status_bits": 2,
+    "data_and_status_bits": 26,
+    "crc_bits": 6,
+    "other_bits_left": 0,
+    "other_bits_right": 0,
+    "parity_bits": 0,
+    "frame_bits": 32,
+    "crc_polynomial": 67,
+    "crc_polynomial_without_top_bit": 3,
+    "crc_polynomial_without_last_1": 33,
+    "crc_start": 0,
+    "crc_inverted": 1,
+    "clock_min_hz": 200_000,
+    "clock_max_hz": 10_000_000,
+    "timeout_us": 16,
+    "busy_us": None,
+    "pause_us": None,
+    "counts_per_turn": None,
+    "turns": None,
+    "step_um": 50,
+    "step_pm": 50_000_000,
+    "supply_min_mv": 4750,
+    "supply_max_mv": 5250,
+}
+
 
 def test_every_item(record_of: RecordOf) -> None:
     """SMA21-SC1-0050: 4 zero bits, 20 bits of 50 µm, nE, nW, CRC 6; clock and time-out of 6.5; 16 µs at most."""
-    found = record_of("SMA21-SC1-0050")
-    assert found.words == {
-        "interface": "biss",
-        "movement": "linear",
-        "coding": "binary",
-        "status_active": "low",
-        "parity": "none",
-        "singleturn_codes": "none",
-    }
-    assert found.numbers == {
-        "multiturn_bits": 0,
-        "singleturn_bits": 20,
-        "position_bits": 20,
-        "padding_left": 4,
-        "padding_right": 0,
-        "data_bits": 24,
-        "status_bits": 2,
-        "data_and_status_bits": 26,
-        "crc_bits": 6,
-        "other_bits_left": 0,
-        "other_bits_right": 0,
-        "parity_bits": 0,
-        "frame_bits": 32,
-        "crc_polynomial": 67,
-        "crc_polynomial_without_top_bit": 3,
-        "crc_polynomial_without_last_1": 33,
-        "crc_start": 0,
-        "crc_inverted": 1,
-        "clock_min_hz": 200_000,
-        "clock_max_hz": 10_000_000,
-        "timeout_us": 16,
-        "busy_us": None,
-        "pause_us": None,
-        "counts_per_turn": None,
-        "turns": None,
-        "step_um": 50,
-        "step_pm": 50_000_000,
-        "supply_min_mv": 4750,
-        "supply_max_mv": 5250,
-    }
-    assert [(part.name, part.role, part.bits, part.active) for part in found.parts] == [
+    encoder_record = record_of("SMA21-SC1-0050")
+    assert encoder_record.words == SMA21_WORDS
+    assert encoder_record.numbers == SMA21_NUMBERS
+    assert [(part.name, part.role, part.bits, part.active) for part in encoder_record.parts] == [
         ("padding", "padding", 4, ""),
         ("position", "singleturn", 20, ""),
         ("error", "status", 1, "low"),
         ("warning", "status", 1, "low"),
         ("crc", "crc", 6, ""),
     ]
-    assert set(found.words) == set(WORDS)
-    assert tuple(found.numbers) == tuple(NUMBERS)
+    assert set(encoder_record.words) == set(WORDS)
+    assert tuple(encoder_record.numbers) == tuple(NUMBERS)
 
 
 @pytest.mark.parametrize(
-    ("code", "item", "value"),
+    ("code", "number_name", "value"),
     [
         ("AMM5A23/65KSC1", "timeout_us", 30),  # 1.5 periods of the slowest clock, 50 kHz
         ("AM3616/4096-I7", "timeout_us", 10),
@@ -97,24 +101,26 @@ def test_every_item(record_of: RecordOf) -> None:
         ("ASC8525/BG1", "supply_max_mv", 5_250),
     ],
 )
-def test_items(record_of: RecordOf, code: str, item: str, value: int | None) -> None:
-    assert record_of(code).numbers[item] == value
+def test_items(record_of: RecordOf, code: str, number_name: str, value: int | None) -> None:
+    assert record_of(code).numbers[number_name] == value
 
 
 def test_status_bits_that_never_speak(record_of: RecordOf) -> None:
     """AM36 always sends error and warning as 1, which suits a master that expects active low status bits."""
-    found = record_of("AM3616/4096-I7")
-    assert [part.active for part in found.parts if part.role == "status"] == ["", ""]
-    assert found.words["status_active"] == "low"
-    assert "error and warning: always 1, which a master treats as an inactive status bit." in found.notes
+    encoder_record = record_of("AM3616/4096-I7")
+    assert [part.active for part in encoder_record.parts if part.role == "status"] == ["", ""]
+    assert encoder_record.words["status_active"] == "low"
+    assert "error and warning: always 1, which a master treats as an inactive status bit." in encoder_record.notes
+
+
+def holds_all(note: str, *phrases: str) -> bool:
+    return all(phrase in note for phrase in phrases)
 
 
 def test_registers_are_named(devices: Mapping[str, Device], record_of: RecordOf) -> None:
     notes = record_of("AM3616/4096-I7").notes
-    assert any(
-        "(56h)" in note and "(57h)" in note and "widths" in note and "factory defaults" in note for note in notes
-    )
-    assert any("(49h)" in note and "code" in note for note in notes)
+    assert any(holds_all(note, "(56h)", "(57h)", "widths", "factory defaults") for note in notes)
+    assert any(holds_all(note, "(49h)", "code") for note in notes)
     whatever_cable = (
         "The clocks shown are the fastest that encoder and master support, regardless of cable length. "
         "Use --cable METRES to get the clocks for a cable length."
@@ -123,13 +129,19 @@ def test_registers_are_named(devices: Mapping[str, Device], record_of: RecordOf)
     device = devices["am36"]
     variant = find(device, "AM3616/4096-I7").variant
     # 0Ch = 12 bits of turns, 10h = 16 bits of position; bit 5 of the configuration cleared is Gray code.
-    other = record(device, with_registers(device, variant, {0x57: 0x0C, 0x56: 0x10, 0x49: 0x00}), as_delivered=False)
-    assert (other.numbers["multiturn_bits"], other.numbers["singleturn_bits"], other.words["coding"]) == (
+    changed_record = record(
+        device, with_registers(device, variant, {0x57: 0x0C, 0x56: 0x10, 0x49: 0x00}), as_delivered=False
+    )
+    assert (
+        changed_record.numbers["multiturn_bits"],
+        changed_record.numbers["singleturn_bits"],
+        changed_record.words["coding"],
+    ) == (
         12,
         16,
         "gray",
     )
-    assert not any("as delivered" in note for note in other.notes)
+    assert not any("as delivered" in note for note in changed_record.notes)
 
 
 @pytest.mark.parametrize(
@@ -145,21 +157,23 @@ def test_no_more_turns_than_bits(
 ) -> None:
     """Drives that are set to the revolutions derive the width of the frame from them."""
     device = devices["am36"]
-    found = record(
+    encoder_record = record(
         device, with_registers(device, find(device, "AM3616/4096-I7").variant, registers), as_delivered=False
     )
-    assert (found.numbers["turns"], found.numbers["multiturn_bits"]) == (turns, bits)
-    told = {item.name: item.value for item in sheet(masters["beckhoff_ax8000"], found).settings}
-    assert told["Number of distinguishable revolutions"] == turns
+    assert (encoder_record.numbers["turns"], encoder_record.numbers["multiturn_bits"]) == (turns, bits)
+    settings = {setting.name: setting.value for setting in sheet(masters["beckhoff_ax8000"], encoder_record).settings}
+    assert settings["Number of distinguishable revolutions"] == turns
 
 
 def test_any_number_of_turn_bits(devices: Mapping[str, Device], masters: dict[str, Master]) -> None:
     """FB1.ENCRES is 2 to the power of 32 less the multiturn bits: 2^(32 - 13) = 2^19 = 524288."""
     device = devices["am36"]
-    found = record(
+    encoder_record = record(
         device, with_registers(device, find(device, "AM3616/4096-I7").variant, {0x57: 0x0D}), as_delivered=False
     )
-    assert {item.name: item.value for item in sheet(masters["kollmorgen_akd"], found).settings}["FB1.ENCRES"] == 524288
+    assert {setting.name: setting.value for setting in sheet(masters["kollmorgen_akd"], encoder_record).settings}[
+        "FB1.ENCRES"
+    ] == 524288
 
 
 def test_gray_over_biss(devices: Mapping[str, Device], masters: dict[str, Master]) -> None:
@@ -168,7 +182,7 @@ def test_gray_over_biss(devices: Mapping[str, Device], masters: dict[str, Master
     gray = record(
         device, with_registers(device, find(device, "AM3616/4096-I7").variant, {0x49: 0x00}), as_delivered=False
     )
-    assert {item.name: item.value for item in sheet(masters["beckhoff_el5042"], gray).settings}["Coding"] == 1
+    assert {setting.name: setting.value for setting in sheet(masters["beckhoff_el5042"], gray).settings}["Coding"] == 1
     assert (
         "Gray code over both parts cannot be specified. For this encoder: coding gray."
         in sheet(masters["linuxcnc_hostmot2"], gray).refusals[0].reason
@@ -191,18 +205,18 @@ def test_other_frames(devices: Mapping[str, Device]) -> None:
     """A field of another kind or at another place is other bits. Bits without a meaning are refused."""
     device = devices["asc85"]
     variant = find(device, "ASC8525/SC1").variant
-    interface = device.interface("biss")
-    layout = interface.layouts[0]
+    biss = device.interface("biss")
+    layout = biss.layouts[0]
 
     def with_fields(*changed: Field) -> Device:
-        made = replace(layout, fields=tuple(changed))
-        others = tuple(replace(item, layouts=(made,)) if isinstance(item, Biss) else item for item in device.interfaces)
-        return replace(device, interfaces=others)
+        changed_layout = replace(layout, fields=tuple(changed))
+        interfaces = [interface for interface in device.interfaces if not isinstance(interface, Biss)]
+        return replace(device, interfaces=(replace(biss, layouts=(changed_layout,)), *interfaces))
 
     position, zero, error, warning, crc = layout.fields
     for kind in (Number(), Constant()):
-        other = with_fields(position, zero, error, replace(warning, kind=kind), crc)
-        roles = {part.name: part.role for part in record(other, variant, answers=AS_PRINTED).parts}
+        changed_device = with_fields(position, zero, error, replace(warning, kind=kind), crc)
+        roles = {part.name: part.role for part in record(changed_device, variant, answers=AS_PRINTED).parts}
         assert (roles["error"], roles["warning"], roles["crc"]) == ("status", "other", "crc")
     with pytest.raises(NoRecord, match="the bits of 'single_cycle_data' above 'error' have no meaning"):
         record(with_fields(position, error, warning, crc), variant, answers=AS_PRINTED)
@@ -215,20 +229,20 @@ def test_a_step_of_nanometres() -> None:
     """Expected widths: ecmcEL5042-Encoder-Renishaw_RL26BUT001B30V.cmd of ecmccfg. 5 nm is not a whole µm."""
     devices, report = load_library([Path(__file__).parents[2] / "examples" / "encoders" / "renishaw"])
     assert not report
-    (device,) = (item for item in devices if item.name == "resolute_linear")
+    (device,) = (device for device in devices if device.name == "resolute_linear")
     numbers = record(device, find(device, "RESOLUTE-LINEAR-26-005").variant).numbers
-    found = [numbers[name] for name in ("multiturn_bits", "singleturn_bits", "crc_polynomial", "step_um", "step_pm")]
-    assert found == [0, 26, 67, None, 5000]
+    widths = [numbers[name] for name in ("multiturn_bits", "singleturn_bits", "crc_polynomial", "step_um", "step_pm")]
+    assert widths == [0, 26, 67, None, 5000]
 
 
 def test_crc_of_another_form(devices: Mapping[str, Device]) -> None:
     device = devices["asc85"]
     variant = find(device, "ASC8525/SC1").variant
     for change in ({"refin": True, "refout": True}, {"xorout": 1}):
-        crcs = tuple(replace(item, **change) if item.name == "biss_6" else item for item in device.crcs)
+        crcs = tuple(replace(crc, **change) if crc.name == "biss_6" else crc for crc in device.crcs)
         with pytest.raises(NoRecord, match="either plain or fully inverted"):
             record(replace(device, crcs=crcs), variant, answers=AS_PRINTED)
-    straight = tuple(replace(item, xorout=0) for item in device.crcs)
+    straight = tuple(replace(crc, xorout=0) for crc in device.crcs)
     assert record(replace(device, crcs=straight), variant, answers=AS_PRINTED).numbers["crc_inverted"] == 0
 
 
@@ -236,6 +250,6 @@ def test_a_register_of_another_interface_decides_the_code() -> None:
     """In words.yaml, bit gray of a BiSS register decides how SSI sends: its page has it by name, without an address."""
     (device,), report = load_library([ROOT / "tests" / "specs" / "words.yaml"])
     assert not report.problems
-    ssi = next(item for item in device.variants if item.interface == "ssi")
+    ssi = next(variant for variant in device.variants if variant.interface == "ssi")
     notes = record(for_interface(device, "ssi"), ssi).notes
     assert any(note.startswith("The code depends on registers: configuration.") for note in notes)

@@ -14,22 +14,22 @@ from codewheel.masters.writing import Effect, Writing
 SheetOf = Callable[[str, str], Sheet]
 
 
-def about(found: Sheet, name: str) -> list[Writing]:
-    return [item for item in found.writing if name in item.of]
+def rules_about(settings_sheet: Sheet, name: str) -> list[Writing]:
+    return [rule for rule in settings_sheet.writing if name in rule.of]
 
 
 def effects(rules: list[Writing]) -> list[Effect]:
-    return [item.takes_effect for item in rules if item.takes_effect is not None]
+    return [rule.takes_effect for rule in rules if rule.takes_effect is not None]
 
 
 def test_supply_of_el5042(sheet_of: SheetOf) -> None:
     """infosys el5042/12438243083: F008 must hold 72657375h ("user"), INIT adopts 8008:12. The default is 5.0 V (50)."""
     for code in ("AMM5A21/65KSC1", "SMA21-SC4-0050"):
-        found = sheet_of("beckhoff_el5042", code)
-        voltage = next(item for item in found.settings if item.name == "Supply Voltage")
+        settings_sheet = sheet_of("beckhoff_el5042", code)
+        voltage = next(setting for setting in settings_sheet.settings if setting.name == "Supply Voltage")
         assert (voltage.at, voltage.value, voltage.is_default) == ("8008:12", 50, True)
-        rules = about(found, "Supply Voltage")
-        assert [(item.object, item.value) for rule in rules for item in rule.needs] == [
+        rules = rules_about(settings_sheet, "Supply Voltage")
+        assert [(write.object, write.value) for rule in rules for write in rule.needs] == [
             ("F008", int.from_bytes(b"user", "little"))
         ]
         assert effects(rules) == [Effect(in_state="INIT")]
@@ -37,8 +37,8 @@ def test_supply_of_el5042(sheet_of: SheetOf) -> None:
 
 def test_mode_of_el5042_comes_first(sheet_of: SheetOf) -> None:
     """Mode sets CRC Polynomial and Disable Status Bits by itself, so both are written after it."""
-    rules = [item for item in sheet_of("beckhoff_el5042", "AMM5A21/65KBG1").writing if item.after]
-    assert [(item.of, item.after) for item in rules] == [(("Disable Status Bits", "CRC Polynomial"), ("Mode",))]
+    rules = [rule for rule in sheet_of("beckhoff_el5042", "AMM5A21/65KBG1").writing if rule.after]
+    assert [(rule.of, rule.after) for rule in rules] == [(("Disable Status Bits", "CRC Polynomial"), ("Mode",))]
 
 
 @pytest.mark.parametrize(
@@ -54,28 +54,28 @@ def test_mode_of_el5042_comes_first(sheet_of: SheetOf) -> None:
     ],
 )
 def test_when_it_takes_effect(sheet_of: SheetOf, master: str, code: str, name: str, effect: Effect) -> None:
-    assert effects(about(sheet_of(master, code), name)) == [effect]
+    assert effects(rules_about(sheet_of(master, code), name)) == [effect]
 
 
 def test_of_all_settings(sheet_of: SheetOf) -> None:
     """moteus changes values immediately. The dsPIC33A has CLCHCFG at 1 for BiSS C, and ON and INIT at the end."""
     (at_once,) = sheet_of("moteus", "AMM5A21/65KSC1").writing
     assert (at_once.of, at_once.takes_effect) == ((), Effect(at_once=True))
-    found = sheet_of("microchip_dspic33a", "AMM5A21/65KSC1")
-    needs, then = found.shared_writing
-    assert [(item.object, item.value) for item in needs.needs] == [("CLCHCFGx", 1)]
-    assert [(item.object, item.value) for item in then.then] == [("ON", 1), ("INIT", 1)]
+    settings_sheet = sheet_of("microchip_dspic33a", "AMM5A21/65KSC1")
+    needs, then = settings_sheet.shared_writing
+    assert [(write.object, write.value) for write in needs.needs] == [("CLCHCFGx", 1)]
+    assert [(write.object, write.value) for write in then.then] == [("ON", 1), ("INIT", 1)]
     assert then.text == "After writing all settings, set ON (B1CON) to 1 and INIT (B1INSTR) to 1."
 
 
 def test_an_order_names_only_settings_of_the_sheet(sheet_of: SheetOf) -> None:
     """CRCPOLYx is not a setting for a polynomial that CRCLENx selects."""
-    rules = about(sheet_of("microchip_dspic33a", "AMM5A21/65KSC1"), "SCDENx")
-    assert [item.after for item in rules] == [("SCDLENx", "CRCSELx", "CRCLENx")]
+    rules = rules_about(sheet_of("microchip_dspic33a", "AMM5A21/65KSC1"), "SCDENx")
+    assert [rule.after for rule in rules] == [("SCDLENx", "CRCSELx", "CRCLENx")]
 
 
 def test_what_is_printed(capsys: pytest.CaptureFixture[str], pages: dict[str, str]) -> None:
-    said = [
+    sentences = [
         "50 is the factory default. Write it only if the setting was changed.",
         "Before writing Supply Voltage, F008 (Code word) must be 0x72657375.",
         "Supply Voltage takes effect only in the INIT state.",
@@ -84,7 +84,7 @@ def test_what_is_printed(capsys: pytest.CaptureFixture[str], pages: dict[str, st
     assert main(["master", "AMM5A21/65KSC1", "--master", "beckhoff_el5042"]) == 0
     out = " ".join(capsys.readouterr().out.split())
     page = pages["docs/amm5-masters.md"]
-    for sentence in said:
+    for sentence in sentences:
         assert sentence in out
         assert sentence in page
     assert "All settings take effect immediately." in page
@@ -93,9 +93,9 @@ def test_what_is_printed(capsys: pytest.CaptureFixture[str], pages: dict[str, st
 def test_as_data(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["master", "AMM5A21/65KSC1", "--master", "beckhoff_el5042", "--json"]) == 0
     data: dict[str, Any] = json.loads(capsys.readouterr().out)["masters"][0]
-    voltage = next(item for item in data["settings"] if item["name"] == "Supply Voltage")
+    voltage = next(setting for setting in data["settings"] if setting["name"] == "Supply Voltage")
     assert voltage["value"] == 50
     assert [(place["default"], place["is_default"]) for place in voltage["places"]] == [(50, True), (50, True)]
-    rules = [item for item in data["writing"] if item["of"] == ["Supply Voltage"]]
-    assert [item["value"] for rule in rules for item in rule["needs"]] == [0x72657375]
+    rules = [rule for rule in data["writing"] if rule["of"] == ["Supply Voltage"]]
+    assert [write["value"] for rule in rules for write in rule["needs"]] == [0x72657375]
     assert [rule["takes_effect"]["in_state"] for rule in rules if rule["takes_effect"]] == ["INIT"]

@@ -65,20 +65,22 @@ FILES: list[tuple[str, str, Values, dict[int, str]]] = [
 ]
 
 
-def ours(capsys: pytest.CaptureFixture[str], code: str) -> Values:
+def generated_values(capsys: pytest.CaptureFixture[str], code: str) -> Values:
     assert main(["master", code, "--master", "beckhoff_el5042", "--format", "ecmc", "--specs", str(ENCODERS)]) == 0
-    found = readers.ecmc(capsys.readouterr().out)
-    assert {index for index, _ in found} == {0x8008}
-    assert all(size == (4 if subindex == 0x11 else 1) for (_, subindex), (_, size) in found.items())
-    return {subindex: value for (_, subindex), (value, _) in found.items()}
+    objects = readers.ecmc(capsys.readouterr().out)
+    assert {index for index, _ in objects} == {0x8008}
+    for (_, subindex), (_, size) in objects.items():
+        assert size == (4 if subindex == 0x11 else 1)
+    return {subindex: value for (_, subindex), (value, _) in objects.items()}
 
 
-@pytest.mark.parametrize(("code", "name", "theirs", "why"), FILES, ids=[item[1] for item in FILES])
+@pytest.mark.parametrize(("code", "name", "theirs", "why"), FILES, ids=[name for _, name, *_ in FILES])
 def test_every_difference_is_explained(
     capsys: pytest.CaptureFixture[str], code: str, name: str, theirs: Values, why: dict[int, str]
 ) -> None:
-    found = ours(capsys, code)
-    different = {item for item in theirs.keys() | found.keys() if theirs.get(item) != found.get(item)}
+    our_values = generated_values(capsys, code)
+    subindexes = theirs.keys() | our_values.keys()
+    different = {subindex for subindex in subindexes if theirs.get(subindex) != our_values.get(subindex)}
     assert different == set(why), name
     assert all(text.partition(":")[0] in ("theirs", "ours", "choice") for text in why.values())
 

@@ -38,13 +38,13 @@ class Wave:
 
 
 def _levels(edges: Sequence[tuple[float, int | None]], count: int, rate: float, shift: float) -> list[int]:
-    found: list[int] = []
+    levels: list[int] = []
     level = 1
     for at, value in edges:
         place = min(max(ceil(at * rate - shift), 0), count)
-        found += [level] * (place - len(found))
+        levels += [level] * (place - len(levels))
         level = level ^ 1 if value is None else value
-    return found + [level] * (count - len(found))
+    return levels + [level] * (count - len(levels))
 
 
 @dataclass
@@ -54,14 +54,14 @@ class Biss:
     wave: Wave = field(default_factory=Wave)
     delay: float = 0.1
     acknowledge: int = 3
-    rest: float = 30.0
+    idle_time: float = 30.0
     extra: int = 0
 
     def cycle(self, word: int, bits: int, cds: int = 0, cdm: int = 0, clocks: int | None = None) -> None:
         """Append one cycle. The last clock may be followed by ``extra`` ones, or there are only ``clocks``."""
-        wave, begin = self.wave, self.wave.now + self.rest
-        sent = [0] * self.acknowledge + [1, cds] + [word >> place & 1 for place in range(bits - 1, -1, -1)] + [0]
-        wanted = len(sent) + 1 + self.extra
+        wave, begin = self.wave, self.wave.now + self.idle_time
+        bits_sent = [0] * self.acknowledge + [1, cds] + [word >> place & 1 for place in range(bits - 1, -1, -1)] + [0]
+        wanted = len(bits_sent) + 1 + self.extra
         count = wanted if clocks is None else clocks
         rises: list[float] = []
         for clock in range(count):
@@ -70,7 +70,7 @@ class Biss:
             rises.append(begin + clock + 0.5)
         # The encoder answers at the second rising edge.
         level = 1
-        for place, bit in enumerate(sent):
+        for place, bit in enumerate(bits_sent):
             if place + 1 < len(rises) and bit != level:
                 wave.data.append((rises[place + 1] + self.delay, bit))
                 level = bit
@@ -84,25 +84,27 @@ class Biss:
         wave.now = end + 2
 
     def finish(self) -> Wave:
-        self.wave.now += self.rest
+        self.wave.now += self.idle_time
         return self.wave
 
 
-def ssi(words: Sequence[int], bits: int, delay: float = 0.1, rest: float = 30.0, clocks: int | None = None) -> Wave:
+def ssi(
+    words: Sequence[int], bits: int, delay: float = 0.1, idle_time: float = 30.0, clocks: int | None = None
+) -> Wave:
     """An SSI line with a clock of period 1: the first falling edge, then a bit at each rising edge."""
     wave = Wave()
     for word in words:
-        begin, level = wave.now + rest, 1
-        sent = [word >> place & 1 for place in range(bits - 1, -1, -1)] + [0]
+        begin, level = wave.now + idle_time, 1
+        bits_sent = [word >> place & 1 for place in range(bits - 1, -1, -1)] + [0]
         for clock in range(clocks or bits + 1):
             wave.clock += [begin + clock, begin + clock + 0.5]
-            if clock < len(sent) and sent[clock] != level:
-                level = sent[clock]
+            if clock < len(bits_sent) and bits_sent[clock] != level:
+                level = bits_sent[clock]
                 wave.data.append((begin + clock + 0.5 + delay, level))
         wave.now = wave.clock[-1] + 20
         if not level:
             wave.data.append((wave.now, 1))
-    wave.now += rest
+    wave.now += idle_time
     return wave
 
 

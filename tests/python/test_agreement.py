@@ -49,11 +49,14 @@ ROUNDS = 12
 
 TESTS = Path(__file__).resolve().parents[1]
 SPECS = TESTS.parent / "specs"
-FAMILIES = sorted(
-    path.stem
-    for path in SPECS.glob("*/*.yaml")
-    if path.stem != "manufacturer" and path.parent.name != "masters" and not is_second(path)
-)
+
+
+def is_family(path: Path) -> bool:
+    """Return whether a spec describes encoders, and is not a second reading."""
+    return path.stem != "manufacturer" and path.parent.name != "masters" and not is_second(path)
+
+
+FAMILIES = sorted(path.stem for path in SPECS.glob("*/*.yaml") if is_family(path))
 #: Specs with features that no device has.
 MADE_UP = {"words": TESTS / "specs", "odd_shapes": TESTS / "python" / "specs", "shapes": TESTS / "c" / "specs"}
 MADE_UP |= dict.fromkeys(
@@ -61,9 +64,8 @@ MADE_UP |= dict.fromkeys(
     TESTS / "specs",
 )
 MADE_UP |= {"as5047p": TESTS.parent / "examples" / "encoders" / "ams"}
-MADE_UP |= {
-    name: TESTS.parent / "examples" / "encoders" / maker for name, maker in (("amt21", "cui"), ("skm36", "sick"))
-}
+MADE_UP |= {"amt21": TESTS.parent / "examples" / "encoders" / "cui"}
+MADE_UP |= {"skm36": TESTS.parent / "examples" / "encoders" / "sick"}
 ALL = [*FAMILIES, *MADE_UP]
 
 
@@ -89,7 +91,7 @@ class Case:
 
     family: Family
     variant: Variant
-    made: Any
+    encoder: Any
     layout: Layout
     register: Register | None
     placed: PlacedLayout
@@ -112,17 +114,19 @@ def families(
     library: Library,
     import_generated: Callable[[Library, str], tuple[Path, ModuleType]],
 ) -> dict[str, Family]:
-    made = {item.name: Family(item, getattr(packages[item.name], item.name)) for item in library.devices}
+    families_by_name: dict[str, Family] = {}
+    for device in library.devices:
+        families_by_name[device.name] = Family(device, getattr(packages[device.name], device.name))
     for name, folder in MADE_UP.items():
-        found, report = load_library([folder / f"{name}.yaml", folder / "manufacturer.yaml"])
+        loaded_devices, report = load_library([folder / f"{name}.yaml", folder / "manufacturer.yaml"])
         assert not report, "\n".join(problem.format() for problem in report.problems)
-        device = next(item for item in found if item.name == name)
+        device = next(candidate for candidate in loaded_devices if candidate.name == name)
         # The package has a name of its own, because its modules find each other by their names.
         maker = dataclasses.replace(device.manufacturer, python_package=f"{name}_encoders")
         device = dataclasses.replace(device, manufacturer=maker)
-        other: Any = import_generated(Library((device,)), maker.python_package)[1]
-        made[name] = Family(device, getattr(other, name))
-    return made
+        package: Any = import_generated(Library((device,)), maker.python_package)[1]
+        families_by_name[name] = Family(device, getattr(package, name))
+    return families_by_name
 
 
 @pytest.fixture
@@ -132,45 +136,51 @@ def family(request: pytest.FixtureRequest, families: dict[str, Family]) -> Famil
 
 def states(family: Family, variant: Variant) -> Iterator[tuple[Variant, Any]]:
     """Return the order code with its defaults, and with its run-time parameters at and between their bounds."""
-    device, made = family.device, family.module.VARIANTS[variant.code]
-    yield variant, made
-    here = [
-        item for item in device.run_time_parameters if device.register(item.register).interface == variant.interface
-    ]
+    device, encoder = family.device, family.module.VARIANTS[variant.code]
+    yield variant, encoder
     source = random.Random(variant.code)
-    for kind in ("min", "max", "random", "random", "random") if here else ():
-        held: dict[int, int] = {}
-        for item in here:
-            register = device.register(item.register)
-            field = register.layout.field(item.field)
-            low, high = item.min or 0, item.max if item.max is not None else (1 << field.widest) - 1
-            value = {"min": low, "max": high}.get(kind, source.randint(low, high))
-            place = field.low.constant
-            before = register.default or 0
-            before &= ~(((1 << field.widest) - 1) << place)
-            raw = value if value != field.number.zero_means else 0
-            if item.by_code:
-                raw = next(one.code for one in item.by_code if one.value == value or kind == "random")
-            data = number_to_bytes(register.layout, before | raw << place, 8 * register.length)
-            held |= {register.address + index: byte for index, byte in enumerate(data)}
-        changed, changed_made = with_registers(device, variant, held), made.with_registers(held)
-        for parameter in device.parameters:
-            if not parameter.alternative and parameter.interface in ("", variant.interface):
-                found = getattr(changed_made, attribute(parameter.name, ("class",)))
-                assert found == changed.parameters[parameter.name]
-        yield changed, changed_made
+    registers = [register.name for register in device.registers if register.interface == variant.interface]
+    parameters = [parameter for parameter in device.run_time_parameters if parameter.register in registers]
+    for kind in ("min", "max", "random", "random", "random") if parameters else ():
+        register_bytes: dict[int, int] = {}
+        for parameter in parameters:
+            register = device.register(parameter.register)
+            number = number_with_parameter(register, parameter, kind, source)
+            data = number_to_bytes(register.layout, number, 8 * register.length)
+            register_bytes |= {register.address + index: byte for index, byte in enumerate(data)}
+        changed_variant = with_registers(device, variant, register_bytes)
+        changed_encoder = encoder.with_registers(register_bytes)
+        for changed_parameter in device.parameters:
+            if not changed_parameter.alternative and changed_parameter.interface in ("", variant.interface):
+                package_value = getattr(changed_encoder, attribute(changed_parameter.name, ("class",)))
+                assert package_value == changed_variant.parameters[changed_parameter.name]
+        yield changed_variant, changed_encoder
+
+
+def number_with_parameter(register: Register, parameter: Any, kind: str, source: random.Random) -> int:
+    """Return the content of a register whose field has the lowest, the highest or any value of a parameter."""
+    field = register.layout.field(parameter.field)
+    mask = (1 << field.widest) - 1
+    low, high = parameter.min or 0, parameter.max if parameter.max is not None else mask
+    value = {"min": low, "max": high}.get(kind, source.randint(low, high))
+    raw = value if value != field.number.zero_means else 0
+    if parameter.by_code:
+        codes = [named.code for named in parameter.by_code if named.value == value or kind == "random"]
+        raw = codes[0]
+    place = field.low.constant
+    return (register.default or 0) & ~(mask << place) | raw << place
 
 
 def cases(family: Family) -> Iterator[Case]:
     """Return every layout of every order code, without a register that has the same places as an earlier one."""
-    seen = set()
+    compared_keys = set()
     for variant in family.device.variants:
-        for state, made in states(family, variant):
-            layouts: list[tuple[Layout, Register | None]] = [
-                (item, None) for item in family.device.interface(variant.interface).layouts
-            ]
-            layouts += [(item.layout, item) for item in family.device.registers if item.interface == variant.interface]
-            for layout, register, decided_state, answers in _decided(family, state, layouts):
+        for state, encoder in states(family, variant):
+            frames = family.device.interface(variant.interface).layouts
+            layouts: list[tuple[Layout, Register | None]] = [(frame, None) for frame in frames]
+            registers = [register for register in family.device.registers if register.interface == variant.interface]
+            layouts += [(register.layout, register) for register in registers]
+            for layout, register, decided_state, answers in _with_answers(family, state, layouts):
                 placed = layout.place(decided_state.parameters)
                 key = (
                     layout.name,
@@ -178,24 +188,26 @@ def cases(family: Family) -> Iterator[Case]:
                     variant.interface,
                     placed.bits,
                     placed.gray,
-                    tuple((item.name, item.low, item.width) for item in placed.fields),
+                    tuple((placed_field.name, placed_field.low, placed_field.width) for placed_field in placed.fields),
                 )
-                if key not in seen:
-                    seen.add(key)
-                    yield Case(family, decided_state, made, layout, register, placed, answers)
+                if key not in compared_keys:
+                    compared_keys.add(key)
+                    yield Case(family, decided_state, encoder, layout, register, placed, answers)
 
 
-def _decided(
+def _with_answers(
     family: Family, state: Variant, layouts: list[tuple[Layout, Register | None]]
 ) -> Iterator[tuple[Layout, Register | None, Variant, tuple[Any, ...]]]:
     """Return each layout with each answer to its open questions."""
     for layout, register in layouts:
-        asked = family.device.alternatives_of(layout)
-        for answers in itertools.product(*(item.answers for item in asked)):
-            given = {item.name: answer.name for item, answer in zip(asked, answers, strict=True)}
-            kinds = [getattr(family.module, family.names.questions[item.name].kind) for item in asked]
-            members = tuple(kind[name.upper()] for kind, name in zip(kinds, given.values(), strict=True))
-            yield layout, register, with_answers(family.device, state, given), members
+        alternatives = family.device.alternatives_of(layout)
+        for answers in itertools.product(*(alternative.answers for alternative in alternatives)):
+            names = [alternative.name for alternative in alternatives]
+            answer_names = [answer.name for answer in answers]
+            kinds = [getattr(family.module, family.names.questions[name].kind) for name in names]
+            members = [kind[name.upper()] for kind, name in zip(kinds, answer_names, strict=True)]
+            decided_state = with_answers(family.device, state, dict(zip(names, answer_names, strict=True)))
+            yield layout, register, decided_state, tuple(members)
 
 
 def value_of(case: Case, field: Field, width: int, kind: str, source: random.Random) -> int | str | bool:
@@ -208,26 +220,15 @@ def value_of(case: Case, field: Field, width: int, kind: str, source: random.Ran
         return source.choice(field.values).value
     if isinstance(field.kind, Text):
         return "".join(chr(source.randrange(0x20, 0x7F)) for _ in range(width // 8))
-    register = case.register
-    lowest, largest = 0, (1 << width) - 1
-    if field.number.zero_means and kind == "ones" and (register is None or register.max is None):
+    return number_of(case, field, width, kind, source)
+
+
+def number_of(case: Case, field: Field, width: int, kind: str, source: random.Random) -> int:
+    """Return a number of this kind between the limits of the field."""
+    has_max = case.register is not None and case.register.max is not None
+    if field.number.zero_means and kind == "ones" and not has_max:
         return field.number.zero_means
-    if field.number.zero_means:
-        lowest, largest = 1, min(largest, field.number.zero_means)
-    if field.number.signed:
-        lowest, largest = -(1 << (width - 1)), (1 << (width - 1)) - 1
-    if isinstance(field.kind, Decimal):
-        largest = min(largest, field.kind.limit - 1)
-    valid = case.family.device.range_in(case.layout) if register is None else None
-    if valid is not None and valid.field.name == field.name:
-        lowest, largest = (item.value(case.variant.parameters) for item in (valid.lowest, valid.highest))
-    if (
-        register is not None
-        and register.limits_of == field.name
-        and register.min is not None
-        and register.max is not None
-    ):
-        lowest, largest = register.min.value(case.variant.parameters), register.max.value(case.variant.parameters)
+    lowest, largest = limits_of(case, field, width)
     if field.number.power_of_two:
         return 1 << source.randrange(min(width, largest.bit_length()))
     chosen = {
@@ -239,22 +240,43 @@ def value_of(case: Case, field: Field, width: int, kind: str, source: random.Ran
     return max(lowest, min(chosen.get(kind, source.randint(lowest, largest)), largest))
 
 
-def allowed(case: Case, number: int) -> bool:
+def limits_of(case: Case, field: Field, width: int) -> tuple[int, int]:
+    register, parameters = case.register, case.variant.parameters
+    if register is not None and register.limits_of == field.name:
+        minimum, maximum = register.min, register.max
+        if minimum is not None and maximum is not None:
+            return minimum.value(parameters), maximum.value(parameters)
+    valid = case.family.device.range_in(case.layout) if register is None else None
+    if valid is not None and valid.field.name == field.name:
+        return valid.lowest.value(parameters), valid.highest.value(parameters)
+    lowest, largest = 0, (1 << width) - 1
+    if field.number.zero_means:
+        lowest, largest = 1, min(largest, field.number.zero_means)
+    if field.number.signed:
+        lowest, largest = -(1 << (width - 1)), (1 << (width - 1)) - 1
+    if isinstance(field.kind, Decimal):
+        largest = min(largest, field.kind.limit - 1)
+    return lowest, largest
+
+
+def is_allowed(case: Case, number: int) -> bool:
     """Return True if the limits of the register allow the joined number to which they apply."""
     register = case.register
-    join = next((item for item in case.layout.joins if register is not None and item.name == bounded(register)), None)
-    if register is None or join is None:
+    if register is None:
+        return True
+    join = next((join for join in case.layout.joins if join.name == bounded(register)), None)
+    if join is None:
         return True
     low, high = bounds(register, case.placed, (register.min, register.max), case.variant.parameters)
     return low <= codec.join_value(case.placed, join, number) <= high
 
 
 def values_of(case: Case, kind: str, source: random.Random) -> dict[str, int | str | bool]:
-    values = {
-        item.name: value_of(case, item.field, item.width, kind, source)
-        for item in case.placed.fields
-        if item.field.carries_data
-    }
+    values = {}
+    for placed_field in case.placed.fields:
+        field = placed_field.field
+        if field.carries_data:
+            values[placed_field.name] = value_of(case, field, placed_field.width, kind, source)
     if case.layout.unused:
         every = unused_bits(case.placed)
         values["unused"] = {"zero": 0, "ones": every}.get(kind, source.getrandbits(64) & every)
@@ -263,55 +285,57 @@ def values_of(case: Case, kind: str, source: random.Random) -> dict[str, int | s
 
 def unused_bits(placed: PlacedLayout) -> int:
     """Return ones for all unused bits of this order code, at their places in ``unused``."""
-    masks = {item.name: item.mask for item in placed.fields}
+    masks = {placed_field.name: placed_field.mask for placed_field in placed.fields}
     return sum(masks.get(field.name, 0) << place for field, place in placed.layout.unused)
 
 
-def given(case: Case) -> list[Any]:
+def arguments_of(case: Case) -> list[Any]:
     """Return the members of a frame that are not fields."""
-    return [*([case.made] if "variant" in getattr(case.view, "_fields", ()) else []), *case.answers]
+    return [*([case.encoder] if "variant" in getattr(case.view, "_fields", ()) else []), *case.answers]
 
 
 def decode_generated(case: Case, number: int) -> Any:
     """Return the decoded object, or the kind of its error as the model calls it."""
     try:
-        return case.view.decode(case.carried(number), *given(case))
+        return case.view.decode(case.carried(number), *arguments_of(case))
     except ValueError as error:
         return KINDS[type(error).__name__]
 
 
-def told(report: Any) -> tuple[str, str, str]:
+def report_facts(report: Any) -> tuple[str, str, str]:
     """Return the facts of a report of the package or the model. Printed name and source belong to one frame."""
     return report.meaning, report.remedy, report.makes_position.value if report.makes_position is not None else ""
 
 
-def compare_reports(family: Family, variant: Variant, expected: codec.Decoded, found: Any) -> None:
+def compare_reports(family: Family, variant: Variant, expected: codec.Decoded, decoded: Any) -> None:
     """Compare the reports and the verdict of both."""
     assert expected.layout is not None
-    layout, said = expected.layout.layout, findings(family.device, variant, expected)
+    layout, expected_findings = expected.layout.layout, findings(family.device, variant, expected)
     if layout.sender == "encoder":
-        verdict = getattr(found, "verdict", None)
-        assert (verdict and verdict.value) == (said.verdict and said.verdict.value), found
-        assert sorted(map(told, found.reports)) == sorted(map(told, said.reports)), found
-        assert all(family.module.REPORTS[item.name] is item for item in found.reports)
+        verdict = getattr(decoded, "verdict", None)
+        assert (verdict and verdict.value) == (expected_findings.verdict and expected_findings.verdict.value), decoded
+        assert sorted(map(report_facts, decoded.reports)) == sorted(map(report_facts, expected_findings.reports)), (
+            decoded
+        )
+        assert all(family.module.REPORTS[report.name] is report for report in decoded.reports)
     if layout.unused and layout.sender:
-        assert not (found.unused and found.is_as_documented), found
-        assert found._replace(unused=0).is_as_documented == (not said.differences), found
+        assert not (decoded.unused and decoded.is_as_documented), decoded
+        assert decoded._replace(unused=0).is_as_documented == (not expected_findings.differences), decoded
 
 
-def compare(expected: codec.Decoded, found: Any, layout: Layout) -> None:
+def compare_values(expected: codec.Decoded, decoded: Any, layout: Layout) -> None:
     """Compare the values that both read."""
-    if not hasattr(found, "_fields"):
-        assert found.name.lower() == expected.fields[0].value
+    if not hasattr(decoded, "_fields"):
+        assert decoded.name.lower() == expected.fields[0].value
         return
     fixed = {field.name for field in layout.fields if not field.carries_data}
-    for item in expected.fields:
-        if item.name in fixed:
+    for expected_field in expected.fields:
+        if expected_field.name in fixed:
             continue
-        value = getattr(found, attribute(item.name, CLASS_NAMES))
+        value = getattr(decoded, attribute(expected_field.name, CLASS_NAMES))
         assert (
-            value.name.lower() if hasattr(value, "name") and isinstance(item.value, str) else value
-        ) == item.value, item.name
+            value.name.lower() if hasattr(value, "name") and isinstance(expected_field.value, str) else value
+        ) == expected_field.value, expected_field.name
 
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
@@ -321,63 +345,64 @@ def test_round_trip_of_every_order_code(family: Family) -> None:
     for case in cases(family):
         for kind in ["zero", "one", "ones", "top", *["random"] * ROUNDS]:
             number = codec.encode(family.device, case.placed, values_of(case, kind, source))
-            if not allowed(case, number):
+            if not is_allowed(case, number):
                 continue
             data = case.carried(number)
-            found = decode_generated(case, number)
-            assert not isinstance(found, str), (case.variant.code, case.layout.name, kind, found)
-            assert found.encode() == data, (case.variant.code, case.layout.name, kind)
+            decoded = decode_generated(case, number)
+            assert not isinstance(decoded, str), (case.variant.code, case.layout.name, kind, decoded)
+            assert decoded.encode() == data, (case.variant.code, case.layout.name, kind)
             expected = codec.decode(family.device, case.placed, number)
-            compare(expected, found, case.layout)
-            compare_reports(family, case.variant, expected, found)
+            compare_values(expected, decoded, case.layout)
+            compare_reports(family, case.variant, expected, decoded)
             for join in case.layout.joins:
-                others = [
-                    value
-                    for name, value in zip(found._fields, found, strict=True)
-                    if name not in (*join.fields, "variant") and value not in case.answers
-                ]
-                again = getattr(case.view, f"from_{join.name}")(*given(case), getattr(found, join.name), *others)
-                assert again == found
+                joined_names = (*join.fields, "variant")
+                extra_values = [getattr(decoded, name) for name in decoded._fields if name not in joined_names]
+                extra_values = [value for value in extra_values if value not in case.answers]
+                again = getattr(case.view, f"from_{join.name}")(
+                    *arguments_of(case), getattr(decoded, join.name), *extra_values
+                )
+                assert again == decoded
 
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
 def test_faults_are_told_as_the_model_tells_them(family: Family) -> None:
     source = random.Random(family.device.name)
-    seen, possible = set(), set()
+    faults_of_frames, possible = set(), set()
     for case in cases(family):
-        kinds = {type(item.kind) for item in case.layout.fields}
-        possible |= (
-            ({"crc"} if CrcValue in kinds else set())
-            | ({"constant"} if kinds & {Constant, Parity} else set())
-            | ({"length"} if case.layout.carried_as == "bits" else set())
-        )
-        for number in damaged(case, source):
+        kinds = {type(field.kind) for field in case.layout.fields}
+        if CrcValue in kinds:
+            possible.add("crc")
+        if kinds & {Constant, Parity}:
+            possible.add("constant")
+        if case.layout.carried_as == "bits":
+            possible.add("length")
+        for number in damaged_frames(case, source):
             expected = codec.decode(family.device, case.placed, number)
             if number >> case.placed.bits and case.layout.carried_as == "bytes":
                 continue
-            found = decode_generated(case, number)
+            decoded = decode_generated(case, number)
             if expected.problems:
-                seen.add(expected.problems[0].fault.value)
-                assert found == expected.problems[0].fault.value, (case.variant.code, case.layout.name, hex(number))
+                faults_of_frames.add(expected.problems[0].fault.value)
+                assert decoded == expected.problems[0].fault.value, (case.variant.code, case.layout.name, hex(number))
             else:
-                assert not isinstance(found, str), (case.variant.code, case.layout.name, hex(number), found)
-                compare(expected, found, case.layout)
-                compare_reports(family, case.variant, expected, found)
-    assert seen >= possible
+                assert not isinstance(decoded, str), (case.variant.code, case.layout.name, hex(number), decoded)
+                compare_values(expected, decoded, case.layout)
+                compare_reports(family, case.variant, expected, decoded)
+    assert faults_of_frames >= possible
 
 
 def test_an_encoder_whose_family_sends_bytes_alone(import_generated: Callable[..., Any]) -> None:
     folder = Path(__file__).parents[1] / "check" / "ok_model"
-    found, report = load_library([folder / "plain_bytes.yaml", folder / "manufacturer.yaml"])
+    devices, report = load_library([folder / "plain_bytes.yaml", folder / "manufacturer.yaml"])
     assert not report
-    variant, package = found[0].variants[0], import_generated(Library(found), "acme_encoders")[1]
-    placed = found[0].layout("reply_first").place(variant.parameters)
-    number = codec.encode(found[0], placed, {"position": 4711})
+    variant, package = devices[0].variants[0], import_generated(Library(devices), "acme_encoders")[1]
+    placed = devices[0].layout("reply_first").place(variant.parameters)
+    number = codec.encode(devices[0], placed, {"position": 4711})
     reply = package.lookup(variant.code).decode(number_to_bytes(placed.layout, number, placed.bits))
     assert reply.position == 4711
 
 
-def damaged(case: Case, source: random.Random) -> Iterator[int]:
+def damaged_frames(case: Case, source: random.Random) -> Iterator[int]:
     """Frames with changed bits, some with a CRC that matches the change, and random numbers."""
     device, placed = case.family.device, case.placed
     sound = codec.encode(device, placed, values_of(case, "random", source))
@@ -387,60 +412,74 @@ def damaged(case: Case, source: random.Random) -> Iterator[int]:
     for bit in range(placed.bits):
         yield sound ^ 1 << bit
         if crc is not None:
-            yield repaired(device, placed, sound ^ 1 << bit)
+            yield with_matching_crc(device, placed, sound ^ 1 << bit)
     for _ in range(4 * ROUNDS):
         number = source.getrandbits(placed.bits)
         yield number
         if crc is not None:
-            yield repaired(device, placed, number)
+            yield with_matching_crc(device, placed, number)
 
 
-def repaired(device: Device, placed: PlacedLayout, number: int) -> int:
-    item = next(item for item in placed.fields if isinstance(item.field.kind, CrcValue))
-    cleared = number & ~(item.mask << item.low)
-    return cleared | codec.compute(device.crc(item.field.kind.crc), placed, cleared) << item.low
+def with_matching_crc(device: Device, placed: PlacedLayout, number: int) -> int:
+    crc_field = next(crc_field for crc_field in placed.fields if isinstance(crc_field.field.kind, CrcValue))
+    cleared = number & ~(crc_field.mask << crc_field.low)
+    return cleared | codec.compute(device.crc(crc_field.field.kind.crc), placed, cleared) << crc_field.low
+
+
+def has_selector(device: Device, variant: Variant) -> bool:
+    """Return whether the frames of an order code have a field that selects their kind."""
+    return bool(device.interface(variant.interface).layouts[0].selector)
+
+
+def byte_frames(family: Family, layouts: tuple[Layout, ...], source: random.Random) -> list[bytes]:
+    """Return random bytes of many lengths and with every control field, also with a correct CRC at their end."""
+    frames = [source.randbytes(source.randrange(13)) for _ in range(1000)]
+    for control in range(256):
+        frames += [bytes([control]) + source.randbytes(length) for length in range(12)]
+    crc = next(filter(None, map(family.device.crc_of, layouts)))
+    size, compute = crc.width // 8, getattr(family.module, f"crc_{crc.name}")
+    order: Any = "little" if layouts[0].byte_order == "low_byte_first" else "big"
+    bodies = [frame[:-size] for frame in frames if len(frame) > size]
+    return frames + [body + compute(body).to_bytes(size, order) for body in bodies]
+
+
+def first_answers(family: Family) -> dict[str, Any]:
+    """Return the first answer to each open question, which the model uses."""
+    answers = {}
+    for alternative in family.names.asked.values():
+        kind = getattr(family.module, alternative.kind)
+        answers[alternative.name] = kind[alternative.alternative.answers[0].name.upper()]
+    return answers
+
+
+def decoder(family: Family, name: str) -> Callable[..., Any]:
+    """Return a function of the module with the first answers to the open questions that it takes."""
+    decode = getattr(family.module, name)
+    parameters = inspect.signature(decode).parameters
+    return partial(decode, **{key: answer for key, answer in first_answers(family).items() if key in parameters})
 
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
 def test_any_bytes_are_told_as_the_model_tells_them(family: Family) -> None:
     source = random.Random(5)
     device = family.device
-    for variant in [item for item in device.variants if device.interface(item.interface).layouts[0].selector][:2]:
-        frames = [bytes(source.getrandbits(8) for _ in range(source.randrange(13))) for _ in range(1000)]
-        frames += [
-            bytes([control]) + bytes(source.getrandbits(8) for _ in range(length))
-            for control in range(256)
-            for length in range(12)
-        ]
-        crc = next(filter(None, map(device.crc_of, device.interface(variant.interface).layouts)))
-        size, function = crc.width // 8, getattr(family.module, f"crc_{crc.name}")
-        order = device.interface(variant.interface).layouts[0].byte_order
-        frames += [
-            frame[:-size] + function(frame[:-size]).to_bytes(size, "little" if order == "low_byte_first" else "big")
-            for frame in frames
-            if len(frame) > size
-        ]
-        # The model uses the first answer to an open question.
-        answers = {
-            asked.name: getattr(family.module, asked.kind)[asked.alternative.answers[0].name.upper()]
-            for asked in family.names.questions.values()
-        }
+    variants = [variant for variant in device.variants if has_selector(device, variant)]
+    for variant in variants[:2]:
+        frames = byte_frames(family, device.interface(variant.interface).layouts, source)
         for sender, name in (("encoder", "decode_reply"), ("master", "decode_request")):
-            decode = getattr(family.module, name)
-            taken = inspect.signature(decode).parameters
-            decode = partial(decode, **{key: answer for key, answer in answers.items() if key in taken})
+            decode = decoder(family, name)
             for frame in frames:
                 expected = codec.decode_bytes(device, variant, sender, frame)
                 try:
-                    found = decode(frame, family.module.VARIANTS[variant.code])
+                    decoded = decode(frame, family.module.VARIANTS[variant.code])
                 except ValueError as error:
                     assert expected.problems, frame.hex(" ")
                     assert KINDS[type(error).__name__] == expected.problems[0].fault.value, frame.hex(" ")
                 else:
                     assert not expected.problems, frame.hex(" ")
                     assert expected.layout is not None, frame.hex(" ")
-                    compare(expected, found, expected.layout.layout)
-                    compare_reports(family, variant, expected, found)
+                    compare_values(expected, decoded, expected.layout.layout)
+                    compare_reports(family, variant, expected, decoded)
 
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
@@ -449,48 +488,41 @@ def test_procedures_write_what_they_write_on_paper(family: Family) -> None:
     source = random.Random(family.device.name)
     for procedure in family.device.procedures:
         build = getattr(family.module, family.names.procedures[procedure.name])
-        variants = [item for item in family.device.variants if item.interface == procedure.interface]
+        variants = [variant for variant in family.device.variants if variant.interface == procedure.interface]
         for variant in variants:
-            made = [family.module.VARIANTS[variant.code]] if build.__code__.co_varnames[:1] == ("variant",) else []
+            takes_variant = build.__code__.co_varnames[:1] == ("variant",)
+            first_arguments = [family.module.VARIANTS[variant.code]] if takes_variant else []
             for _ in range(12 if procedure.arguments else 1):
-                arguments = {
-                    item.name: 1 << source.randrange(25) | source.choice((0, 0, 1)) for item in procedure.arguments
-                }
+                names = [argument.name for argument in procedure.arguments]
+                arguments = {name: 1 << source.randrange(25) | source.choice((0, 0, 1)) for name in names}
                 try:
                     expected = register_writes(family.device, procedure, variant, arguments)
                 except codec.EncodeError:
                     with pytest.raises(ValueError):
-                        build(*made, *arguments.values())
+                        build(*first_arguments, *arguments.values())
                     continue
-                assert on_paper(family.device, build(*made, *arguments.values())) == expected, (
-                    procedure.name,
-                    variant.code,
-                    arguments,
-                )
+                writes = writes_on_paper(family.device, build(*first_arguments, *arguments.values()))
+                assert writes == expected, (procedure.name, variant.code, arguments)
 
 
-def on_paper(device: Device, steps: Any) -> tuple[Write, ...]:
+def writes_on_paper(device: Device, steps: Any) -> tuple[Write, ...]:
     """Return the writes of generated steps. A register that is read first has its default or the written value."""
-    held = {
-        item.address + index: byte
-        for item in device.registers
-        for index, byte in enumerate(item.default_bytes() or bytes(item.length))
-    }
-    found = []
+    register_bytes: dict[int, int] = {}
+    for register in device.registers:
+        register_bytes |= enumerate(register.default_bytes() or bytes(register.length), register.address)
+    writes = []
     for step in steps:
         kind = type(step).__name__
         if kind == "Write":
-            found.append(Write(step.address, step.value))
+            writes.append(Write(step.address, step.value))
         elif kind == "Modify":
             register = device.register(step.register)
-            data = bytes(held[step.address + index] for index in range(step.length))
+            data = bytes(register_bytes[step.address + index] for index in range(step.length))
             number = number_from_bytes(register.layout, data) & ~step.mask | step.value
-            found += [
-                Write(step.address + index, byte)
-                for index, byte in enumerate(number_to_bytes(register.layout, number, 8 * step.length))
-            ]
-        held |= {item.address: item.value for item in found}
-    return tuple(found)
+            changed = number_to_bytes(register.layout, number, 8 * step.length)
+            writes += [Write(address, byte) for address, byte in enumerate(changed, step.address)]
+        register_bytes |= {write.address: write.value for write in writes}
+    return tuple(writes)
 
 
 def test_a_field_that_the_order_code_does_not_have(families: dict[str, Family]) -> None:
@@ -499,16 +531,16 @@ def test_a_field_that_the_order_code_does_not_have(families: dict[str, Family]) 
     variant = family.device.variant("AMM5A21/1SC1")
     placed = family.device.layout("single_cycle_data").place(variant.parameters)
     values = {"singleturn": 5, "error": False, "warning": False}
-    made = family.module.SingleCycleData(family.module.VARIANTS[variant.code], 0, 5)
+    frame = family.module.SingleCycleData(family.module.VARIANTS[variant.code], 0, 5)
     assert (
         codec.encode(family.device, placed, values)
         == codec.encode(family.device, placed, {**values, "multiturn": 0})
-        == made.encode()
+        == frame.encode()
     )
     with pytest.raises(codec.EncodeError, match="multiturn 1 does not fit: this order code has no such field"):
         codec.encode(family.device, placed, {**values, "multiturn": 1})
     with pytest.raises(ValueError):
-        made._replace(multiturn=1).encode()
+        frame._replace(multiturn=1).encode()
 
 
 def test_error_warning_and_crc_are_told_apart(families: dict[str, Family]) -> None:
@@ -542,7 +574,7 @@ def test_values_that_only_some_encoders_have(families: dict[str, Family]) -> Non
     assert (variant.code, variant.unlisted, variant.position_bits, variant.class_) == ("W99SC", ("resolution",), 20, 3)
     assert variant.micrometres(7) == 350
     assert module.Scale.decode(bytes(2) + b"\x00\x01") == module.Scale(65536, 1)
-    for wrong in (
+    for unencodable in (
         module.Scale(0, 1),
         module.Scale(65537, 1),
         module.Scale(1, 3),
@@ -550,7 +582,7 @@ def test_values_that_only_some_encoders_have(families: dict[str, Family]) -> Non
         module.Offset(-(1 << 47) - 1),
     ):
         with pytest.raises(ValueError):
-            wrong.encode()
+            unencodable.encode()
     assert module.Offset(-1).encode() == b"\xff" * 6
     assert module.Profile(variant, 10260).is_as_documented
     assert module.BISS.timeout.nanoseconds(1) == 16000

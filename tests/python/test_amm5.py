@@ -43,9 +43,9 @@ def test_preset_of_the_manual(amm5: Any, lika: Any) -> None:
 
 
 def test_serial_number_of_the_manual(amm5: Any) -> None:
-    found = amm5.SerialNumber.decode(bytes.fromhex("0A E8 69 EE"))
-    assert (found.year, found.week, found.number) == (18, 30, 3630)
-    assert found.serial == 183003630
+    serial_number = amm5.SerialNumber.decode(bytes.fromhex("0A E8 69 EE"))
+    assert (serial_number.year, serial_number.week, serial_number.number) == (18, 30, 3630)
+    assert serial_number.serial == 183003630
     with pytest.raises(ValueError):
         amm5.SerialNumber.decode(b"\xff\xff\xff\xff")
 
@@ -128,7 +128,7 @@ def test_published_control_fields(amm5: Any, lika: Any, vectors: list[dict[str, 
     variant = amm5.lookup("AMM5A23/65KJP1")
     for row in rows:
         number, control = row["fields"]["data_id"], row["fields"]["CF"]
-        facts = next(item for item in amm5.RS485.data_ids if item.id == number)
+        facts = next(data_id for data_id in amm5.RS485.data_ids if data_id.id == number)
         assert facts.control == control
         if number in (6, 13):
             form = amm5.EepromAddress.AS_PRINTED
@@ -146,10 +146,10 @@ def test_published_control_fields(amm5: Any, lika: Any, vectors: list[dict[str, 
 
 def test_published_reply(amm5: Any, vectors: list[dict[str, Any]]) -> None:
     row = next(row for row in vectors if row["protocol"].startswith("Tamagawa T-format response"))
-    found = amm5.lookup("AMM5A23/65KJP1").decode(bytes.fromhex(row["frame_hex_or_bits"]))
-    assert isinstance(found, amm5.SingleturnReply)
-    assert found.singleturn == row["fields"]["ABS"]
-    assert (found.status_st_error, found.status_other_error) == (False, True)
+    reply = amm5.lookup("AMM5A23/65KJP1").decode(bytes.fromhex(row["frame_hex_or_bits"]))
+    assert isinstance(reply, amm5.SingleturnReply)
+    assert reply.singleturn == row["fields"]["ABS"]
+    assert (reply.status_st_error, reply.status_other_error) == (False, True)
 
 
 def test_the_eeprom_address_has_two_forms(amm5: Any, lika: Any, vectors: list[dict[str, Any]]) -> None:
@@ -175,24 +175,24 @@ def test_the_eeprom_address_has_two_forms(amm5: Any, lika: Any, vectors: list[di
     assert [report.name for report in busy.reports] == ["eeprom_read_reply_mem_busy"]
 
 
-@pytest.mark.parametrize("wrong", [None, 0, "AS_PRINTED", (1, 0)])
-def test_the_form_of_the_eeprom_address_has_no_default(amm5: Any, wrong: Any) -> None:
+@pytest.mark.parametrize("not_a_form", [None, 0, "AS_PRINTED", (1, 0)])
+def test_the_form_of_the_eeprom_address_has_no_default(amm5: Any, not_a_form: Any) -> None:
     encoder, printed = amm5.lookup("AMM5A23/65KJP1"), amm5.EepromAddress.AS_PRINTED
     request, reply = amm5.EepromReadRequest(printed, 5), amm5.EepromReadReply(printed, 5, False, 7)
     for call in (
-        lambda: amm5.EepromReadRequest(wrong, 5).encode(),
-        lambda: amm5.EepromReadRequest.decode(request.encode(), wrong),
-        lambda: amm5.EepromReadRequest.bit_fields(wrong),
-        lambda: amm5.decode_request(request.encode(), encoder, eeprom_address=wrong),
-        lambda: amm5.decode_reply(reply.encode(), encoder, eeprom_address=wrong),
-        lambda: encoder.decode(reply.encode(), eeprom_address=wrong),
+        lambda: amm5.EepromReadRequest(not_a_form, 5).encode(),
+        lambda: amm5.EepromReadRequest.decode(request.encode(), not_a_form),
+        lambda: amm5.EepromReadRequest.bit_fields(not_a_form),
+        lambda: amm5.decode_request(request.encode(), encoder, eeprom_address=not_a_form),
+        lambda: amm5.decode_reply(reply.encode(), encoder, eeprom_address=not_a_form),
+        lambda: encoder.decode(reply.encode(), eeprom_address=not_a_form),
     ):
         with pytest.raises(TypeError, match=r"expected EepromAddress.AS_PRINTED or EepromAddress.AS_T_FORMAT, got"):
             call()
     # Neither do invalid frames, nor frames that do not depend on it.
     for damaged, error in ((reply.encode()[:-1], "LengthError"), (reply.encode()[:-1] + b"\x00", "CrcError")):
         with pytest.raises(ValueError) as caught:
-            encoder.decode(damaged, eeprom_address=wrong)
+            encoder.decode(damaged, eeprom_address=not_a_form)
         assert type(caught.value).__name__ == error
     position = amm5.SingleturnReply(encoder, amm5.DataId.SINGLETURN, False, False, 5)
     assert encoder.decode(position.encode()) == position
@@ -202,11 +202,11 @@ def test_another_encoder_id_is_reported_and_the_frame_decoded(amm5: Any, lika: A
     """7.4 p.43 prints ENID 23h; HPMicro's T-format sample has 17h, ST A5A5h and MT 8888h. The bytes follow."""
     encoder = amm5.lookup("AMM5A23/65KJP1")
     data = bytes.fromhex("1A 00 A5 A5 00 17 88 88 00 00 0D")
-    found = encoder.decode(data)
-    assert (found.singleturn, found.multiturn, found.encoder_id) == (0xA5A5, 0x8888, 0x17)
-    assert not found.is_as_documented
-    assert found.encode() == data
-    documented = found._replace(encoder_id=0x23)
+    reply = encoder.decode(data)
+    assert (reply.singleturn, reply.multiturn, reply.encoder_id) == (0xA5A5, 0x8888, 0x17)
+    assert not reply.is_as_documented
+    assert reply.encode() == data
+    documented = reply._replace(encoder_id=0x23)
     assert documented.is_as_documented
     assert encoder.decode(documented.encode()) == documented
     alone = encoder.decode(bytes.fromhex("92 00 17 85"))
@@ -215,17 +215,19 @@ def test_another_encoder_id_is_reported_and_the_frame_decoded(amm5: Any, lika: A
     assert amm5.EncoderIdReply().encode() == bytes.fromhex("92 00 23 B1")
     assert amm5.CompleteReply.from_position(encoder, 5).encoder_id == 0x23
     # Sync code and data ID are still checked.
-    for wrong, error in ((0x1B, lika.ConstantError), (0x9A, lika.ConstantError), (0x12, lika.FrameError)):
+    for first_byte, error in ((0x1B, lika.ConstantError), (0x9A, lika.ConstantError), (0x12, lika.FrameError)):
         with pytest.raises(error):
-            encoder.decode(bytes([wrong]) + data[1:-1] + bytes([data[-1] ^ 0x1A ^ wrong]))
+            encoder.decode(bytes([first_byte]) + data[1:-1] + bytes([data[-1] ^ 0x1A ^ first_byte]))
 
 
 def test_published_single_cycles(
     vectors: list[dict[str, Any]], import_generated: Callable[[Library, str], Generated]
 ) -> None:
-    found, report = load_library([Path(__file__).parent.parent / "specs"])
+    devices, report = load_library([Path(__file__).parent.parent / "specs"])
     assert not report, "\n".join(problem.format() for problem in report.problems)
-    package: Any = import_generated(Library(tuple(item for item in found if item.name == "bits22")), "test_encoders")[1]
+    package: Any = import_generated(
+        Library(tuple(device for device in devices if device.name == "bits22")), "test_encoders"
+    )[1]
     rows = [row for row in vectors if row["protocol"] == "BiSS-C SCD"]
     assert len(rows) == 9
     variant = package.lookup("T22SC")
@@ -288,7 +290,7 @@ def test_frames_of_the_wrong_kind(amm5: Any) -> None:
 
 def test_encoding_refuses_what_does_not_fit(amm5: Any, lika: Any) -> None:
     biss, rs485 = amm5.lookup("AMM5A17/1SC1"), amm5.lookup("AMM5A17/1JP1")
-    wrong = [
+    refused_calls = [
         lambda: amm5.SingleCycleData(biss, 0, 1 << 17).encode(),
         lambda: amm5.SingleCycleData(biss, 1, 0).encode(),
         lambda: amm5.SingleCycleData(biss, 0, -1).encode(),
@@ -302,7 +304,7 @@ def test_encoding_refuses_what_does_not_fit(amm5: Any, lika: Any) -> None:
         lambda: amm5.ManufacturerId("Lika").encode(),
         lambda: amm5.ManufacturerId("\u01001").encode(),
     ]
-    for call in wrong:
+    for call in refused_calls:
         with pytest.raises(lika.RangeError):
             call()
     with pytest.raises(ValueError, match="has the interface RS-485, but this needs BiSS"):

@@ -59,12 +59,12 @@ def test_the_frames_are_the_published_ones(vectors: list[dict[str, Any]]) -> Non
 
 
 @pytest.mark.parametrize(
-    "made",
+    "make_data",
     [
         bytearray,
         memoryview,
         lambda data: memoryview(b"x" + data + b"y")[1:-1],
-        lambda data: memoryview(bytes(byte for item in data for byte in (item, 0)))[::2],
+        lambda data: memoryview(b"".join(bytes((byte, 0)) for byte in data))[::2],
         lambda data: array.array("B", data),
         lambda data: numpy.frombuffer(data, numpy.uint8),
         lambda data: numpy.frombuffer(data, numpy.int8),
@@ -72,23 +72,23 @@ def test_the_frames_are_the_published_ones(vectors: list[dict[str, Any]]) -> Non
         lambda data: numpy.frombuffer(data, numpy.uint8).repeat(3)[::3],
     ],
 )
-def test_any_row_of_bytes_decodes(lika: Any, rs485: Any, made: Any) -> None:
-    assert rs485.decode(made(REPLY)).singleturn == SINGLETURN
-    assert lika.amm5.decode_reply(made(REPLY), rs485).singleturn == SINGLETURN
-    assert lika.amm5.SingleturnReply.decode(made(REPLY), rs485).singleturn == SINGLETURN
-    assert lika.lookup("SMA21-JP1-0005").decode(made(LONG_REPLY)).position == LONG_POSITION
-    preset = made(bytes.fromhex("00 30 24 f4 00 00 00"))
+def test_any_row_of_bytes_decodes(lika: Any, rs485: Any, make_data: Any) -> None:
+    assert rs485.decode(make_data(REPLY)).singleturn == SINGLETURN
+    assert lika.amm5.decode_reply(make_data(REPLY), rs485).singleturn == SINGLETURN
+    assert lika.amm5.SingleturnReply.decode(make_data(REPLY), rs485).singleturn == SINGLETURN
+    assert lika.lookup("SMA21-JP1-0005").decode(make_data(LONG_REPLY)).position == LONG_POSITION
+    preset = make_data(bytes.fromhex("00 30 24 f4 00 00 00"))
     assert lika.amm5.Preset.decode(preset, lika.lookup("AMM5A21/65KSC1")).position == 1_000_003
     command = lika.amm5.Command.SAVE_PARAMETERS
-    assert lika.amm5.Command.decode(made(command.encode())) is command
-    assert lika.amm5.crc_rs485_8(made(REPLY[:-1])) == REPLY[-1]
+    assert lika.amm5.Command.decode(make_data(command.encode())) is command
+    assert lika.amm5.crc_rs485_8(make_data(REPLY[:-1])) == REPLY[-1]
     with pytest.raises(lika.CrcError) as caught:
-        rs485.decode(made(REPLY[:-1] + b"\x00"))
+        rs485.decode(make_data(REPLY[:-1] + b"\x00"))
     assert (caught.value.received, caught.value.computed) == (0, 0x5E)
 
 
 @pytest.mark.parametrize(
-    "wrong",
+    "not_bytes",
     [
         list(REPLY),
         tuple(REPLY),
@@ -108,39 +108,39 @@ def test_any_row_of_bytes_decodes(lika: Any, rs485: Any, made: Any) -> None:
         object(),
     ],
 )
-def test_what_is_no_row_of_bytes_is_refused(lika: Any, rs485: Any, wrong: Any) -> None:
+def test_what_is_no_row_of_bytes_is_refused(lika: Any, rs485: Any, not_bytes: Any) -> None:
     amm5 = lika.amm5
     takers = [rs485.decode, lambda data: amm5.decode_reply(data, rs485)]
     takers += [lambda data: amm5.EepromReadReply.decode(data, amm5.EepromAddress.AS_PRINTED)]
     for take in (*takers, amm5.Command.decode, amm5.crc_rs485_8):
         with pytest.raises(TypeError, match="pass bytes"):
-            take(wrong)
+            take(not_bytes)
 
 
 # ------------------------------------------------------------ words
 
 
-@pytest.mark.parametrize("made", [int, numpy.uint32, numpy.uint64, numpy.int64, numpy.array])
-def test_any_whole_number_is_a_word(lika: Any, biss: Any, made: Any) -> None:
-    assert biss.decode(made(int(BITS, 2))).position == POSITION
-    assert lika.lookup("AMM5A23/65KBG1").decode(made(5)).singleturn == 5
+@pytest.mark.parametrize("make_number", [int, numpy.uint32, numpy.uint64, numpy.int64, numpy.array])
+def test_any_whole_number_is_a_word(lika: Any, biss: Any, make_number: Any) -> None:
+    assert biss.decode(make_number(int(BITS, 2))).position == POSITION
+    assert lika.lookup("AMM5A23/65KBG1").decode(make_number(5)).singleturn == 5
     with pytest.raises(lika.CrcError):
-        biss.decode(made(int(BITS, 2) ^ 1))
+        biss.decode(make_number(int(BITS, 2) ^ 1))
 
 
-@pytest.mark.parametrize("wrong", [True, False, None, 3.0, numpy.float64(3), [1], numpy.array([1, 2]), object()])
-def test_what_is_no_number_is_no_word(lika: Any, biss: Any, wrong: Any) -> None:
+@pytest.mark.parametrize("not_a_number", [True, False, None, 3.0, numpy.float64(3), [1], numpy.array([1, 2]), object()])
+def test_what_is_no_number_is_no_word(lika: Any, biss: Any, not_a_number: Any) -> None:
     for encoder in (biss, lika.lookup("AMM5A23/65KBG1")):
-        said = rf"^{encoder.code}: the frame must be an integer, got "
-        with pytest.raises(TypeError, match=said):
-            encoder.decode(wrong)
+        message = rf"^{encoder.code}: the frame must be an integer, got "
+        with pytest.raises(TypeError, match=message):
+            encoder.decode(not_a_number)
 
 
-@pytest.mark.parametrize("wrong", [b"\x01", bytearray(1), memoryview(b"\x01")])
-def test_too_few_bytes_are_no_word(lika: Any, biss: Any, wrong: Any) -> None:
+@pytest.mark.parametrize("short_bytes", [b"\x01", bytearray(1), memoryview(b"\x01")])
+def test_too_few_bytes_are_no_word(lika: Any, biss: Any, short_bytes: Any) -> None:
     size = (biss.frame_bits + 7) // 8
     with pytest.raises(lika.LengthError, match=f"^expected {size} bytes, got 1$"):
-        biss.decode(wrong)
+        biss.decode(short_bytes)
 
 
 @pytest.mark.parametrize("kind", [bytes, bytearray, memoryview])
@@ -165,14 +165,14 @@ def test_text_of_bits_has_every_bit(lika: Any, biss: Any) -> None:
     for text in (BITS, f"0b{BITS}", f"{BITS[:16]}_{BITS[16:]}", f" {BITS[:8]} {BITS[8:]}\n"):
         assert biss.decode(text).position == POSITION
         assert biss.decode(text, bits=32).position == POSITION
-    for text, found in ((BITS[1:], 31), (f"0{BITS}", 33), (f"{BITS}0", 33), ("", 0), ("0b", 0)):
+    for text, length in ((BITS[1:], 31), (f"0{BITS}", 33), (f"{BITS}0", 33), ("", 0), ("0b", 0)):
         with pytest.raises(lika.LengthError) as caught:
             biss.decode(text)
-        assert (caught.value.expected, caught.value.found, caught.value.unit) == (32, found, "bits")
+        assert (caught.value.expected, caught.value.found, caught.value.unit) == (32, length, "bits")
     for text in (f"0x{int(BITS, 2):X}", "２" * 32, "１" * 32, BITS[:-1] + "2", "x" * 10**6):
-        with pytest.raises(lika.RangeError, match="the frame must be a string of 0 and 1") as wrong:
+        with pytest.raises(lika.RangeError, match="the frame must be a string of 0 and 1") as caught:
             biss.decode(text)
-        assert len(str(wrong.value)) < 200
+        assert len(str(caught.value)) < 200
 
 
 def test_a_count_of_bits_that_is_wrong_is_refused(lika: Any) -> None:
@@ -198,17 +198,18 @@ def test_a_count_of_bits_that_is_wrong_is_refused(lika: Any) -> None:
 def test_every_encoder_knows_the_length_of_its_frame(lika: Any, devices: Mapping[str, Device]) -> None:
     for device in devices.values():
         for variant in device.variants:
-            made = lika.lookup(variant.code)
-            layout = next(item for item in device.interface(variant.interface).layouts if item.sender == "encoder")
+            listed_encoder = lika.lookup(variant.code)
+            layouts = device.interface(variant.interface).layouts
+            layout = next(layout for layout in layouts if layout.sender == "encoder")
             if layout.carried_as == "bytes":
                 with pytest.raises(ValueError, match="no frame bits over RS-485: frames are made of bytes"):
-                    _ = made.frame_bits
+                    _ = listed_encoder.frame_bits
                 continue
             if device.alternatives_of(layout):
                 with pytest.raises(ValueError, match="no frame bits over BiSS: the length depends on your choice"):
-                    _ = made.frame_bits
+                    _ = listed_encoder.frame_bits
                 continue
-            assert made.frame_bits == layout.bits.value(variant.parameters)
+            assert listed_encoder.frame_bits == layout.bits.value(variant.parameters)
     encoder = lika.lookup("AM3616/4096-I7")
     assert encoder.frame_bits - encoder.with_registers({0x56: 16}).frame_bits == 4
     amm5 = lika.lookup("AMM5A21/65KSC1")
@@ -226,22 +227,22 @@ def test_numbers_of_any_width_encode_rightly(lika: Any, rs485: Any) -> None:
     amm5 = lika.amm5
     biss = lika.lookup("AMM5A23/65KSC1")
     wanted = amm5.SingleCycleData(biss, 5, SINGLETURN)
-    made = amm5.SingleCycleData(biss, numpy.uint16(5), numpy.uint32(SINGLETURN), numpy.False_, numpy.False_)
-    assert made.encode() == wanted.encode()
-    assert made.position == wanted.position == 5 << 23 | SINGLETURN
-    assert type(made.encode()) is int
-    assert type(made.position) is int
+    frame = amm5.SingleCycleData(biss, numpy.uint16(5), numpy.uint32(SINGLETURN), numpy.False_, numpy.False_)
+    assert frame.encode() == wanted.encode()
+    assert frame.position == wanted.position == 5 << 23 | SINGLETURN
+    assert type(frame.encode()) is int
+    assert type(frame.position) is int
     assert amm5.SingleCycleData.from_position(biss, numpy.uint64(wanted.position)) == wanted
     assert amm5.SsiWord(lika.lookup("AMM5A23/65KBG1"), numpy.uint8(5), numpy.uint32(7)).encode() == 5 << 23 | 7
-    made = amm5.SingleturnReply(rs485, numpy.uint8(0), numpy.False_, numpy.True_, numpy.uint32(SINGLETURN))
-    assert made.encode() == REPLY
+    frame = amm5.SingleturnReply(rs485, numpy.uint8(0), numpy.False_, numpy.True_, numpy.uint32(SINGLETURN))
+    assert frame.encode() == REPLY
     printed = amm5.EepromAddress.AS_PRINTED
-    made = amm5.EepromWriteRequest(printed, numpy.uint8(0x7F), numpy.uint8(0xFF))
-    assert made.encode() == amm5.EepromWriteRequest(printed, 0x7F, 0xFF).encode()
+    frame = amm5.EepromWriteRequest(printed, numpy.uint8(0x7F), numpy.uint8(0xFF))
+    assert frame.encode() == amm5.EepromWriteRequest(printed, 0x7F, 0xFF).encode()
     assert amm5.DataRequest(numpy.uint8(12)).encode() == b"\x62"
     small = amm5.SerialNumber(*(numpy.uint8(value) for value in (20, 19, 1)))
-    same = amm5.SerialNumber(20, 19, 1)
-    assert (small.encode(), small.serial) == (same.encode(), same.serial)
+    plain = amm5.SerialNumber(20, 19, 1)
+    assert (small.encode(), small.serial) == (plain.encode(), plain.serial)
     assert lika.am36.NumberOfRevolutions(numpy.uint32(65536)).encode() == b"\x00\x00"
     assert lika.am36.InformationPerRevolution(numpy.uint16(4096)).encode() == b"\x00\x10\x00"
     assert amm5.crc_biss_6(numpy.uint16(0x1234), 16) == 0x07
@@ -271,19 +272,19 @@ def test_numbers_of_any_width_as_counts(lika: Any) -> None:
     assert linear.micrometres(numpy.uint16(40_000)) == 2_000_000
     assert linear.millimetres(numpy.uint16(40_000)) == 2000.0
     for method in (encoder.degrees, encoder.turns, linear.micrometres, linear.millimetres):
-        for wrong in (numpy.array([1, 2]), 1.5, "1"):
+        for not_a_count in (numpy.array([1, 2]), 1.5, "1"):
             with pytest.raises(TypeError):
-                method(wrong)
+                method(not_a_count)
 
 
 def test_registers_held_and_read_take_any_whole_number(lika: Any) -> None:
     encoder = lika.lookup("AM3616/4096-I7")
-    held = {0x4E: 0x07, 0x4F: 0xD0}
-    narrow = {numpy.uint8(key): numpy.uint8(value) for key, value in held.items()}
-    assert encoder.with_registers(narrow) == encoder.with_registers(held)
-    for wrong, error in ((256, ValueError), (-1, ValueError), (True, TypeError), (1.0, TypeError), ("1", TypeError)):
+    register_bytes = {0x4E: 0x07, 0x4F: 0xD0}
+    narrow = {numpy.uint8(key): numpy.uint8(value) for key, value in register_bytes.items()}
+    assert encoder.with_registers(narrow) == encoder.with_registers(register_bytes)
+    for value, error in ((256, ValueError), (-1, ValueError), (True, TypeError), (1.0, TypeError), ("1", TypeError)):
         with pytest.raises(error, match="register 0x56"):
-            encoder.with_registers({0x56: wrong})
+            encoder.with_registers({0x56: value})
     codes = lika.identify({"manufacturer_id": b"Li"})
     assert codes
     assert lika.identify({"manufacturer_id": numpy.frombuffer(b"Li", numpy.uint8)}) == codes
@@ -298,20 +299,20 @@ def test_half_of_a_register_leaves_the_other_half(lika: Any) -> None:
     assert encoder.with_registers({0x4F: 0xD1}).used_revolutions == 2001
 
 
-@pytest.mark.parametrize("wrong", [True, False, 5.0, "5", None])
-def test_what_is_no_number_is_not_encoded(lika: Any, wrong: Any) -> None:
+@pytest.mark.parametrize("not_a_number", [True, False, 5.0, "5", None])
+def test_what_is_no_number_is_not_encoded(lika: Any, not_a_number: Any) -> None:
     amm5, encoder = lika.amm5, lika.lookup("AMM5A21/65KSC1")
     for call in (
-        lambda: amm5.SingleCycleData(encoder, 0, wrong).encode(),
-        lambda: amm5.SingleCycleData.from_position(encoder, wrong),
-        lambda: amm5.EepromReadRequest(amm5.EepromAddress.AS_PRINTED, wrong).encode(),
-        lambda: amm5.DataRequest(wrong).encode(),
-        lambda: amm5.set_preset(encoder, wrong),
-        lambda: lika.am36.set_configuration(wrong),
-        lambda: lika.am36.NumberOfRevolutions(wrong).encode(),
-        lambda: lika.am36.InformationPerRevolution(wrong).encode(),
-        lambda: lika.biss.encode_byte(wrong),
-        lambda: encoder.unwrap(0, wrong),
+        lambda: amm5.SingleCycleData(encoder, 0, not_a_number).encode(),
+        lambda: amm5.SingleCycleData.from_position(encoder, not_a_number),
+        lambda: amm5.EepromReadRequest(amm5.EepromAddress.AS_PRINTED, not_a_number).encode(),
+        lambda: amm5.DataRequest(not_a_number).encode(),
+        lambda: amm5.set_preset(encoder, not_a_number),
+        lambda: lika.am36.set_configuration(not_a_number),
+        lambda: lika.am36.NumberOfRevolutions(not_a_number).encode(),
+        lambda: lika.am36.InformationPerRevolution(not_a_number).encode(),
+        lambda: lika.biss.encode_byte(not_a_number),
+        lambda: encoder.unwrap(0, not_a_number),
     ):
         with pytest.raises(TypeError, match=r"must be an integer( or an object of [\w.]+)?, got "):
             call()
@@ -346,9 +347,9 @@ def test_control_bits_of_any_kind(lika: Any, bit: Any) -> None:
 
 
 def test_a_master_writes_bytes_only(lika: Any) -> None:
-    for wrong in (array.array("H", [1, 2]), numpy.array([1, 2], numpy.uint16), "ab"):
+    for not_bytes in (array.array("H", [1, 2]), numpy.array([1, 2], numpy.uint16), "ab"):
         with pytest.raises(TypeError, match="pass bytes"):
-            lika.biss.Master().write(0x10, wrong, busy_limit=0)
+            lika.biss.Master().write(0x10, not_bytes, busy_limit=0)
     lika.biss.Master().write(0x10, numpy.array([1, 2], numpy.uint8), busy_limit=0)
 
 
@@ -364,15 +365,19 @@ def test_the_package_does_not_import_numpy(generated_python: tuple[Path, ModuleT
 
 def functions(module: Any) -> list[tuple[str, Any]]:
     """Return everything public of a family module that takes an encoder, with a name."""
-    found = []
+    named_functions = []
     for name in module.__all__:
-        item = getattr(module, name)
-        if inspect.isclass(item):
-            members = [(f"{name}.{key}", getattr(item, key)) for key in vars(item) if not key.startswith("_")]
-            found += [(key, part) for key, part in members if inspect.isroutine(part)]
-        elif inspect.isfunction(item):
-            found.append((name, item))
-    return [(name, item) for name, item in found if "variant" in inspect.signature(item).parameters]
+        member = getattr(module, name)
+        if inspect.isclass(member):
+            members = [(f"{name}.{key}", getattr(member, key)) for key in vars(member) if not key.startswith("_")]
+            named_functions += [(key, method) for key, method in members if inspect.isroutine(method)]
+        elif inspect.isfunction(member):
+            named_functions.append((name, member))
+    return [(name, function) for name, function in named_functions if takes_variant(function)]
+
+
+def takes_variant(function: Any) -> bool:
+    return "variant" in inspect.signature(function).parameters
 
 
 def test_an_encoder_of_another_family_or_interface_is_refused(lika: Any, devices: Mapping[str, Device]) -> None:
@@ -381,18 +386,18 @@ def test_an_encoder_of_another_family_or_interface_is_refused(lika: Any, devices
         module = getattr(lika, device.name)
         taking = functions(module)
         assert len(taking) > 12, device.name
-        others = [next(iter(getattr(lika, name).VARIANTS.values())) for name in devices if name != device.name]
+        encoders = [next(iter(getattr(lika, name).VARIANTS.values())) for name in devices if name != device.name]
         for name, function in taking:
-            for encoder in others:
+            for encoder in encoders:
                 with pytest.raises(lika.FamilyError) as caught:
-                    _call(function, encoder)
+                    _call_with(function, encoder)
                 wanted = f"{encoder.code} belongs to the family {encoder.family.name}, not to {device.name}"
                 assert str(caught.value) == wanted, name
-            kinds = {item.interface: item for item in module.VARIANTS.values()}
+            kinds = {variant.interface: variant for variant in module.VARIANTS.values()}
             refused = 0
             for encoder in kinds.values():
                 try:
-                    _call(function, encoder)
+                    _call_with(function, encoder)
                 except lika.InterfaceError as error:
                     assert encoder.code in str(error)
                     assert error.found is encoder.interface
@@ -402,10 +407,11 @@ def test_an_encoder_of_another_family_or_interface_is_refused(lika: Any, devices
             assert refused == len(kinds) - 1, name
 
 
-def _call(function: Any, encoder: Any) -> object:
+def _call_with(function: Any, encoder: Any) -> object:
     """Call a function with the encoder by name, and with 0 for all other required arguments."""
     parameters = inspect.signature(function).parameters
-    needed = [key for key, item in parameters.items() if key != "variant" and item.default is inspect.Parameter.empty]
+    required = [key for key, parameter in parameters.items() if parameter.default is inspect.Parameter.empty]
+    needed = [key for key in required if key != "variant"]
     return function(**dict.fromkeys(needed, 0), variant=encoder)
 
 
@@ -433,9 +439,9 @@ def test_what_was_accepted_before_is_refused(lika: Any) -> None:
         lika.amm5.set_preset(ssi, 1)
     with pytest.raises(lika.InterfaceError, match=r"AMM5A21/65KBG1 has the interface SSI, but this needs BiSS$"):
         lika.amm5.SingleCycleData.decode(0xF4243D3, ssi)
-    for wrong in ("AMM5A21/65KSC1", None, 5, lika.amm5.FAMILY):
+    for not_an_encoder in ("AMM5A21/65KSC1", None, 5, lika.amm5.FAMILY):
         with pytest.raises(TypeError, match=r"expected an encoder, got .*; lookup\(\) returns one"):
-            lika.amm5.set_preset(wrong, 1)
+            lika.amm5.set_preset(not_an_encoder, 1)
     assert not issubclass(lika.FamilyError, lika.FrameError)
     assert not issubclass(lika.InterfaceError, lika.FrameError)
     assert issubclass(lika.FamilyError, ValueError)
@@ -447,7 +453,8 @@ def test_every_procedure_takes_the_encoder(lika: Any, devices: Mapping[str, Devi
         module = getattr(lika, device.name)
         for procedure in device.procedures:
             function = getattr(module, f"{procedure.name}_steps", None) or getattr(module, procedure.name)
-            encoder = next(item for item in module.VARIANTS.values() if item.interface.value == procedure.interface)
+            encoders = {encoder.interface.value: encoder for encoder in module.VARIANTS.values()}
+            encoder = encoders[procedure.interface]
             if not procedure.arguments:
                 assert function(encoder) == function(variant=encoder)
                 if inspect.signature(function).parameters["variant"].default is None:
@@ -457,25 +464,25 @@ def test_every_procedure_takes_the_encoder(lika: Any, devices: Mapping[str, Devi
 # ------------------------------------------------------------ labels
 
 
-@pytest.mark.parametrize("wrong", ["x" * 10**6, "AMM5A21/65KSC1-" + "A" * 10**6, "-" * 10**6, " " * 10**6])
-def test_a_label_without_end_is_refused_at_once(lika: Any, wrong: str) -> None:
+@pytest.mark.parametrize("endless_label", ["x" * 10**6, "AMM5A21/65KSC1-" + "A" * 10**6, "-" * 10**6, " " * 10**6])
+def test_a_label_without_end_is_refused_at_once(lika: Any, endless_label: str) -> None:
     for find in (lika.lookup, lika.amm5.lookup, lika.am36.lookup):
         begin = time.monotonic()
         with pytest.raises(
             lika.OrderCodeError, match=r"is not an order code: it has \d+ characters, more than"
         ) as caught:
-            find(wrong)
+            find(endless_label)
         assert time.monotonic() - begin < 0.5
         assert len(str(caught.value)) < 200
         assert len(caught.value.label) < 50
         assert caught.value.nearest == ()
 
 
-@pytest.mark.parametrize("wrong", [None, 5, True, b"AMM5A21/65KSC1", ["AMM5A21/65KSC1"]])
-def test_what_is_no_text_is_no_label(lika: Any, wrong: Any) -> None:
+@pytest.mark.parametrize("not_a_label", [None, 5, True, b"AMM5A21/65KSC1", ["AMM5A21/65KSC1"]])
+def test_what_is_no_text_is_no_label(lika: Any, not_a_label: Any) -> None:
     for find in (lika.lookup, lika.amm5.lookup):
         with pytest.raises(TypeError, match=r"the label must be a string such as the order code, got "):
-            find(wrong)
+            find(not_a_label)
 
 
 # ------------------------------------------------------------ equality
@@ -483,29 +490,29 @@ def test_what_is_no_text_is_no_label(lika: Any, wrong: Any) -> None:
 
 def test_frames_of_different_classes_are_never_equal(lika: Any, rs485: Any) -> None:
     amm5, biss, ssi = lika.amm5, lika.lookup("AMM5A21/65KSC1"), lika.lookup("AMM5A21/65KBG1")
-    printed, other = amm5.EepromAddress
+    printed, plain_form = amm5.EepromAddress
     pairs = [
         (amm5.EepromWriteReply(printed, 1, False, 2), amm5.EepromReadReply(printed, 1, False, 2)),
-        (amm5.EepromReadReply(printed, 1, False, 2), amm5.EepromReadReply(other, 1, False, 2)),
+        (amm5.EepromReadReply(printed, 1, False, 2), amm5.EepromReadReply(plain_form, 1, False, 2)),
         (amm5.SsiWord(ssi, 0, 5), amm5.Preset(ssi, 0, 5)),
         (amm5.DataRequest(amm5.DataId.SINGLETURN), amm5.EepromReadRequest(printed, 0)),
         (lika.am36.SsiWord(biss, 0, 5), amm5.SsiWord(biss, 0, 5)),
         (lika.Modify(1, 1, "a", 1, 1), lika.Poll(1, 1, "a", 1, 1)),
         (amm5.SsiWord(ssi, 0, 5), (ssi, 0, 5)),
     ]
-    for one, other in pairs:
-        assert one != other
-        assert other != one
-        assert not one == other  # noqa: SIM201
-        assert not other == one  # noqa: SIM201
-        assert len({one, other}) == 2
-        assert hash(one) != hash(other)
-        copied = type(one)(*one)
-        assert one == copied
-        assert not one != copied  # noqa: SIM202
-        assert hash(one) == hash(copied)
-        assert len({one, copied}) == 1
-        assert pickle.loads(pickle.dumps(one)) == one == copy.deepcopy(one)
+    for first, plain_form in pairs:
+        assert first != plain_form
+        assert plain_form != first
+        assert not first == plain_form  # noqa: SIM201
+        assert not plain_form == first  # noqa: SIM201
+        assert len({first, plain_form}) == 2
+        assert hash(first) != hash(plain_form)
+        copied = type(first)(*first)
+        assert first == copied
+        assert not first != copied  # noqa: SIM202
+        assert hash(first) == hash(copied)
+        assert len({first, copied}) == 1
+        assert pickle.loads(pickle.dumps(first)) == first == copy.deepcopy(first)
     assert amm5.SsiWord(ssi, 0, 5) == unittest.mock.ANY
     assert amm5.SsiWord(ssi, 0, 5) != amm5.SsiWord(ssi, 0, 6)
 
@@ -514,9 +521,11 @@ def test_every_frame_and_register_is_equal_by_class(lika: Any, devices: Mapping[
     for device in devices.values():
         module = getattr(lika, device.name)
         public = [getattr(module, name) for name in module.__all__]
-        classes = [item for item in public if inspect.isclass(item) and hasattr(item, "_fields")]
+        classes = [member for member in public if inspect.isclass(member) and hasattr(member, "_fields")]
         assert len(classes) > 4
-        assert all(item.__eq__ is not tuple.__eq__ and item.__hash__ is not tuple.__hash__ for item in classes)
+        for frame_class in classes:
+            assert frame_class.__eq__ is not tuple.__eq__
+            assert frame_class.__hash__ is not tuple.__hash__
 
 
 def test_registers_and_special_labels_show_and_count(lika: Any) -> None:
@@ -528,12 +537,12 @@ def test_registers_and_special_labels_show_and_count(lika: Any) -> None:
     assert "used_singleturn_bits=16" in repr(smaller)
     assert smaller != encoder
     assert hash(smaller) != hash(encoder)
-    plain, special, other = (lika.lookup(f"AMM5A21/65KSC1{tail}") for tail in ("", "/S901", "-ABC/s902"))
-    shown = [repr(item) for item in (plain, special, other)]
-    assert shown == ["<AMM5A21/65KSC1>", "<AMM5A21/65KSC1/S901>", "<AMM5A21/65KSC1/S902>"]
-    assert len({plain, special, other}) == 3
-    assert plain != special != other
-    assert [item.special for item in (plain, special, other)] == [False, True, True]
+    plain, special, renamed = (lika.lookup(f"AMM5A21/65KSC1{tail}") for tail in ("", "/S901", "-ABC/s902"))
+    representations = [repr(encoder) for encoder in (plain, special, renamed)]
+    assert representations == ["<AMM5A21/65KSC1>", "<AMM5A21/65KSC1/S901>", "<AMM5A21/65KSC1/S902>"]
+    assert len({plain, special, renamed}) == 3
+    assert plain != special != renamed
+    assert [encoder.special for encoder in (plain, special, renamed)] == [False, True, True]
     assert lika.lookup("AMM5A21/65KSC1-ABC") == plain
     assert special == lika.lookup("amm5a21/65ksc1/s901")
 
@@ -549,17 +558,17 @@ def test_as_delivered_nothing_shows(lika: Any, devices: Mapping[str, Device]) ->
 
 def test_no_fact_can_be_changed(lika: Any) -> None:
     facts = importlib.import_module("codewheel_runtime.facts")
-    for item in (facts.FieldFacts("x"), facts.Alarm("x", "y"), lika.amm5.REGISTERS["preset"]):
+    for facts_object in (facts.FieldFacts("x"), facts.Alarm("x", "y"), lika.amm5.REGISTERS["preset"]):
         with pytest.raises(TypeError):
-            item.names["it"] = "changed"
-        assert not hasattr(item.names, "update")
-        assert not hasattr(item.names, "clear")
+            facts_object.names["it"] = "changed"
+        assert not hasattr(facts_object.names, "update")
+        assert not hasattr(facts_object.names, "clear")
     assert facts.FieldFacts("y").names == {}
     assert "changed" not in lika.amm5.REGISTERS["preset"].names.values()
     for part in lika.sma21.ORDER_CODE.parts:
         with pytest.raises(TypeError):
             part.open_only_with["x"] = ()
-    named = next(item for item in lika.sma21.REGISTERS.values() if item.names)
+    named = next(register for register in lika.sma21.REGISTERS.values() if register.names)
     assert pickle.loads(pickle.dumps(named)) == named == copy.deepcopy(named)
     assert json.dumps(dict(named.names))
 
@@ -568,8 +577,8 @@ def test_only_their_own_names_are_offered(lika: Any, devices: Mapping[str, Devic
     """Return every class, function and constant of a module, except imported ones."""
     for device in devices.values():
         module = getattr(lika, device.name)
-        public = {name: item for name, item in vars(module).items() if not name.startswith("_")}
-        defined = {name for name, item in public.items() if getattr(item, "__module__", "") == module.__name__}
+        public = {name: value for name, value in vars(module).items() if not name.startswith("_")}
+        defined = {name for name, value in public.items() if getattr(value, "__module__", "") == module.__name__}
         constants = {name for name in [*public, *module.__all__] if name.isupper()} - {"TYPE_CHECKING"}
         assert sorted(set(module.__all__)) == module.__all__
         assert defined | constants <= set(module.__all__)
@@ -584,7 +593,7 @@ def test_the_version_is_known(lika: Any, library: Any) -> None:
 
 def test_a_step_tells_its_byte_order(lika: Any) -> None:
     steps = lika.am36.set_preset(lika.lookup("AM3616/4096-I7"), 100_000)
-    step = next(item for item in steps if isinstance(item, lika.Modify))
+    step = next(candidate for candidate in steps if isinstance(candidate, lika.Modify))
     assert step.length == 1
     assert step.order == "little"
     assert lika.Poll(0, 2, "x", 1, 1, order="big").order == "big"
@@ -604,8 +613,8 @@ def test_the_examples_look_at_the_verdict_first(
     readme = (generated_python[0] / "README.md").read_text(encoding="utf-8")
     look = "if frame.verdict is not Verdict.NOT_USABLE:"
     blocks = [block.partition("```")[0] for block in readme.split("```python")[1:]]
-    shown = [pair for block in blocks for pair in pairwise(block.splitlines())]
-    positions = [(before, line) for before, line in shown if "print(frame." in line]
+    line_pairs = [pair for block in blocks for pair in pairwise(block.splitlines())]
+    positions = [(before, line) for before, line in line_pairs if "print(frame." in line]
     assert len(positions) > 8
     assert all(before == f">>> {look}" and line.startswith("...     ") for before, line in positions)
     for device in devices.values():

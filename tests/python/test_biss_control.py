@@ -36,10 +36,10 @@ REMAINDERS = {
 
 def remainder(value: int, bits: int) -> int:
     """Return the CRC of up to 11 bits from that table."""
-    found = 0b1111
+    crc = 0b1111
     for bit in range(bits):
-        found ^= REMAINDERS[bit + 4] if value >> bit & 1 else 0
-    return found
+        crc ^= REMAINDERS[bit + 4] if value >> bit & 1 else 0
+    return crc
 
 
 @pytest.fixture(scope="session")
@@ -118,13 +118,9 @@ def test_the_crc_by_the_table(biss: Any) -> None:
 
 
 def test_the_crc_is_that_of_the_manuals(library: Library, biss: Any) -> None:
-    found = {
-        (crc.width, crc.poly, crc.init, crc.refin, crc.refout, crc.xorout)
-        for device in library.devices
-        for crc in device.crcs
-        if crc.name == "biss_4"
-    }
-    assert found == {(4, 0x3, 0, False, False, 0xF)}
+    crcs = [crc for device in library.devices for crc in device.crcs if crc.name == "biss_4"]
+    parameters = {(crc.width, crc.poly, crc.init, crc.refin, crc.refout, crc.xorout) for crc in crcs}
+    assert parameters == {(4, 0x3, 0, False, False, 0xF)}
     # Start value 0 and XOR 15: the CRC of only zeros. Polynomial 3: that of a single 1.
     assert biss.crc(0, 8) == 0xF
     assert biss.crc(1, 8) ^ 0xF == 0x3
@@ -155,9 +151,9 @@ def test_every_flipped_bit_of_a_word_is_refused(biss: Any, lika: Any, request_of
 
 
 def test_what_is_no_request(biss: Any, lika: Any) -> None:
-    for wrong in ((8, 0), (0, 128), (0, 0, 256), (-1, 0), (0, -1), (0, 0, -1)):
+    for values in ((8, 0), (0, 128), (0, 0, 256), (-1, 0), (0, -1), (0, 0, -1)):
         with pytest.raises(lika.RangeError):
-            biss.Request(*wrong).encode()
+            biss.Request(*values).encode()
     for number in (-1, 1 << 32):
         with pytest.raises(lika.LengthError):
             biss.Request.decode(number)
@@ -213,8 +209,8 @@ def test_a_read_written_out(biss: Any) -> None:
     assert line.master.data == b"\x40"
     assert line.master.slaves == 1
     #            14 zeros, S   CTS ID  ADR     CRC  R W S  12 zeros     P
-    sent = "00000000000000 1   1 000 1000100 1101 1 0 1  000000000000 0"
-    assert line.cdm[:46] == bits_of(sent)
+    master_bits = "00000000000000 1   1 000 1000100 1101 1 0 1  000000000000 0"
+    assert line.cdm[:46] == bits_of(master_bits)
     assert not any(line.cdm[46:])
     assert biss.Request(0, 0x44).bits() == (*line.cdm[:46], 0)
     # The frames of the zeros and of S. The answers follow a frame later: IDL, R W S, DATA, CRC, P
@@ -230,8 +226,8 @@ def test_a_write_written_out(biss: Any) -> None:
     line.master.write(0x60, b"\x06", 0, 0)
     assert line.run() == "DONE"
     assert line.memories[0].writes == [(0x60, 0x06)]
-    sent = "00000000000000 1   1 000 1100000 1011 0 1 1  00000110 0101 0"
-    assert line.cdm[:46] == bits_of(sent)
+    master_bits = "00000000000000 1   1 000 1100000 1011 0 1 1  00000110 0101 0"
+    assert line.cdm[:46] == bits_of(master_bits)
     assert not any(line.cdm[46:])
     answered = "00000000000000 0   1000000000000000 0 1 1 00000110 0101 0"
     assert line.cds[:47] == bits_of(answered)
@@ -394,8 +390,8 @@ def test_13_zeros_begin_nothing(biss: Any) -> None:
     for zeros, answers in ((13, False), (14, True), (30, True)):
         slave = PythonSlave(biss)
         slave.next(1)
-        found = [slave.next(bit) for bit in (0,) * zeros + biss.Request(0, 0x44).bits()[14:]]
-        assert any(found) is answers
+        answered = [slave.next(bit) for bit in (0,) * zeros + biss.Request(0, 0x44).bits()[14:]]
+        assert any(answered) is answers
 
 
 # -------------------------------------------------------------------------------------------------------------- ID lock
@@ -414,16 +410,14 @@ def test_id_lock(biss: Any, count: int) -> None:
         line.run()
     # The slave with SLI = 0, the last in the list, sees the first free bit first and has ID 0. Those above 8 have none.
     assert [slave.slave_id for slave in reversed(line.slaves)] == [*range(min(count, 8)), *[None] * (count - 8)]
-    assert [memory.writes for memory in reversed(memories)] == [
-        [(0x20, number)] if number < 8 else [] for number in range(count)
-    ]
+    for number, memory in enumerate(reversed(memories)):
+        assert memory.writes == ([(0x20, number)] if number < 8 else [])
 
 
 def test_id_lock_written_out(biss: Any) -> None:
     # Three slaves: the last takes IDL0, the next IDL1, the one at the master IDL2. The one in the middle answers.
-    line = Line(
-        PythonMaster(biss), [PythonSlave(biss) for _ in range(3)], [Memory({0x44: 0x40, 0x45: 0}) for _ in range(3)]
-    )
+    slaves = [PythonSlave(biss) for _ in range(3)]
+    line = Line(PythonMaster(biss), slaves, [Memory({0x44: 0x40, 0x45: 0}) for _ in slaves])
     line.master.read(0x44, 1, 1, 0)
     assert line.run() == "DONE"
     assert line.cds[15:47] == bits_of("1110000000000000 1 0 1 01000000 1000 0")
@@ -454,7 +448,7 @@ def test_commands_pass(biss: Any) -> None:
     slave = PythonSlave(biss)
     header = 0b0_00000001_01
     stream = (
-        [0] * 14 + [1] + [header >> left & 1 for left in range(10, -1, -1)] + bits_of("1111") + [1, 0, 1] + [0] * 12
+        [0] * 14 + [1] + [header >> place & 1 for place in range(10, -1, -1)] + bits_of("1111") + [1, 0, 1] + [0] * 12
     )
     answers = [slave.next(bit) for bit in stream]
     assert answers == [0] * 14 + [1] + [0] * 30
@@ -469,13 +463,13 @@ def test_commands_pass(biss: Any) -> None:
 HEAD, BYTE = range(1, 16), range(19, 31)
 
 
-def disturbed(biss: Any, write: bool, bit: int, of_cds: bool, value: int = 0x40) -> tuple[str, Line]:
+def run_with_flipped_bit(biss: Any, write: bool, bit: int, of_cds: bool, value: int = 0x40) -> tuple[str, Line]:
     line = line_of(biss, {0x44: 0xEE if write else value})
     frame = 14 + bit
     if of_cds:
-        line.disturb_cds = lambda number, sent: sent ^ (number == frame + 1)
+        line.disturb_cds = lambda number, cds_bit: cds_bit ^ (number == frame + 1)
     else:
-        line.disturb_cdm = lambda number, sent: sent ^ (number == frame)
+        line.disturb_cdm = lambda number, cdm_bit: cdm_bit ^ (number == frame)
     if write:
         line.master.write(0x44, bytes([value]), 0, 9)
     else:
@@ -485,12 +479,12 @@ def disturbed(biss: Any, write: bool, bit: int, of_cds: bool, value: int = 0x40)
 
 @pytest.mark.parametrize("bit", range(-14, 32))
 def test_a_flipped_bit_on_its_way_to_the_slave(biss: Any, bit: int) -> None:
-    outcome, line = disturbed(biss, False, bit, False)
+    outcome, line = run_with_flipped_bit(biss, False, bit, False)
     # Read. Twelve zeros and P have no effect, 11 in place of 10 is sent back, and without S the slave is lost.
     expected = "DONE" if bit in BYTE or bit == 31 else {17: "REFUSED", 18: "BUSY"}.get(bit, "NO_ANSWER")
     assert outcome == expected
     assert line.master.data == (b"\x40" if expected == "DONE" else b"")
-    outcome, line = disturbed(biss, True, bit, False)
+    outcome, line = run_with_flipped_bit(biss, True, bit, False)
     # Write. A header that no slave understands looks like a refusal, 00.
     if bit < 1:
         expected = "NO_ANSWER"
@@ -504,14 +498,14 @@ def test_a_flipped_bit_on_its_way_to_the_slave(biss: Any, bit: int) -> None:
 
 @pytest.mark.parametrize("bit", [*range(18), *range(19, 32)])
 def test_a_flipped_bit_on_its_way_to_the_master(biss: Any, bit: int) -> None:
-    outcome, line = disturbed(biss, False, bit, True)
+    outcome, line = run_with_flipped_bit(biss, False, bit, True)
     # IDL bits of other slaves change only their apparent number.
     expected = (
         "DONE" if bit in HEAD or bit == 31 else {0: "NO_ANSWER", 16: "NO_ANSWER", 17: "REFUSED"}.get(bit, "BAD_CRC")
     )
     assert outcome == expected
     assert line.master.data == (b"\x40" if expected == "DONE" else b"")
-    outcome, line = disturbed(biss, True, bit, True)
+    outcome, line = run_with_flipped_bit(biss, True, bit, True)
     expected = "DONE" if bit in HEAD or bit == 31 else {0: "NO_ANSWER", 17: "REFUSED"}.get(bit, "BAD_ECHO")
     assert outcome == expected
     # The master notices a wrong echo of the byte when the slave already has it.
@@ -522,20 +516,20 @@ def test_a_flipped_bit_on_its_way_to_the_master(biss: Any, bit: int) -> None:
 def test_a_start_bit_of_the_slave_that_is_lost(biss: Any) -> None:
     """No CRC covers S: master and slave continue one bit apart. No value survives, but half of the writes seem to."""
     for value in range(256):
-        sent = value << 4 | remainder(value, 8)
+        byte_and_crc = value << 4 | remainder(value, 8)
         # Read: the first 1 of the byte is taken as S, the bits after it as the byte, and zeros fill it up.
-        follows = sent << 13 - sent.bit_length() & 0xFFF
+        follows = byte_and_crc << 13 - byte_and_crc.bit_length() & 0xFFF
         assert remainder(follows >> 4, 8) != follows & 0xF
-        outcome, line = disturbed(biss, False, 18, True, value)
+        outcome, line = run_with_flipped_bit(biss, False, 18, True, value)
         assert outcome == "BAD_CRC"
         assert line.master.data == b""
         # Write: the S that the master sends again is taken as DATA7.
         # The slave then has left when the last bit of the CRC comes.
-        taken = 1 << 11 | sent >> 1
-        assert remainder(taken >> 4, 8) != taken & 0xF
-        outcome, line = disturbed(biss, True, 18, True, value)
+        shifted = 1 << 11 | byte_and_crc >> 1
+        assert remainder(shifted >> 4, 8) != shifted & 0xF
+        outcome, line = run_with_flipped_bit(biss, True, 18, True, value)
         assert line.memories[0].writes == [], value
-        assert outcome == ("BAD_ECHO" if sent & 1 else "DONE"), value
+        assert outcome == ("BAD_ECHO" if byte_and_crc & 1 else "DONE"), value
 
 
 # ---------------------------------------------------------------------------------------------------------- round trips
@@ -546,12 +540,12 @@ def test_a_start_bit_of_the_slave_that_is_lost(biss: Any) -> None:
 @given(data=st.data())
 def test_whatever_is_written_is_read_again(biss: Any, data: st.DataObject) -> None:
     count = data.draw(st.integers(1, 8), "slaves")
-    memories = [
-        Memory({address: data.draw(st.integers(0, 255)) if address % 16 == 0 else address for address in range(128)})
-        for _ in range(count)
-    ]
+    memories = []
+    for _ in range(count):
+        random_bytes = {address: data.draw(st.integers(0, 255)) for address in range(0, 128, 16)}
+        memories.append(Memory(dict(enumerate(range(128))) | random_bytes))
     line = Line(PythonMaster(biss), [PythonSlave(biss) for _ in range(count)], memories)
-    held = [dict(memory.registers) for memory in memories]
+    registers = [dict(memory.registers) for memory in memories]
     for _ in range(data.draw(st.integers(1, 6), "accesses")):
         place, address = data.draw(st.integers(0, count - 1)), data.draw(st.integers(0, 127))
         slave_id = count - 1 - place
@@ -560,15 +554,15 @@ def test_whatever_is_written_is_read_again(biss: Any, data: st.DataObject) -> No
         if data.draw(st.booleans(), "write"):
             content = data.draw(st.binary(min_size=length, max_size=length))
             line.master.write(address, content, slave_id, 6)
-            held[place] |= {address + index: byte for index, byte in enumerate(content)}
+            registers[place] |= {address + index: byte for index, byte in enumerate(content)}
         else:
             line.master.read(address, length, slave_id, 6)
         assert line.run() == "DONE"
         assert line.master.done == length
         assert line.master.slaves == count
-        assert [memory.registers for memory in memories] == held
+        assert [memory.registers for memory in memories] == registers
         if line.master.data:
-            assert line.master.data == bytes(held[place][address + index] for index in range(length))
+            assert line.master.data == bytes(registers[place][address + index] for index in range(length))
 
 
 # ---------------------------------------------------------------------------------------------------------- the package
@@ -578,9 +572,8 @@ def test_whatever_is_written_is_read_again(biss: Any, data: st.DataObject) -> No
 def test_only_where_a_family_speaks_biss(library: Library, tmp_path: Path) -> None:
     files = generate(Library((ssi_only(tmp_path),)))
     assert not any(path.endswith("_encoders/biss.py") for path in files)
-    assert not any(
-        re.search(r"import biss\b", text) for path, text in files.items() if not path.startswith("python/runtime/")
-    )
+    texts = [text for path, text in files.items() if not path.startswith("python/runtime/")]
+    assert not any(re.search(r"import biss\b", text) for text in texts)
     assert "python/lika_encoders/biss.py" in generate(library)
 
 

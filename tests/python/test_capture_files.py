@@ -48,7 +48,7 @@ def session(path: Path, line: Wave, unit: int = 1, parts: int = 3, more: str = "
         archive.writestr("metadata", f"{head}total analog=0\nprobe2=MA\nprobe4=SLO\nunitsize={unit}\n{more}")
         for place in range(parts):
             part = samples[place * size : (place + 1) * size]
-            archive.writestr(f"logic-1-{place + 1}", b"".join(item.to_bytes(unit, "little") for item in part))
+            archive.writestr(f"logic-1-{place + 1}", b"".join(sample.to_bytes(unit, "little") for sample in part))
     return [path]
 
 
@@ -71,9 +71,8 @@ def table(path: Path, line: Wave) -> Sequence[Path]:
 def changes(line: Wave) -> list[tuple[float, int, int]]:
     """Return time in seconds and level of each change: of the clock (0) and the data line (1)."""
     clock = [(at, 0, place & 1) for place, at in enumerate(line.clock)]
-    return sorted(
-        (at * RATE / HERTZ, channel, level) for at, channel, level in [*clock, *((t, 1, v) for t, v in line.data)]
-    )
+    data = [(at, 1, level) for at, level in line.data]
+    return sorted((at * RATE / HERTZ, channel, level) for at, channel, level in [*clock, *data])
 
 
 def saleae_csv(path: Path, line: Wave) -> Sequence[Path]:
@@ -90,16 +89,16 @@ def saleae(path: Path, line: Wave, version: int = 0) -> Sequence[Path]:
     paths: list[Path] = []
     end = line.now * RATE / HERTZ
     for channel in (0, 1):
-        times = [at for at, one, _ in changes(line) if one == channel]
+        times = [at for at, changed_channel, _ in changes(line) if changed_channel == channel]
         head = struct.pack("<8sii", b"<SALEAE>", version, 0)
         if version:
             # Two chunks: the second one begins within the times.
             half = len(times) // 2
             chunks = [(1, 0.0, times[:half]), (1 ^ half & 1, times[half] - 1e-9, times[half:])]
             data = head + struct.pack("<Q", len(chunks))
-            for level, begin, some in chunks:
-                data += struct.pack("<IdddQ", level, HERTZ, begin, end, len(some)) + struct.pack(
-                    f"<{len(some)}d", *some
+            for level, begin, chunk_times in chunks:
+                data += struct.pack("<IdddQ", level, HERTZ, begin, end, len(chunk_times)) + struct.pack(
+                    f"<{len(chunk_times)}d", *chunk_times
                 )
         else:
             data = head + struct.pack("<IddQ", 1, 0.0, end, len(times)) + struct.pack(f"<{len(times)}d", *times)
@@ -161,24 +160,24 @@ def test_every_format(form: str, block: int, tmp_path: Path, monkeypatch: pytest
     monkeypatch.setattr(signal_files, "SAMPLES", block)
     write, options = FORMATS[form]
     line = wave()
-    found = read(write(tmp_path / "line.capture", line), **options)
-    assert found.table["position"].tolist() == POSITIONS
-    assert found.table.ok.all()
-    assert found.lost == ()
+    capture = read(write(tmp_path / "line.capture", line), **options)
+    assert capture.table["position"].tolist() == POSITIONS
+    assert capture.table.ok.all()
+    assert capture.lost == ()
     # The first falling edges of the clock, which are 30 periods after the end of a cycle.
     starts = [at for before, at in zip([-40.0, *line.clock], line.clock, strict=False) if at - before > 20]
-    assert found.table["time"] == pytest.approx([at * RATE / HERTZ for at in starts], abs=1.01 / HERTZ)
+    assert capture.table["time"] == pytest.approx([at * RATE / HERTZ for at in starts], abs=1.01 / HERTZ)
 
 
 # Hostile and wrong files
 
 
 def archive(entries: dict[str, bytes]) -> bytes:
-    made = io.BytesIO()
-    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as opened:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as opened:
         for name, data in entries.items():
             opened.writestr(name, data)
-    return made.getvalue()
+    return buffer.getvalue()
 
 
 META = b"[device 1]\ncapturefile=logic-1\nsamplerate=24 MHz\nprobe1=MA\nprobe2=SLO\nunitsize=1\n"
@@ -208,7 +207,7 @@ def test_a_session_of_too_many_samples_is_refused_before_it_is_unpacked(tmp_path
 
 
 @pytest.mark.parametrize(
-    ("content", "said"),
+    ("content", "message"),
     [
         (b"", "the file is empty"),
         (b"PK\x03\x04 nothing", "this is not a valid sigrok session"),
@@ -235,22 +234,22 @@ def test_a_session_of_too_many_samples_is_refused_before_it_is_unpacked(tmp_path
         (b"1," * 3_000_000, "a line is too long"),
     ],
 )  # fmt: skip
-def test_hostile_files_give_one_line(content: bytes, said: str, tmp_path: Path) -> None:
+def test_hostile_files_give_one_line(content: bytes, message: str, tmp_path: Path) -> None:
     path = tmp_path / "line.capture"
     path.write_bytes(content)
     with pytest.raises((InputError, UsageError)) as caught:
         read([path])
-    assert said in str(caught.value)
+    assert message in str(caught.value)
     assert "\n" not in str(caught.value)
 
 
 def test_absurd_headers_take_no_memory(tmp_path: Path) -> None:
-    path, other = tmp_path / "a.bin", tmp_path / "b.bin"
+    path, second_path = tmp_path / "a.bin", tmp_path / "b.bin"
     data = struct.pack("<8siiIddQ", b"<SALEAE>", 0, 0, 1, 0.0, 1.0, 1 << 60) + struct.pack("<2d", 0.1, 0.2)
     path.write_bytes(data)
-    other.write_bytes(data)
+    second_path.write_bytes(data)
     with pytest.raises(InputError, match="this Saleae file ends early"):
-        read([path, other])
+        read([path, second_path])
     with path.open("wb") as file:
         numpy.lib.format.write_array_header_1_0(file, {"descr": "|u1", "fortran_order": False, "shape": (1 << 60,)})
     with pytest.raises(InputError, match="the clock never changes"):
@@ -259,19 +258,19 @@ def test_absurd_headers_take_no_memory(tmp_path: Path) -> None:
 
 def mutated(data: bytes, chosen: random.Random) -> bytes:
     """Return the data with some bytes changed, removed or added, more often near the beginning."""
-    found = bytearray(data)
+    damaged = bytearray(data)
     for _ in range(chosen.choice((1, 1, 2, 5, 20))):
-        place = chosen.randrange(len(found) if chosen.random() < 0.5 else min(len(found), 200))
+        place = chosen.randrange(len(damaged) if chosen.random() < 0.5 else min(len(damaged), 200))
         kind = chosen.randrange(4)
         if kind == 0:
-            found[place] = chosen.randrange(256)
-        elif kind == 1 and len(found) > 1000:
-            del found[place : place + chosen.randrange(1, 400)]
+            damaged[place] = chosen.randrange(256)
+        elif kind == 1 and len(damaged) > 1000:
+            del damaged[place : place + chosen.randrange(1, 400)]
         elif kind == 2:
-            found[place:place] = chosen.randbytes(chosen.randrange(1, 9))
+            damaged[place:place] = chosen.randbytes(chosen.randrange(1, 9))
         else:
-            found[place : place + 8] = b"\xff" * 8
-    return bytes(found)
+            damaged[place : place + 8] = b"\xff" * 8
+    return bytes(damaged)
 
 
 @pytest.mark.slow
@@ -294,7 +293,7 @@ def test_mutated_files_give_a_table_or_one_line(form: str, tmp_path: Path) -> No
 
 
 @pytest.mark.parametrize(
-    ("text", "said"),
+    ("text", "message"),
     [
         ("", "is not a field"),
         ("position", "is not a field"),
@@ -310,8 +309,8 @@ def test_mutated_files_give_a_table_or_one_line(form: str, tmp_path: Path) -> No
         ("time=3", "verdict, fault and time are names"),
     ],
 )
-def test_wrong_layouts(text: str, said: str) -> None:
-    with pytest.raises(UsageError, match=said):
+def test_wrong_layouts(text: str, message: str) -> None:
+    with pytest.raises(UsageError, match=message):
         biss_layout(text)
 
 
@@ -319,8 +318,8 @@ def test_layout_with_two_parts_of_the_position() -> None:
     layout = biss_layout("multiturn=4,singleturn=8,zero=2,error,unused=1")
     #       mult  single   0  nE unused
     words = [0b0010_00000011_00_1_0, 0b0010_00000011_00_0_1, 0b0010_00000011_01_1_0]
-    found = layout.decode_many(words)
-    assert found["position"].tolist() == [0x203, 0x203, 0x203]
-    assert found["fault"].tolist() == [0, 0, 3]
-    assert found.usable.tolist() == [True, False, False]
-    assert found.in_units("degrees")[0] == pytest.approx(3 / 256 * 360)
+    table = layout.decode_many(words)
+    assert table["position"].tolist() == [0x203, 0x203, 0x203]
+    assert table["fault"].tolist() == [0, 0, 3]
+    assert table.usable.tolist() == [True, False, False]
+    assert table.in_units("degrees")[0] == pytest.approx(3 / 256 * 360)

@@ -28,10 +28,10 @@ LAYOUT = biss_layout("position=32,error,warning,crc=6:0x43")
 
 def reply(head: int, *data: int) -> bytes:
     """Return a reply over RS-485: its bytes, and their XOR."""
-    found = 0
+    checksum = 0
     for byte in (head, *data):
-        found ^= byte
-    return bytes([head, *data, found])
+        checksum ^= byte
+    return bytes([head, *data, checksum])
 
 
 def singleturn(position: int) -> bytes:
@@ -39,7 +39,7 @@ def singleturn(position: int) -> bytes:
     return b"\x02" + reply(0x02, 0x00, *position.to_bytes(3, "little"))
 
 
-def found_in(lika: Any, wave: Wave, rate: float = 10, **options: Any) -> Any:
+def capture_of(lika: Any, wave: Wave, rate: float = 10, **options: Any) -> Any:
     samples = numpy.array(wave.samples(rate), numpy.uint8)
     # A bit lasts one unit of time, at 2.5 million bits per second.
     return lika.read_capture(SERIAL, samples, rate=rate * 2.5e6, data="2", **options)
@@ -58,46 +58,46 @@ def lika(generated_python: tuple[Path, ModuleType]) -> Any:
 def test_replies_between_requests(lika: Any, rate: float) -> None:
     positions = [7000519, 1, 0x7FFFFF, 0x2AAAAA]
     wave = serial([(30, singleturn(position)) for position in positions])
-    found = found_in(lika, wave, rate)
-    assert found.table["singleturn"].tolist() == positions
-    assert found.lost == ()
+    capture = capture_of(lika, wave, rate)
+    assert capture.table["singleturn"].tolist() == positions
+    assert capture.lost == ()
     # The reply begins one byte after the request.
-    assert found.table["time"][0] == pytest.approx(40 / 2.5e6, abs=1 / rate / 2.5e6)
+    assert capture.table["time"][0] == pytest.approx(40 / 2.5e6, abs=1 / rate / 2.5e6)
 
 
 def test_replies_of_another_kind_are_counted(lika: Any) -> None:
     # Data ID 2 is the encoder ID 23h.
-    other = b"\x92" + reply(0x92, 0x00, 0x23)
-    wave = serial([(20, singleturn(5)), (20, other), (20, singleturn(6))])
-    found = found_in(lika, wave)
-    assert found.table["singleturn"].tolist() == [5, 6]
-    assert (found.lost, dict(found.others)) == ((), {"encoder_id_reply": 1})
-    found = found_in(lika, wave, layout="encoder_id_reply")
-    assert (found.table.count, dict(found.others)) == (1, {"singleturn_reply": 2})
+    encoder_id_reply = b"\x92" + reply(0x92, 0x00, 0x23)
+    wave = serial([(20, singleturn(5)), (20, encoder_id_reply), (20, singleturn(6))])
+    capture = capture_of(lika, wave)
+    assert capture.table["singleturn"].tolist() == [5, 6]
+    assert (capture.lost, dict(capture.others)) == ((), {"encoder_id_reply": 1})
+    capture = capture_of(lika, wave, layout="encoder_id_reply")
+    assert (capture.table.count, dict(capture.others)) == (1, {"singleturn_reply": 2})
 
 
 @pytest.mark.parametrize(
-    ("message", "said"),
+    ("message", "reason"),
     [
         (b"\x02", "no reply to the request 02"),
         (singleturn(9)[:4], "4 bytes without a valid reply: 02 02 00 09"),
         (b"\xff\xff\xff", "3 bytes without a valid reply: FF FF FF"),
     ],
 )
-def test_each_fault_of_a_serial_line_has_one_message(lika: Any, message: bytes, said: str) -> None:
+def test_each_fault_of_a_serial_line_has_one_message(lika: Any, message: bytes, reason: str) -> None:
     wave = serial([(40, singleturn(5)), (40, message), (40, singleturn(6)), (40, singleturn(7))])
-    found = found_in(lika, wave)
-    assert found.table["singleturn"].tolist() == [5, 6, 7]
-    assert [item.reason for item in found.lost] == [said]
+    capture = capture_of(lika, wave)
+    assert capture.table["singleturn"].tolist() == [5, 6, 7]
+    assert [lost_cycle.reason for lost_cycle in capture.lost] == [reason]
 
 
 def test_a_disturbed_reply_is_a_row_with_an_error(lika: Any) -> None:
     broken = bytearray(singleturn(9))
     broken[4] ^= 0x10
-    found = found_in(lika, serial([(40, singleturn(5)), (40, bytes(broken)), (40, singleturn(6))]))
-    assert found.table["fault"].tolist() == [0, 2, 0]
-    assert found.table.usable.tolist() == [True, False, True]
-    assert found.lost == ()
+    capture = capture_of(lika, serial([(40, singleturn(5)), (40, bytes(broken)), (40, singleturn(6))]))
+    assert capture.table["fault"].tolist() == [0, 2, 0]
+    assert capture.table.usable.tolist() == [True, False, True]
+    assert capture.lost == ()
 
 
 def test_a_missing_stop_bit(lika: Any) -> None:
@@ -105,9 +105,9 @@ def test_a_missing_stop_bit(lika: Any) -> None:
     wave = serial(
         [(40, singleturn(5)), (40, singleturn(6)), (40, singleturn(7))], stop=lambda number: int(number != 10)
     )
-    found = found_in(lika, wave)
-    assert found.table["singleturn"].tolist() == [5, 7]
-    assert [item.reason.partition(":")[0] for item in found.lost] == ["a byte without a stop bit"]
+    capture = capture_of(lika, wave)
+    assert capture.table["singleturn"].tolist() == [5, 7]
+    assert [lost_cycle.reason.partition(":")[0] for lost_cycle in capture.lost] == ["a byte without a stop bit"]
 
 
 @pytest.mark.slow
@@ -115,9 +115,9 @@ def test_a_long_serial_capture_in_pieces(lika: Any, monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(signals, "SAMPLES", 3001)
     chosen = random.Random(3)
     positions = [chosen.getrandbits(23) for _ in range(200)]
-    found = found_in(lika, serial([(chosen.choice((0, 3, 40)), singleturn(position)) for position in positions]))
-    assert found.table["singleturn"].tolist() == positions
-    assert found.lost == ()
+    capture = capture_of(lika, serial([(chosen.choice((0, 3, 40)), singleturn(position)) for position in positions]))
+    assert capture.table["singleturn"].tolist() == positions
+    assert capture.lost == ()
 
 
 # Accesses to registers
@@ -145,10 +145,10 @@ def line_with_accesses(accesses: Callable[[biss.Master], None], memory: dict[int
 
 def accesses_in(line: Biss, **options: Any) -> list[str]:
     samples = numpy.array(line.finish().samples(10), numpy.uint8)
-    found = Captures("none").read_capture(LAYOUT, samples, **options)
-    assert found.table["position"].tolist() == list(range(90))
-    assert found.lost == ()
-    return [str(item) for item in found.accesses]
+    capture = Captures("none").read_capture(LAYOUT, samples, **options)
+    assert capture.table["position"].tolist() == list(range(90))
+    assert capture.lost == ()
+    return [str(access) for access in capture.accesses]
 
 
 @pytest.mark.slow
@@ -214,8 +214,8 @@ def test_capture_command(command: Command) -> None:
     )
     assert code == 1
     assert json.loads(out)["lost"] == {"the clock stops after 14 of 40 bits": 1}
-    said = "5% of the cycles have no valid frame; check the layout (--biss) and the channels (--max-errors is 4)"
-    assert err == f"lika-encoders: {said}\n"
+    message = "5% of the cycles have no valid frame; check the layout (--biss) and the channels (--max-errors is 4)"
+    assert err == f"lika-encoders: {message}\n"
 
 
 def test_capture_with_si_units(command: Command) -> None:
@@ -246,7 +246,7 @@ def test_one_turn_is_a_position_with_degrees(command: Command) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("arguments", "code", "said"),
+    ("arguments", "code", "message"),
     [
         (["capture", "nothing.sr", *FIELDS], 1, "nothing.sr: No such file or directory"),
         (["capture", "AMM5A21/65KSC1"], 2, "give the order code and the file of the capture, or --biss and the file"),
@@ -275,12 +275,12 @@ def test_one_turn_is_a_position_with_degrees(command: Command) -> None:
         (["decode", "AMM5A23/65KJP1", "02 00"], 1, "expected"),
     ],
 )
-def test_wrong_use_gives_one_line(command: Command, arguments: list[str], code: int, said: str) -> None:
+def test_wrong_use_gives_one_line(command: Command, arguments: list[str], code: int, message: str) -> None:
     save("it.npy", [biss_word(position) for position in range(20)])
-    found, out, err = command(*arguments)
-    assert (found, out) == (code, "")
+    exit_code, out, err = command(*arguments)
+    assert (exit_code, out) == (code, "")
     assert err.startswith("lika-encoders: ")
-    assert said in err
+    assert message in err
     assert err.count("\n") == 1
 
 

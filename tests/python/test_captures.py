@@ -23,9 +23,9 @@ def read(
     signals = of_array(numpy.array(wave.samples(rate, shift), numpy.uint8), NAMES)
     words: list[int] = []
     lost: list[Lost] = []
-    for found in clocked(signals, "a capture", kind, bits):
-        words += found.frames.tolist()
-        lost += found.lost
+    for clocked_part in clocked(signals, "a capture", kind, bits):
+        words += clocked_part.frames.tolist()
+        lost += clocked_part.lost
     return words, lost
 
 
@@ -51,8 +51,8 @@ def test_biss_at_every_rate_with_every_delay(rate: float) -> None:
     words = [biss_word(position) for position in positions(3)]
     for delay, shift in itertools.product(DELAYS, (0.0, 0.3, 0.7)):
         # The last bits of a delayed line come after the last clock.
-        found = read(biss(words, delay=delay), rate, shift=shift)
-        assert found == (words, []), (rate, delay, shift)
+        words_read = read(biss(words, delay=delay), rate, shift=shift)
+        assert words_read == (words, []), (rate, delay, shift)
 
 
 @pytest.mark.slow
@@ -94,9 +94,9 @@ def test_clock_that_stops_early() -> None:
     for place, word in enumerate(words):
         # One clock, three of the acknowledgement, start, CDS, and 18 bits of the frame.
         line.cycle(word, BITS, clocks=24 if place == 2 else None)
-    found, lost = read(line.finish(), 10)
-    assert found == words[:2] + words[3:]
-    assert [item.reason for item in lost] == ["the clock stops after 18 of 40 bits"]
+    words_read, lost = read(line.finish(), 10)
+    assert words_read == words[:2] + words[3:]
+    assert [lost_cycle.reason for lost_cycle in lost] == ["the clock stops after 18 of 40 bits"]
 
 
 def test_silent_encoder() -> None:
@@ -106,9 +106,9 @@ def test_silent_encoder() -> None:
         line.cycle(word, BITS)
         if place == 2:
             line.wave.data = before
-    found, lost = read(line.finish(), 10)
-    assert found == words[:2] + words[3:]
-    assert [item.reason for item in lost] == ["no acknowledgement: the data line stays high"]
+    words_read, lost = read(line.finish(), 10)
+    assert words_read == words[:2] + words[3:]
+    assert [lost_cycle.reason for lost_cycle in lost] == ["no acknowledgement: the data line stays high"]
 
 
 def test_encoder_that_never_starts() -> None:
@@ -118,9 +118,11 @@ def test_encoder_that_never_starts() -> None:
         line.cycle(word, BITS)
         if place == 3:
             line.wave.data = [*before, line.wave.data[len(before)], (line.wave.now - 1, 1)]
-    found, lost = read(line.finish(), 10)
-    assert found == words[:3] + words[4:]
-    assert [item.reason for item in lost] == ["no start bit: the data line stays low after the acknowledgement"]
+    words_read, lost = read(line.finish(), 10)
+    assert words_read == words[:3] + words[4:]
+    assert [lost_cycle.reason for lost_cycle in lost] == [
+        "no start bit: the data line stays low after the acknowledgement"
+    ]
 
 
 def test_data_line_that_is_low_at_rest() -> None:
@@ -130,18 +132,18 @@ def test_data_line_that_is_low_at_rest() -> None:
         if place == 1:
             line.wave.data[-1] = (line.wave.now + 50, 1)
     line.wave.data.sort()
-    found, lost = read(line.finish(), 10)
-    assert found == words[:2] + words[3:]
-    assert [item.reason for item in lost] == ["the data line is low before the cycle begins"]
+    words_read, lost = read(line.finish(), 10)
+    assert words_read == words[:2] + words[3:]
+    assert [lost_cycle.reason for lost_cycle in lost] == ["the data line is low before the cycle begins"]
 
 
 @pytest.mark.parametrize("rate", [16, 24, 50])
 def test_spike_on_the_clock(rate: float) -> None:
     wave = biss([biss_word(position) for position in positions(5)])
     words, _ = read(wave, rate)
-    found, lost = read(spike(wave, wave.clock[2 * 47 + 30] + 0.2), rate)
-    assert found == [word for place, word in enumerate(words) if place != 1]
-    assert [item.reason for item in lost] == ["a very short pulse on the clock"]
+    words_read, lost = read(spike(wave, wave.clock[2 * 47 + 30] + 0.2), rate)
+    assert words_read == [word for place, word in enumerate(words) if place != 1]
+    assert [lost_cycle.reason for lost_cycle in lost] == ["a very short pulse on the clock"]
 
 
 @pytest.mark.slow
@@ -152,24 +154,24 @@ def test_capture_that_begins_or_ends_within_a_cycle(kind: str) -> None:
     samples = wave.samples(10)
     begin, end = int(wave.clock[0] * 10), int(wave.clock[-1] * 10)
     for cut in range(begin + 12, begin + 400, 7):
-        got = list(_read_samples(samples[cut:], kind))
-        assert got == [words[1:], ["the capture begins within this cycle"]], cut
+        words_and_reasons = list(_read_samples(samples[cut:], kind))
+        assert words_and_reasons == [words[1:], ["the capture begins within this cycle"]], cut
     for cut in range(end - 390, end - 12, 7):
-        got = list(_read_samples(samples[:cut], kind))
-        assert got == [words[:2], ["the capture ends within this cycle"]], cut
+        words_and_reasons = list(_read_samples(samples[:cut], kind))
+        assert words_and_reasons == [words[:2], ["the capture ends within this cycle"]], cut
 
 
 def _read_samples(samples: Any, kind: Any) -> tuple[list[int], list[str]]:
-    found: tuple[list[int], list[str]] = ([], [])
+    words_and_reasons: tuple[list[int], list[str]] = ([], [])
     for part in clocked(of_array(numpy.array(samples, numpy.uint8), NAMES), "a capture", kind, BITS):
-        found[0].extend(part.frames.tolist())
-        found[1].extend(item.reason for item in part.lost)
-    return found
+        words_and_reasons[0].extend(part.frames.tolist())
+        words_and_reasons[1].extend(lost_cycle.reason for lost_cycle in part.lost)
+    return words_and_reasons
 
 
 def test_ssi_word_that_is_cut() -> None:
     words = [5, 6, 7]
     wave = ssi(words, 25, clocks=20)
-    found, lost = read(wave, 10, 25, "ssi")
-    assert found == []
-    assert [item.reason for item in lost] == ["the clock stops after 20 of 25 bits"] * 3
+    words_read, lost = read(wave, 10, 25, "ssi")
+    assert words_read == []
+    assert [lost_cycle.reason for lost_cycle in lost] == ["the clock stops after 20 of 25 bits"] * 3

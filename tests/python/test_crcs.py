@@ -43,10 +43,12 @@ def test_check_values_of_the_catalogue(crcs: tuple[Device, Any], name: str) -> N
 def test_each_is_the_one_of_the_model(crcs: tuple[Device, Any]) -> None:
     device, module = crcs
     used = {crc.name for _, layout in device.layouts() if (crc := device.crc_of(layout)) is not None}
-    assert {item.name for item in device.crcs} - used >= {"usb", "g_704"}
-    for item in crc_functions(device):
-        function = getattr(module, f"crc_{item.crc.name}")
-        if item.carrier is Carrier.BYTES:
-            assert function(b"\x12\x34\x56") == compute_bytes(item.crc, b"\x12\x34\x56"), item.crc.name
+    assert {crc.name for crc in device.crcs} - used >= {"usb", "g_704"}
+    for function_plan in crc_functions(device):
+        function = getattr(module, f"crc_{function_plan.crc.name}")
+        if function_plan.carrier is Carrier.BYTES:
+            assert function(b"\x12\x34\x56") == compute_bytes(function_plan.crc, b"\x12\x34\x56"), (
+                function_plan.crc.name
+            )
         else:
-            assert function(0x12345, 17) == compute_bits(item.crc, 0x12345, 17), item.crc.name
+            assert function(0x12345, 17) == compute_bits(function_plan.crc, 0x12345, 17), function_plan.crc.name

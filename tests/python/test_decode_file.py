@@ -38,13 +38,13 @@ REPLY = bytes.fromhex("02 00 15 CD 5B 81")
 SPOILT = 0x55BCD1564
 
 
-class Done(NamedTuple):
+class Outcome(NamedTuple):
     code: int
     out: str
     err: str
 
 
-Command = Callable[..., Done]
+Command = Callable[..., Outcome]
 
 
 @pytest.fixture
@@ -57,9 +57,9 @@ def decode(
     """Run the command in this process, in a folder of its own."""
     monkeypatch.chdir(tmp_path)
 
-    def run(*arguments: str) -> Done:
+    def run(*arguments: str) -> Outcome:
         code = main("lika_encoders", ["decode", *arguments])
-        return Done(code, *capsys.readouterr())
+        return Outcome(code, *capsys.readouterr())
 
     return run
 
@@ -96,16 +96,20 @@ def packed(words: Sequence[int], length: int = 6) -> bytes:
 )
 def test_every_way_in(decode: Command, tmp_path: Path, name: str, content: bytes, options: list[str]) -> None:
     (tmp_path / name).write_bytes(content)
-    done = decode(CODE, name, "--max-errors", "34", *options)
-    assert done.code == 0, done.err
-    found = rows(done.out)
-    assert [row["fault"] for row in found] == ["none", "crc", "none"]
-    assert [row["verdict"] for row in found] == ["usable", "not_usable", "not_usable"]
-    assert [row["position"] for row in found] == [str(POSITION), "", ""]
-    assert (found[0]["multiturn"], found[0]["singleturn"], found[0]["position"]) == ("42", "1821973", str(POSITION))
-    assert [row["error"] for row in found] == ["false", "false", "true"]
+    outcome = decode(CODE, name, "--max-errors", "34", *options)
+    assert outcome.code == 0, outcome.err
+    decoded_rows = rows(outcome.out)
+    assert [row["fault"] for row in decoded_rows] == ["none", "crc", "none"]
+    assert [row["verdict"] for row in decoded_rows] == ["usable", "not_usable", "not_usable"]
+    assert [row["position"] for row in decoded_rows] == [str(POSITION), "", ""]
+    assert (decoded_rows[0]["multiturn"], decoded_rows[0]["singleturn"], decoded_rows[0]["position"]) == (
+        "42",
+        "1821973",
+        str(POSITION),
+    )
+    assert [row["error"] for row in decoded_rows] == ["false", "false", "true"]
     summary = "3 frames, 2 valid (1 not usable, 1 usable), 1 with a CRC error\n"
-    assert done.err == summary
+    assert outcome.err == summary
 
 
 @pytest.mark.parametrize(
@@ -124,9 +128,9 @@ def test_every_way_in(decode: Command, tmp_path: Path, name: str, content: bytes
 )
 def test_every_column_of_parquet(decode: Command, tmp_path: Path, column: pyarrow.Array) -> None:
     pyarrow.parquet.write_table(pyarrow.table({"time": [1, 2, 3], "word": column}), tmp_path / "it.parquet")
-    done = decode(CODE, "it.parquet")
-    assert [row["fault"] for row in rows(done.out)] == ["none", "crc", "none"], done.err
-    assert rows(done.out)[0]["position"] == str(POSITION)
+    outcome = decode(CODE, "it.parquet")
+    assert [row["fault"] for row in rows(outcome.out)] == ["none", "crc", "none"], outcome.err
+    assert rows(outcome.out)[0]["position"] == str(POSITION)
 
 
 def test_rows_of_bytes(decode: Command, tmp_path: Path) -> None:
@@ -134,10 +138,10 @@ def test_rows_of_bytes(decode: Command, tmp_path: Path) -> None:
     (tmp_path / "it.csv").write_text("02 00 15 CD 5B 81\n020015cd5b81\n02 00 15 CD 5B 78\n02 00")
     for name, more in (("it.bin", []), ("it.csv", ["length"])):
         for layout in ("singleturn_reply", "SingleturnReply"):
-            done = decode("AMM5A23/65KJP1", name, "--layout", layout)
-            found = rows(done.out)
-            assert [row["fault"] for row in found] == ["none", "none", "crc", *more], done.err
-            assert found[1]["singleturn"] == "6016277"
+            outcome = decode("AMM5A23/65KJP1", name, "--layout", layout)
+            decoded_rows = rows(outcome.out)
+            assert [row["fault"] for row in decoded_rows] == ["none", "none", "crc", *more], outcome.err
+            assert decoded_rows[1]["singleturn"] == "6016277"
 
 
 def test_frames_that_follow_a_register(
@@ -150,8 +154,8 @@ def test_frames_that_follow_a_register(
     shorter = generated_python[1].lookup("AM3616/4096-I7").with_registers({0x56: 0x10})
     frame = generated_python[1].am36.SingleCycleData.from_position(shorter, 42 << 16 | 77)
     (tmp_path / "it.bin").write_bytes(packed([frame.encode()], 5))
-    done = decode("AM3616/4096-I7", "it.bin", "--register", "0x56=0x10")
-    assert (rows(done.out)[0]["multiturn"], rows(done.out)[0]["singleturn"]) == ("42", "77")
+    outcome = decode("AM3616/4096-I7", "it.bin", "--register", "0x56=0x10")
+    assert (rows(outcome.out)[0]["multiturn"], rows(outcome.out)[0]["singleturn"]) == ("42", "77")
     assert "offset 0: 0 complete frames of 6 bytes" in decode("AM3616/4096-I7", "it.bin").err
     assert f"no register affects the frames of {CODE}" in decode(CODE, "it.bin", "--register", "0x56=1").err
 
@@ -160,9 +164,9 @@ def test_what_the_manual_leaves_open(decode: Command, tmp_path: Path) -> None:
     """The address of AMM5's EEPROM, according to its erratum: EA 0A E0 or EA 05 EF for address 5."""
     (tmp_path / "it.bin").write_bytes(bytes.fromhex("EA 0A E0"))
     arguments = ("AMM5A23/65KJP1", "it.bin", "--layout", "eeprom_read_request")
-    done = decode(*arguments)
-    assert done.code == 2
-    assert "choose as_printed or as_t_format" in done.err
+    outcome = decode(*arguments)
+    assert outcome.code == 2
+    assert "choose as_printed or as_t_format" in outcome.err
     assert rows(decode(*arguments, "--choose", "eeprom_address=as_printed").out)[0]["address"] == "5"
     assert rows(decode(*arguments, "--choose", "eeprom_address=as_t_format").out)[0]["address"] == "10"
     assert "does not accept the answer 'other'" in decode(*arguments, "--choose", "other=x").err
@@ -172,9 +176,9 @@ def test_a_frame_whose_length_is_left_open(decode: Command, tmp_path: Path) -> N
     """ASC85, position 1: 1, the 0 bit, 11 and the CRC 100010b, and the same without the 0 bit, CRC 110110b."""
     for answer, word in (("as_printed", 0b1011_100010), ("left_out", 0b111_110110)):
         (tmp_path / "it.bin").write_bytes(packed([word], 5))
-        done = decode("ASC8525/SC1", "it.bin")
-        assert done.code == 2
-        assert "choose as_printed or left_out" in done.err
+        outcome = decode("ASC8525/SC1", "it.bin")
+        assert outcome.code == 2
+        assert "choose as_printed or left_out" in outcome.err
         (row,) = rows(decode("ASC8525/SC1", "it.bin", "--choose", f"zero_bit={answer}").out)
         assert (row["position"], row["fault"]) == ("1", "none")
 
@@ -186,14 +190,14 @@ def test_files_hold_the_same(decode: Command, tmp_path: Path) -> None:
     words = [GOOD ^ (1 << place if place % 3 else 0) for place in range(45)]
     (tmp_path / "it.bin").write_bytes(packed(words))
     for name in ("it.parquet", "it.arrow", "it.csv"):
-        done = decode(CODE, "it.bin", "-o", name, "--max-errors", "100")
-        assert (done.code, done.err) == (0, "")
-        assert done.out == "45 frames, 15 valid (15 usable), 30 with a CRC error\n"
+        outcome = decode(CODE, "it.bin", "-o", name, "--max-errors", "100")
+        assert (outcome.code, outcome.err) == (0, "")
+        assert outcome.out == "45 frames, 15 valid (15 usable), 30 with a CRC error\n"
     parquet = pyarrow.parquet.read_table(tmp_path / "it.parquet")
     assert pyarrow.ipc.open_file(tmp_path / "it.arrow").read_all().cast(parquet.schema) == parquet
     text = rows((tmp_path / "it.csv").read_text())
     for name in parquet.column_names:
-        values = ["" if item is None else str(item).lower() for item in parquet[name].to_pylist()]
+        values = ["" if value is None else str(value).lower() for value in parquet[name].to_pylist()]
         assert values == [row[name] for row in text], name
     umask = os.umask(0)
     os.umask(umask)
@@ -218,12 +222,12 @@ def test_parts_make_the_whole(
         for name in ("it.bin", "it.csv", "it.parquet") if size > 1 else ("it.bin",):
             for limit in (None, 0, 5, 7, 1000, 2000):
                 out = tmp_path / "out.arrow"
-                told = lika.decode_file(CODE, tmp_path / name, out, limit=limit, force=True)
-                found = pyarrow.ipc.open_file(out).read_all()
+                summary = lika.decode_file(CODE, tmp_path / name, out, limit=limit, force=True)
+                written = pyarrow.ipc.open_file(out).read_all()
                 count = min(limit if limit is not None else 1000, 1000)
-                assert (told.frames, found.num_rows) == (count, count)
-                assert found["position"].to_pylist() == whole.usable_position[:count].tolist()
-                faults = [ErrorKind[item.upper()] for item in found["fault"].to_pylist()]
+                assert (summary.frames, written.num_rows) == (count, count)
+                assert written["position"].to_pylist() == whole.usable_position[:count].tolist()
+                faults = [ErrorKind[name_of_fault.upper()] for name_of_fault in written["fault"].to_pylist()]
                 assert faults == whole.fault[:count].tolist()
 
 
@@ -232,9 +236,9 @@ def test_columns_that_are_asked_for(decode: Command, tmp_path: Path) -> None:
     assert decode(CODE, "it.bin", "--columns", "fault, position").out == f"fault,position\nnone,{POSITION}\n"
     assert decode(CODE, "it.bin", "-o", "it.parquet", "--columns", "error").code == 0
     assert pyarrow.parquet.read_table(tmp_path / "it.parquet").to_pydict() == {"error": [False]}
-    done = decode(CODE, "it.bin", "--columns", "speed")
-    assert done.code == 2
-    assert "no column 'speed'; the columns are singleturn, multiturn" in done.err
+    outcome = decode(CODE, "it.bin", "--columns", "speed")
+    assert outcome.code == 2
+    assert "no column 'speed'; the columns are singleturn, multiturn" in outcome.err
 
 
 def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
@@ -250,7 +254,7 @@ def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "content", "options", "code", "said"),
+    ("name", "content", "options", "code", "message"),
     [
         ("it.bin", bytes(13), [], 1, "it.bin, offset 12: 2 complete frames of 6 bytes end here, and 1 more byte"),
         ("it.bin", bytes(9), ["--words", "big"], 1, "offset 8: 1 complete frames of 8 bytes end here"),
@@ -282,11 +286,11 @@ def test_nothing_in_nothing_out(decode: Command, tmp_path: Path) -> None:
     ],
 )
 def test_what_is_told(
-    decode: Command, tmp_path: Path, name: str, content: bytes, options: list[str], code: int, said: str
+    decode: Command, tmp_path: Path, name: str, content: bytes, options: list[str], code: int, message: str
 ) -> None:
     (tmp_path / name).write_bytes(content)
-    done = decode(CODE, name, *options)
-    assert (done.code, said in done.err) == (code, True), done.err
+    outcome = decode(CODE, name, *options)
+    assert (outcome.code, message in outcome.err) == (code, True), outcome.err
     assert [path.name for path in tmp_path.iterdir()] == [name]
 
 
@@ -295,8 +299,10 @@ def test_what_is_not_a_file_is_not_replaced(decode: Command, tmp_path: Path, nam
     (tmp_path / "it.bin").write_bytes(b"")
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "link to a pipe").symlink_to("pipe")
-    done = decode(CODE, "it.bin", "-o", name, "--force")
-    assert (done.code, f"{name} is not a regular file, so it cannot be replaced" in done.err) == (2, True), done.err
+    outcome = decode(CODE, "it.bin", "-o", name, "--force")
+    assert (outcome.code, f"{name} is not a regular file, so it cannot be replaced" in outcome.err) == (2, True), (
+        outcome.err
+    )
     assert (tmp_path / "pipe").is_fifo()
     assert (tmp_path / "link to a pipe").is_symlink()
 
@@ -306,9 +312,9 @@ def test_files_that_are_not_there_or_in_the_way(decode: Command, tmp_path: Path)
     assert decode("AMM5A99/65KSC1", "nothing.bin").code == 2
     (tmp_path / "it.bin").write_bytes(packed([GOOD]))
     (tmp_path / "it.csv").write_text("mine")
-    done = decode(CODE, "it.bin", "-o", "it.csv")
-    assert (done.code, (tmp_path / "it.csv").read_text()) == (2, "mine")
-    assert "it.csv already exists; use force to replace it" in done.err
+    outcome = decode(CODE, "it.bin", "-o", "it.csv")
+    assert (outcome.code, (tmp_path / "it.csv").read_text()) == (2, "mine")
+    assert "it.csv already exists; use force to replace it" in outcome.err
     (tmp_path / "link.csv").symlink_to("it.csv")
     assert decode(CODE, "it.bin", "-o", "link.csv", "--force").code == 0
     assert (tmp_path / "link.csv").is_symlink()
@@ -320,26 +326,26 @@ def test_files_that_are_not_there_or_in_the_way(decode: Command, tmp_path: Path)
 
 
 def test_parquet_without_frames(decode: Command, tmp_path: Path) -> None:
-    for table, said in (
+    for table, message in (
         ({"word": [1.5]}, "column 'word': the frame in row 1 is not an integer: 1.5"),
         ({"word": [True]}, "column 'word': expected numbers, bytes or text, got items of the type bool"),
         ({"word": ["0x1", "time", "date"]}, "row 2 of column 'word': 'time' is not a hexadecimal number"),
         ({"a": [1], "b": [2]}, "choose the column with the frames; the columns are 'a', 'b'"),
     ):
         pyarrow.parquet.write_table(pyarrow.table(table), tmp_path / "it.parquet")
-        done = decode(CODE, "it.parquet")
-        assert (done.code, said in done.err) == (1, True), done.err
+        outcome = decode(CODE, "it.parquet")
+        assert (outcome.code, message in outcome.err) == (1, True), outcome.err
     pyarrow.parquet.write_table(pyarrow.table({"word": [1]}), tmp_path / "it.parquet")
-    done = decode("AMM5A23/65KJP1", "it.parquet", "--layout", "singleturn_reply")
-    assert "expected rows of 6 bytes, got numbers" in done.err
+    outcome = decode("AMM5A23/65KJP1", "it.parquet", "--layout", "singleturn_reply")
+    assert "expected rows of 6 bytes, got numbers" in outcome.err
 
 
 def test_help_is_80_wide(decode: Command) -> None:
-    done = decode("--help")
-    assert done.code == 0
-    assert max(map(len, done.out.splitlines())) <= 80
-    assert "\nexit codes:\n  0    success\n" in done.out
-    assert all(word in done.out for word in ("--columns", "--interface", "--force", "--limit"))
+    outcome = decode("--help")
+    assert outcome.code == 0
+    assert max(map(len, outcome.out.splitlines())) <= 80
+    assert "\nexit codes:\n  0    success\n" in outcome.out
+    assert all(word in outcome.out for word in ("--columns", "--interface", "--force", "--limit"))
 
 
 # Unusual input
@@ -374,11 +380,11 @@ def test_nothing_crashes_it(
     for path in tmp_path.iterdir():
         path.unlink()
     (tmp_path / name).write_bytes(content)
-    done = decode(code, name, *options)
-    assert done.code in (0, 1, 2)
-    assert done.code == 0 or done.err.strip()
-    left = {path.name for path in tmp_path.iterdir()} - {name}
-    assert left <= ({"x.parquet", "x.arrow"} if done.code == 0 else set())
+    outcome = decode(code, name, *options)
+    assert outcome.code in (0, 1, 2)
+    assert outcome.code == 0 or outcome.err.strip()
+    files_written = {path.name for path in tmp_path.iterdir()} - {name}
+    assert files_written <= ({"x.parquet", "x.arrow"} if outcome.code == 0 else set())
 
 
 @pytest.mark.slow
@@ -411,8 +417,8 @@ def start(generated_python: tuple[Path, ModuleType]) -> Callable[..., subprocess
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("which", [signal.SIGINT, signal.SIGTERM])
-def test_an_interruption_leaves_nothing(start: Any, tmp_path: Path, which: signal.Signals) -> None:
+@pytest.mark.parametrize("interruption", [signal.SIGINT, signal.SIGTERM])
+def test_an_interruption_leaves_nothing(start: Any, tmp_path: Path, interruption: signal.Signals) -> None:
     (tmp_path / "out.parquet").write_text("mine")
     process = start(CODE, "-", "-o", "out.parquet", "--force", cwd=tmp_path, stdin=subprocess.PIPE)
     process.stdin.buffer.write(packed([GOOD]) * 600_000)
@@ -421,7 +427,7 @@ def test_an_interruption_leaves_nothing(start: Any, tmp_path: Path, which: signa
     while len(list(tmp_path.iterdir())) == 1 and time.monotonic() < until:
         time.sleep(0.05)
     assert len(list(tmp_path.iterdir())) == 2
-    process.send_signal(which)
+    process.send_signal(interruption)
     out, err = process.communicate(timeout=60)
     assert (process.returncode, out) == (130, "")
     assert err == "lika-encoders: interrupted; no file was written\n"
@@ -432,11 +438,11 @@ def test_an_interruption_leaves_nothing(start: Any, tmp_path: Path, which: signa
 def test_a_full_disk_leaves_nothing(start: Any, tmp_path: Path) -> None:
     (tmp_path / "it.bin").write_bytes(packed(range(200_000)))
 
-    def little() -> None:
+    def limit_file_size() -> None:
         resource.setrlimit(resource.RLIMIT_FSIZE, (2_000, 2_000))
 
     for name in ("out.parquet", "out.csv", "out.arrow"):
-        process = start(CODE, "it.bin", "-o", name, cwd=tmp_path, preexec_fn=little)
+        process = start(CODE, "it.bin", "-o", name, cwd=tmp_path, preexec_fn=limit_file_size)
         _, err = process.communicate(timeout=60)
         assert (process.returncode, "File too large" in err, "Traceback" in err) == (1, True, False), err
         assert [path.name for path in tmp_path.iterdir()] == ["it.bin"]
@@ -475,10 +481,10 @@ def test_a_bar_on_a_terminal_alone(start: Any, tmp_path: Path) -> None:
     process = start(CODE, "it.bin", "-o", "out.parquet", cwd=tmp_path, stderr=writer)
     process.wait(60)
     os.close(writer)
-    shown = os.read(reader, 100_000).decode()
-    assert "\r[" in shown
-    assert "%" in shown
-    assert shown.endswith("\r")
+    terminal_output = os.read(reader, 100_000).decode()
+    assert "\r[" in terminal_output
+    assert "%" in terminal_output
+    assert terminal_output.endswith("\r")
     assert process.stdout.read().startswith("600000 frames, 600000 valid (600000 usable)")
 
 
@@ -492,9 +498,9 @@ def test_partitions(generated_python: tuple[Path, ModuleType]) -> None:
     words = [GOOD, GOOD ^ 1, SPOILT]
     table = pyarrow.table({"time": [1, 2, 3], "word": words})
     for part in (table, table.to_batches()[0], table.to_pandas()):
-        found = lika.decode_partition(part, encoder, "word")
-        assert type(found) is type(part)
-        frame = found if isinstance(found, pandas.DataFrame) else found.to_pandas()
+        decoded = lika.decode_partition(part, encoder, "word")
+        assert type(decoded) is type(part)
+        frame = decoded if isinstance(decoded, pandas.DataFrame) else decoded.to_pandas()
         assert [*frame] == ["time", "singleturn", "multiturn", "error", "warning", "position", "verdict", "fault"]
         assert frame["time"].tolist() == [1, 2, 3]
         assert frame["fault"].tolist() == ["none", "crc", "none"]
@@ -505,14 +511,14 @@ def test_partitions(generated_python: tuple[Path, ModuleType]) -> None:
     texts = pandas.DataFrame({"frame": ["02 00 15 CD 5B 81", "02"]})
     replies = lika.decode_partition(texts, "AMM5A23/65KJP1", layout="singleturn_reply")
     assert replies["fault"].tolist() == ["none", "length"]
-    for wrong, said in (
+    for unusable_table, message in (
         (table.append_column("position", [[1, 2, 3]]), "already has a column 'position'"),
         (pyarrow.table({"word": ["x"]}), "'x' is not a hexadecimal number"),
         (pandas.DataFrame({"word": [1.5]}), "the frame in row 1 is not an integer: 1.5"),
         (pandas.DataFrame({"word": [True]}), "the frame in row 1 must be an integer, got True"),
     ):
-        with pytest.raises(ValueError, match=said):
-            lika.decode_partition(wrong, encoder, "word")
+        with pytest.raises(ValueError, match=message):
+            lika.decode_partition(unusable_table, encoder, "word")
     with pytest.raises(TypeError, match=r"got list$"):
         lika.decode_partition([1], encoder)
 
@@ -525,10 +531,10 @@ def test_memory_is_bounded(generated_python: tuple[Path, ModuleType], tmp_path: 
     """50 MB of input. ``benchmarks/stream.py`` does the same with any number of gigabytes."""
     from stream import measured
 
-    done = measured(generated_python[0], tmp_path, 50_000_000, CODE)
-    assert done.frames == 50_000_000 // 6
-    assert done.peak_mb < 200, done
-    assert numpy.isclose(done.damaged, done.frames / 1000, rtol=0.1)
+    outcome = measured(generated_python[0], tmp_path, 50_000_000, CODE)
+    assert outcome.frames == 50_000_000 // 6
+    assert outcome.peak_mb < 200, outcome
+    assert numpy.isclose(outcome.damaged, outcome.frames / 1000, rtol=0.1)
 
 
 @pytest.mark.slow
@@ -539,7 +545,7 @@ def test_memory_is_bounded_however_long_a_column_is(generated_python: tuple[Path
     words = numpy.random.default_rng(1).integers(0, 1 << 45, 8_000_000, numpy.uint64)
     pyarrow.parquet.write_table(pyarrow.table({"word": words}), tmp_path / "it.parquet", row_group_size=len(words))
     out = str(tmp_path / "out.parquet")
-    done = run(
+    outcome = run(
         generated_python[0],
         CODE,
         str(tmp_path / "it.parquet"),
@@ -550,8 +556,8 @@ def test_memory_is_bounded_however_long_a_column_is(generated_python: tuple[Path
         "--max-errors",
         "100",
     )
-    assert done.said.startswith("8000000 frames")
-    assert done.peak_mb < 200, done
+    assert outcome.output.startswith("8000000 frames")
+    assert outcome.peak_mb < 200, outcome
 
 
 def test_bytes_that_are_left_over_are_told_before_anything_is_done(
@@ -568,6 +574,6 @@ def test_bytes_that_are_left_over_are_told_before_anything_is_done(
         generated_python[1].decode_file(CODE, "it.bin", "out.csv", progress=lambda *step: steps.append(step))
     assert steps == []
     monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO((tmp_path / "it.bin").read_bytes())))
-    done = decode(CODE, "-", "-o", "out.csv")
-    assert (done.code, "standard input, offset 54" in done.err) == (1, True)
+    outcome = decode(CODE, "-", "-o", "out.csv")
+    assert (outcome.code, "standard input, offset 54" in outcome.err) == (1, True)
     assert not (tmp_path / "out.csv").exists()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import inspect
 import random
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from types import ModuleType
@@ -21,9 +21,11 @@ from codewheel.model import (
     Layout,
     MeasureExample,
     ProcedureExample,
+    Register,
     RegisterExample,
     Text,
     Unused,
+    Variant,
 )
 from codewheel.order_codes.labels import UnknownOrderCode, find
 from codewheel.targets.python.context import Context
@@ -42,27 +44,27 @@ def examples(
     lika: Any, devices: Mapping[str, Device], kind: type[_Kind]
 ) -> Iterator[tuple[Device, Any, Context, _Kind]]:
     """Return the worked examples of a kind in all families, each with the family, its module and the names in it."""
-    found = False
+    has_examples = False
     for device in devices.values():
         names = Context(device)
         for example in device.examples:
             if isinstance(example, kind):
-                found = True
+                has_examples = True
                 yield device, getattr(lika, device.name), names, example
-    assert found
+    assert has_examples
 
 
-def values(found: Any, names: Mapping[str, object], layout: Layout) -> dict[str, object]:
+def values_by_name(decoded: Any, names: Mapping[str, object], layout: Layout) -> dict[str, object]:
     """Return attributes as the specs write them: a named value by its name, and unused bits by those of their field."""
     unused = {field.name: (field, place) for field, place in layout.unused}
-    made = {name: getattr(found, attribute(name, CLASS_NAMES)) for name in names if name not in unused}
+    attributes = {name: getattr(decoded, attribute(name, CLASS_NAMES)) for name in names if name not in unused}
     for field, place in (unused[name] for name in names if name in unused):
         assert isinstance(field.kind, Unused)
-        made[field.name] = found.unused >> place & ((1 << field.widest) - 1) ^ field.kind.value
-    return {
-        name: value.name.lower() if hasattr(value, "name") and isinstance(names[name], str) else value
-        for name, value in made.items()
-    }
+        attributes[field.name] = decoded.unused >> place & ((1 << field.widest) - 1) ^ field.kind.value
+    for name, value in attributes.items():
+        if hasattr(value, "name") and isinstance(names[name], str):
+            attributes[name] = value.name.lower()
+    return attributes
 
 
 # ------------------------------------------------------------------------------------------------------ worked examples
@@ -72,72 +74,74 @@ def test_register_examples(lika: Any, devices: Mapping[str, Device]) -> None:
     for device, module, names, example in examples(lika, devices, RegisterExample):
         register = getattr(module, names.registers[example.register])
         takes_variant = "variant" in getattr(register, "_fields", ())
-        given = [lika.lookup(example.order_code)] if takes_variant else []
-        found = register.decode(example.bytes, *given)
-        if hasattr(found, "_fields"):
+        extra_arguments = [lika.lookup(example.order_code)] if takes_variant else []
+        decoded = register.decode(example.bytes, *extra_arguments)
+        if hasattr(decoded, "_fields"):
             layout = device.register(example.register).layout
-            assert values(found, example.values, layout) == example.values, (device.name, example.name)
+            assert values_by_name(decoded, example.values, layout) == example.values, (device.name, example.name)
         else:
-            assert [found.name.lower()] == list(example.values.values()), (device.name, example.name)
-        assert found.encode() == example.bytes, (device.name, example.name)
+            assert [decoded.name.lower()] == list(example.values.values()), (device.name, example.name)
+        assert decoded.encode() == example.bytes, (device.name, example.name)
 
 
 def test_procedure_examples(lika: Any, devices: Mapping[str, Device]) -> None:
     for device, module, _, example in examples(lika, devices, ProcedureExample):
         procedure = getattr(module, example.procedure)
         takes_variant = procedure.__code__.co_varnames[:1] == ("variant",)
-        steps = procedure(*([lika.lookup(example.order_code)] if takes_variant else []), *example.arguments.values())
-        held = {
-            item.address + index: byte
-            for item in module.REGISTERS.values()
-            for index, byte in enumerate(item.default or b"")
-        }
+        encoders = [lika.lookup(example.order_code)] if takes_variant else []
+        steps = procedure(*encoders, *example.arguments.values())
+        register_bytes: dict[int, int] = {}
+        for register in module.REGISTERS.values():
+            register_bytes |= enumerate(register.default or b"", register.address)
         writes = []
         for step in steps:
             if isinstance(step, lika.Write):
                 writes.append((step.address, step.value))
             elif isinstance(step, lika.Modify):
                 assert step.length == 1
-                writes.append((step.address, held[step.address] & ~step.mask | step.value))
-            held |= dict(writes)
-        assert writes == [(item.address, item.value) for item in example.writes], (device.name, example.name)
+                writes.append((step.address, register_bytes[step.address] & ~step.mask | step.value))
+            register_bytes |= dict(writes)
+        assert writes == [(write.address, write.value) for write in example.writes], (device.name, example.name)
 
 
 def test_frame_examples(lika: Any, devices: Mapping[str, Device]) -> None:
     for device, module, names, example in examples(lika, devices, FrameExample):
         variant = lika.lookup(example.order_code)
         frame = int(example.bits, 2) if example.bits else example.bytes
-        # An example without an answer to an open question has the first answer.
-        first = (
-            {item.name: item.answers[0].name for item in device.alternatives if not item.default}
-            if variant.interface.name == "RS485"
-            else {}
-        )
-        answers = {
-            name: getattr(module, names.questions[name].kind)[answer.upper()]
-            for name, answer in {**first, **example.alternatives}.items()
-        }
+        answers = {}
+        for name, answer in answers_of_example(device, variant.interface.name, example).items():
+            answers[name] = getattr(module, names.questions[name].kind)[answer.upper()]
         decode = variant.decode if example.sender == "encoder" else partial(module.decode_request, variant=variant)
         decode = partial(decode, **answers)
         if example.refused:
             with pytest.raises(getattr(lika, ERRORS[example.refused])):
                 decode(frame)
             continue
-        found = decode(frame)
-        layout = next(item for _, item in device.layouts() if names.frames[item.name] == type(found).__name__)
+        decoded = decode(frame)
+        layouts = {names.frames[layout.name]: layout for _, layout in device.layouts()}
+        layout = layouts[type(decoded).__name__]
         assert example.layout in ("", layout.name)
-        assert values(found, example.values, layout) == example.values, (device.name, example.name)
-        assert found.encode() == frame, (device.name, example.name)
+        assert values_by_name(decoded, example.values, layout) == example.values, (device.name, example.name)
+        assert decoded.encode() == frame, (device.name, example.name)
+
+
+def answers_of_example(device: Device, interface: str, example: FrameExample) -> dict[str, str]:
+    """Return the names of the answers to the open questions: over RS-485 the first ones, if the example has none."""
+    answers = {}
+    if interface == "RS485":
+        alternatives = [alternative for alternative in device.alternatives if not alternative.default]
+        answers = {alternative.name: alternative.answers[0].name for alternative in alternatives}
+    return {**answers, **example.alternatives}
 
 
 def test_crc_examples(lika: Any, devices: Mapping[str, Device]) -> None:
     for device, module, _, example in examples(lika, devices, CrcExample):
         function = getattr(module, f"crc_{example.crc}")
-        given: list[Any] = [example.bytes]
+        arguments: list[Any] = [example.bytes]
         if device.crc(example.crc).width % 8 != 0:
-            given = [int.from_bytes(example.bytes, "big"), 8 * len(example.bytes)]
-        made = function(*given)
-        assert made == example.check, (device.name, example.name)
+            arguments = [int.from_bytes(example.bytes, "big"), 8 * len(example.bytes)]
+        computed = function(*arguments)
+        assert computed == example.check, (device.name, example.name)
 
 
 def test_measure_examples(lika: Any, devices: Mapping[str, Device]) -> None:
@@ -153,31 +157,34 @@ def test_measure_examples(lika: Any, devices: Mapping[str, Device]) -> None:
 @pytest.mark.slow
 def test_the_order_codes_of_all_families(lika: Any, devices: Mapping[str, Device]) -> None:
     """Each is found in any case and with a suffix, with the model's values. A wrong or missing part is refused."""
-    assert {item.name for item in lika.FAMILIES} == set(devices)
+    assert {family.name for family in lika.FAMILIES} == set(devices)
     for device in devices.values():
         module = getattr(lika, device.name)
-        given = [item for item in device.parameters if not item.alternative]
-        assert list(module.VARIANTS) == [item.code for item in device.variants]
+        parameters = [parameter for parameter in device.parameters if not parameter.alternative]
+        assert list(module.VARIANTS) == [variant.code for variant in device.variants]
         for variant in device.variants:
             for label, tail, special in (
                 (variant.code, "", False),
                 (variant.code.lower(), "", False),
                 (f" {variant.code}-ABC/S123 ", "-ABC", True),
             ):
-                made = lika.lookup(label)
-                assert (made == module.VARIANTS[variant.code]) is not special
-                assert (made.interface.value, made.tail, made.special, made.unlisted) == (
+                encoder = lika.lookup(label)
+                assert (encoder == module.VARIANTS[variant.code]) is not special
+                assert (encoder.interface.value, encoder.tail, encoder.special, encoder.unlisted) == (
                     variant.interface,
                     tail,
                     special,
                     (),
                 )
-                for item in given:
-                    if item.interface in ("", variant.interface):
-                        assert getattr(made, attribute(item.name, ("class",))) == variant.parameters[item.name]
+                for parameter in parameters:
+                    if parameter.interface in ("", variant.interface):
+                        assert (
+                            getattr(encoder, attribute(parameter.name, ("class",)))
+                            == variant.parameters[parameter.name]
+                        )
             for part in device.order_code.parts:
-                for wrong in ("", "ZZ9"):
-                    code = spelled(device, {**variant.parts, part.name: wrong})
+                for mistaken_text in ("", "ZZ9"):
+                    code = order_code_with(device, {**variant.parts, part.name: mistaken_text})
                     with pytest.raises(lika.OrderCodeError) as caught:
                         lika.lookup(code)
                     assert caught.value.part == part.name, code
@@ -188,7 +195,7 @@ def test_the_order_codes_of_all_families(lika: Any, devices: Mapping[str, Device
                     assert caught.value.nearest[0] in str(caught.value)
 
 
-def spelled(device: Device, parts: Mapping[str, str]) -> str:
+def order_code_with(device: Device, parts: Mapping[str, str]) -> str:
     """Return the order code with these texts in its parts."""
     return re.sub(r"\{(\w+)\}", lambda brace: parts[brace[1]], device.order_code.pattern)
 
@@ -202,7 +209,7 @@ def test_labels_are_read_as_the_model_reads_them(lika: Any, devices: Mapping[str
         for variant in device.variants:
             for part in device.order_code.parts:
                 texts = [value.text for value in part.values] + (["9", "17", "8192", "x"] if part.open else ["x"])
-                labels += [spelled(device, {**variant.parts, part.name: text}) for text in texts]
+                labels += [order_code_with(device, {**variant.parts, part.name: text}) for text in texts]
         for label in [text + tail for text in dict.fromkeys(labels) for tail in ("", "-R2", "/S1", "-X/S77")]:
             try:
                 match = find(device, label)
@@ -210,16 +217,16 @@ def test_labels_are_read_as_the_model_reads_them(lika: Any, devices: Mapping[str
                 with pytest.raises(lika.OrderCodeError):
                     module.lookup(label)
                 continue
-            made = module.lookup(label)
-            assert (made.code, made.unlisted, made.tail, made.special) == (
+            encoder = module.lookup(label)
+            assert (encoder.code, encoder.unlisted, encoder.tail, encoder.special) == (
                 match.variant.code,
                 match.unlisted,
                 match.tail,
                 match.special,
             ), label
-            assert made.parts == tuple(match.variant.parts.values())
-            assert made.interface.value == match.variant.interface
-            assert made.written_as_in == match.written_as_in == ""
+            assert encoder.parts == tuple(match.variant.parts.values())
+            assert encoder.interface.value == match.variant.interface
+            assert encoder.written_as_in == match.written_as_in == ""
 
 
 @pytest.mark.parametrize(
@@ -236,10 +243,10 @@ def test_labels_of_edition_1_1(lika: Any, label: str, code: str) -> None:
 
     The code is that of edition 1.0, and the label says where this spelling is used.
     """
-    made = lika.lookup(label)
-    assert made.code == code
-    assert "edition 1.1" in made.written_as_in
-    assert code not in lika.am36.VARIANTS or made == lika.am36.VARIANTS[code]
+    encoder = lika.lookup(label)
+    assert encoder.code == code
+    assert "edition 1.1" in encoder.written_as_in
+    assert code not in lika.am36.VARIANTS or encoder == lika.am36.VARIANTS[code]
     assert lika.am36.lookup(code).written_as_in == ""
 
 
@@ -274,10 +281,10 @@ def test_parts_that_do_not_go_together(lika: Any, label: str, part: str, words: 
 
 
 def test_what_looks_like_a_special_code(lika: Any) -> None:
-    found = lika.lookup("ASC8525/SC2")
-    assert (found.code, found.special) == ("ASC8525/SC2", False)
-    found = lika.lookup("asc8525/sc2-x/s12")
-    assert (found.code, found.tail, found.special) == ("ASC8525/SC2", "-X", True)
+    encoder = lika.lookup("ASC8525/SC2")
+    assert (encoder.code, encoder.special) == ("ASC8525/SC2", False)
+    encoder = lika.lookup("asc8525/sc2-x/s12")
+    assert (encoder.code, encoder.tail, encoder.special) == ("ASC8525/SC2", "-X", True)
 
 
 # ------------------------------------------------------------------------------------------------ registers at run time
@@ -326,8 +333,8 @@ def test_registers_that_cannot_be(lika: Any) -> None:
     encoder = lika.lookup("AM3616/4096-I7")
     with pytest.raises(lika.RangeError, match="0 to 20"):
         encoder.with_registers({0x56: 21})
-    said = "register 0x42 does not affect decoding; registers that do: 0x49, 0x4B, 0x4E, 0x56, 0x57"
-    with pytest.raises(ValueError, match=said):
+    message = "register 0x42 does not affect decoding; registers that do: 0x49, 0x4B, 0x4E, 0x56, 0x57"
+    with pytest.raises(ValueError, match=message):
         encoder.with_registers({0x42: 0})
     with pytest.raises(ValueError, match="registers that do: none"):
         lika.lookup("AM3616/4096-GG").with_registers({0x56: 16})
@@ -344,9 +351,9 @@ def test_a_register_given_whole(lika: Any) -> None:
     )
     assert am36.set_configuration(by_name) == am36.set_configuration(0x60)
     assert isinstance(as_object, am36.Configuration)
-    for wrong in (0x100, -1):
+    for number in (0x100, -1):
         with pytest.raises(lika.RangeError):
-            am36.set_configuration(wrong)
+            am36.set_configuration(number)
 
 
 def test_a_preset_is_below_the_product_of_the_resolution(lika: Any) -> None:
@@ -396,7 +403,7 @@ def test_limits_by_meaning(lika: Any) -> None:
         with pytest.raises(lika.RangeError):
             build(variant, value)
     meanings = sma21.REGISTERS["preset_offset"].meanings
-    assert [(item.name, item.min, item.max) for item in meanings] == [
+    assert [(meaning.name, meaning.min, meaning.max) for meaning in meanings] == [
         ("preset", "0", "2^position_bits - 1"),
         ("offset", "0", "2^scd_position_bits - 2^position_bits"),
     ]
@@ -404,9 +411,9 @@ def test_limits_by_meaning(lika: Any) -> None:
 
 def test_powers_of_two(lika: Any) -> None:
     assert lika.am36.InformationPerRevolution(4096).encode() == b"\x00\x10\x00"
-    for wrong in (1000, 0, 1 << 21):
+    for number in (1000, 0, 1 << 21):
         with pytest.raises(lika.RangeError):
-            lika.am36.InformationPerRevolution(wrong).encode()
+            lika.am36.InformationPerRevolution(number).encode()
 
 
 # ----------------------------------------------------------------------------------------------- meanings of counts
@@ -423,30 +430,34 @@ def test_every_position_has_a_meaning(lika: Any, devices: Mapping[str, Device]) 
         for variant in device.variants:
             measurement = device.measurement_of(variant.interface)
             assert measurement is not None
-            made, parameters = lika.lookup(variant.code), variant.parameters
+            encoder, parameters = lika.lookup(variant.code), variant.parameters
             if measurement.step_um is not None:
                 step = measurement.step_um.value(parameters)
-                assert (made.micrometres(1), made.micrometres(-3), made.millimetres(7)) == (
+                assert (encoder.micrometres(1), encoder.micrometres(-3), encoder.millimetres(7)) == (
                     step,
                     -3 * step,
                     7 * step / 1000,
                 )
                 assert measurement.modulus is not None
-                assert range_of(lika, made).modulus == measurement.modulus.value(parameters)
+                assert range_of(lika, encoder).modulus == measurement.modulus.value(parameters)
             else:
                 assert measurement.counts_per_turn is not None
                 assert measurement.turns is not None
                 steps, turns = measurement.counts_per_turn.value(parameters), measurement.turns.value(parameters)
-                assert (made.counts_per_turn, made.modulus) == (steps, steps * turns)
-                assert (made.turns(steps), made.turns(steps // 2), made.turns(-steps)) == (1.0, 0.5, -1.0)
-                assert (made.degrees(steps // 4), made.degrees(steps), made.degrees(-steps // 4)) == (90.0, 0.0, 270.0)
-                assert made.degrees(steps - 1) < 360
+                assert (encoder.counts_per_turn, encoder.modulus) == (steps, steps * turns)
+                assert (encoder.turns(steps), encoder.turns(steps // 2), encoder.turns(-steps)) == (1.0, 0.5, -1.0)
+                assert (encoder.degrees(steps // 4), encoder.degrees(steps), encoder.degrees(-steps // 4)) == (
+                    90.0,
+                    0.0,
+                    270.0,
+                )
+                assert encoder.degrees(steps - 1) < 360
 
 
 def test_counts_go_on_where_the_position_starts_again(lika: Any, devices: Mapping[str, Device]) -> None:
     encoders = [lika.lookup(variant.code) for device in devices.values() for variant in device.variants]
     encoders.append(lika.lookup("AM3616/4096-I7").with_registers({0x4E: 0x07, 0x4F: 0xD0, 0x57: 11}))
-    for encoder in (range_of(lika, item) for item in encoders):
+    for encoder in [range_of(lika, encoder) for encoder in encoders]:
         size, step = encoder.modulus, encoder.modulus // 2 - 1
         assert step > 0
         for direction in (1, -1):
@@ -469,23 +480,27 @@ def test_encoders_are_known_by_their_registers(lika: Any, devices: Mapping[str, 
         for variant in device.variants:
             if not any(register.interface == variant.interface for register, _ in device.identity):
                 continue
-            held: dict[int, int] = {}
+            register_bytes: dict[int, int] = {}
             for register in {register.name: register for register, _ in device.identity}.values():
-                number = 0
-                for item in register.layout.place(variant.parameters).fields:
-                    expected = item.field.equals
-                    if expected is not None:
-                        value = expected if isinstance(expected, (int, str)) else expected.value(variant.parameters)
-                        number |= (
-                            int.from_bytes(value.encode(), "big") if isinstance(value, str) else value
-                        ) << item.low
-                    elif isinstance(item.field.kind, Text):
-                        number |= int.from_bytes(b"0" * (item.width // 8), "big") << item.low
-                data = number.to_bytes(register.length, "little" if register.byte_order == "low_byte_first" else "big")
-                held |= {register.address + index: byte for index, byte in enumerate(data)}
-            found = lika.identify(held)
-            assert variant.code in found
-            assert set(found) <= {item.code for item in device.variants}
+                register_bytes |= enumerate(documented_bytes(register, variant), register.address)
+            codes = lika.identify(register_bytes)
+            assert variant.code in codes
+            assert set(codes) <= {listed.code for listed in device.variants}
+
+
+def documented_bytes(register: Register, variant: Variant) -> bytes:
+    """Return the content of a register that identifies an encoder, with zeros in place of undocumented text."""
+    number = 0
+    for placed_field in register.layout.place(variant.parameters).fields:
+        expected: Any = placed_field.field.equals
+        if expected is None:
+            expected = "0" * (placed_field.width // 8) if isinstance(placed_field.field.kind, Text) else 0
+        elif not isinstance(expected, (int, str)):
+            expected = expected.value(variant.parameters)
+        if isinstance(expected, str):
+            expected = int.from_bytes(expected.encode(), "big")
+        number |= expected << placed_field.low
+    return number.to_bytes(register.length, "little" if register.byte_order == "low_byte_first" else "big")
 
 
 def test_identification(lika: Any) -> None:
@@ -495,9 +510,9 @@ def test_identification(lika: Any) -> None:
     assert lika.sma21.identify({0x78: 0x53}) == lika.sma21.identify({})
     assert lika.identify({"manufacturer_id": b"XX"}) == ()
     assert {code[:3] for code in lika.identify({"manufacturer_id": b"Li"})} == {"AMM", "AM3", "AMC", "ASC", "SMA"}
-    for wrong in ({"device_id": b"SM21"}, {"nonsense": b""}, {0x78: 256}):
+    for contents in ({"device_id": b"SM21"}, {"nonsense": b""}, {0x78: 256}):
         with pytest.raises(ValueError):
-            lika.identify(wrong)
+            lika.identify(contents)
     with pytest.raises(TypeError):
         lika.identify({"device_id": 5})
 
@@ -517,18 +532,20 @@ def test_registers_encode_what_they_decoded(lika: Any, devices: Mapping[str, Dev
     source, tried = random.Random(7), 0
     for device in devices.values():
         module, names = getattr(lika, device.name), Context(device).registers
-        for register in (item for item in device.registers if item.name in names):
+        for register in device.registers:
+            if register.name not in names:
+                continue
             kind = getattr(module, names[register.name])
             takes = "variant" in inspect.signature(kind.decode).parameters
             speakers = [code for code in module.VARIANTS.values() if code.interface.value == register.interface]
             for variant in speakers if takes else [None]:
                 data = source.randbytes(register.length)
                 try:
-                    found = kind.decode(data, *([variant] if takes else []))
-                    made = found.encode()
+                    decoded = kind.decode(data, *([variant] if takes else []))
+                    encoded = decoded.encode()
                 except lika.FrameError:
                     continue  # There is no such value, or it may not be written.
-                assert made == data, (register.name, data)
+                assert encoded == data, (register.name, data)
                 tried += 1
     assert tried > 50
 
@@ -537,33 +554,33 @@ def test_registers_hold_what_the_spec_says(lika: Any, devices: Mapping[str, Devi
     for device in devices.values():
         module = getattr(lika, device.name)
         for register in device.registers:
-            made = module.REGISTERS[register.name]
-            assert getattr(module.Address, register.name.upper()) == made.address == register.address
-            assert (made.length, made.access.value, made.byte_order.value, made.default) == (
+            facts = module.REGISTERS[register.name]
+            assert getattr(module.Address, register.name.upper()) == facts.address == register.address
+            assert (facts.length, facts.access.value, facts.byte_order.value, facts.default) == (
                 register.length,
                 register.access,
                 register.byte_order,
                 register.default_bytes(),
             )
-            assert (made.opened_by, made.opened_by_field, made.opened_by_value) == (
+            assert (facts.opened_by, facts.opened_by_field, facts.opened_by_value) == (
                 register.opened_by,
                 register.opened_by_field,
                 register.opened_by_value,
             )
-            assert (made.above_max.value if made.above_max else "", made.write_clears, made.reserved) == (
+            assert (facts.above_max.value if facts.above_max else "", facts.write_clears, facts.reserved) == (
                 register.above_max,
                 register.write_clears,
                 register.reserved,
             )
-            if made.fields:
-                check_fields(made.fields, register.layout.fields)
+            if facts.fields:
+                check_fields(facts.fields, register.layout.fields)
         for _, layout in device.layouts():
             check_fields(module.FRAMES[layout.name], layout.fields)
 
 
-def check_fields(made: Any, fields: Any) -> None:
-    assert [item.name for item in made] == [item.name for item in fields]
-    for item, field in zip(made, fields, strict=True):
+def check_fields(facts_of_fields: Any, fields: Any) -> None:
+    assert [facts.name for facts in facts_of_fields] == [field.name for field in fields]
+    for facts, field in zip(facts_of_fields, fields, strict=True):
         for name in (
             "meaning",
             "unit",
@@ -574,9 +591,9 @@ def check_fields(made: Any, fields: Any) -> None:
             "names",
             "printed_name",
         ):
-            assert getattr(item, name) == getattr(field, name), (field.name, name)
+            assert getattr(facts, name) == getattr(field, name), (field.name, name)
         for name in ("signed", "zero_means", "power_of_two"):
-            assert getattr(item, name) == getattr(field.number, name), (field.name, name)
+            assert getattr(facts, name) == getattr(field.number, name), (field.name, name)
 
 
 def test_facts_hold_what_the_spec_says(lika: Any, devices: Mapping[str, Device]) -> None:
@@ -584,40 +601,40 @@ def test_facts_hold_what_the_spec_says(lika: Any, devices: Mapping[str, Device])
     for device in devices.values():
         module = getattr(lika, device.name)
         for table in tables:
-            assert [item.name for item in getattr(module, table.upper(), ())] == [
-                item.name for item in getattr(device, table)
-            ], (device.name, table)
-        assert [item.content for item in getattr(module, "LOST_FIGURES", ())] == [
-            item.content for item in device.lost_figures
-        ]
-        for made, alarm in zip(module.ALARMS, device.alarms, strict=True):
-            assert (made.register, made.field, made.implemented) == (alarm.register, alarm.field, alarm.implemented)
+            names = [facts.name for facts in getattr(module, table.upper(), ())]
+            assert names == [member.name for member in getattr(device, table)], (device.name, table)
+        contents = [figure.content for figure in getattr(module, "LOST_FIGURES", ())]
+        assert contents == [figure.content for figure in device.lost_figures]
+        for facts, alarm in zip(module.ALARMS, device.alarms, strict=True):
+            assert (facts.register, facts.field, facts.implemented) == (alarm.register, alarm.field, alarm.implemented)
         biss = device.find_interface(Biss)
         if biss is not None and biss.timeout is not None:
             printed = biss.timeout.printed
-            assert module.BISS.timeout.printed == tuple((item.clock_hz, item.timeout_ns) for item in printed)
-            for item in printed:
-                assert module.BISS.timeout.nanoseconds(item.clock_hz) == item.timeout_ns
+            assert module.BISS.timeout.printed == tuple((timeout.clock_hz, timeout.timeout_ns) for timeout in printed)
+            for timeout in printed:
+                assert module.BISS.timeout.nanoseconds(timeout.clock_hz) == timeout.timeout_ns
 
 
 def test_bit_fields_are_those_of_the_model(lika: Any, devices: Mapping[str, Device]) -> None:
     for device in devices.values():
         module, names = getattr(lika, device.name), Context(device)
         for variant in device.variants:
-            views = [(item, names.frames[item.name]) for item in device.interface(variant.interface).layouts]
-            views += [
-                (item.layout, names.registers[item.name])
-                for item in device.registers
-                if item.interface == variant.interface
-            ]
+            frames = device.interface(variant.interface).layouts
+            views = [(frame, names.frames[frame.name]) for frame in frames]
+            registers = [register for register in device.registers if register.interface == variant.interface]
+            views += [(register.layout, names.registers[register.name]) for register in registers]
             for layout, name in views:
                 view = getattr(module, name)
                 if not hasattr(view, "bit_fields"):
                     continue
-                given = [module.VARIANTS[variant.code]] if "variant" in view._fields else []
+                extra_arguments = [module.VARIANTS[variant.code]] if "variant" in view._fields else []
                 # The model uses the first answer to an open question.
-                given += [next(iter(getattr(module, item.kind))) for item in names.questions_of(layout)]
-                fields = view.bit_fields(*given)
-                assert {item.name: (item.low, item.width) for item in fields if item.width} == {
-                    item.name: (item.low, item.width) for item in layout.place(variant.parameters).fields
-                }
+                kinds = [getattr(module, alternative.kind) for alternative in names.questions_of(layout)]
+                extra_arguments += [next(iter(kind)) for kind in kinds]
+                bit_fields = [field for field in view.bit_fields(*extra_arguments) if field.width]
+                placed_fields = layout.place(variant.parameters).fields
+                assert bits_by_name(bit_fields) == bits_by_name(placed_fields)
+
+
+def bits_by_name(fields: Iterable[Any]) -> dict[str, tuple[int, int]]:
+    return {field.name: (field.low, field.width) for field in fields}

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy
 import pytest
-from test_agreement import ALL, FAMILIES, Family, cases, families, family, given
+from test_agreement import ALL, FAMILIES, Family, arguments_of, cases, families, family
 from test_many import numbers
 
 #: Result of `try_decode`. Each package has its own FrameError.
@@ -20,7 +20,7 @@ __all__ = ["families", "family"]
 pytestmark = pytest.mark.slow
 
 
-def told(decode: Any, frame: object, **more: object) -> object:
+def frame_or_error(decode: Any, frame: object, **more: object) -> object:
     """Return the frame, or the error: its class, its text and its frame."""
     try:
         return decode(frame, **more)
@@ -32,30 +32,32 @@ def told(decode: Any, frame: object, **more: object) -> object:
 def test_it_says_the_same(family: Family) -> None:
     """The method that raises, the one that returns errors and the one of the class share their code."""
     source = random.Random(family.device.name)
-    seen = 0
+    frame_count = 0
     for case in cases(family):
-        encoder = case.made
+        encoder = case.encoder
         if case.register is not None or case.layout.sender != "encoder":
             continue
         for number in numbers(case, 300, source):
             wire = case.carried(number)
-            found, tried = told(encoder.decode, wire), told(encoder.try_decode, wire)
+            decoded, tried = frame_or_error(encoder.decode, wire), frame_or_error(encoder.try_decode, wire)
             if isinstance(tried, FrameErrors):
-                assert found == told(raising, tried)
-                assert found[2:] == (wire, encoder.code)  # type: ignore[index]
+                assert decoded == frame_or_error(raise_error, tried)
+                assert decoded[2:] == (wire, encoder.code)  # type: ignore[index]
             else:
-                assert found == tried
-            if type(found) is case.view:
-                assert found == case.view.decode(wire, *given(case))
-            seen += hasattr(found, "_fields")
+                assert decoded == tried
+            if type(decoded) is case.view:
+                assert decoded == case.view.decode(wire, *arguments_of(case))
+            frame_count += hasattr(decoded, "_fields")
         assert {"decode", "try_decode"} <= vars(encoder).keys()
         for odd in (-1, 1 << 80, "0101", b"", b"x", 1.5, None, True, numpy.uint32(5), "0b" + "0" * case.placed.bits):
-            tried = told(encoder.try_decode, odd)
-            assert told(encoder.decode, odd) == (told(raising, tried) if isinstance(tried, FrameErrors) else tried)
-    assert seen or family.device.name not in FAMILIES
+            tried = frame_or_error(encoder.try_decode, odd)
+            assert frame_or_error(encoder.decode, odd) == (
+                frame_or_error(raise_error, tried) if isinstance(tried, FrameErrors) else tried
+            )
+    assert frame_count or family.device.name not in FAMILIES
 
 
-def raising(error: Exception) -> None:
+def raise_error(error: Exception) -> None:
     raise error
 
 
@@ -74,10 +76,10 @@ def test_other_registers_make_another_decoder(families: dict[str, Family]) -> No
     """A decoder that is bound to an encoder with its defaults is not used if its registers differ."""
     encoder = families["am36"].module.lookup("AM3616/4096-I7")
     before = encoder.decode(0x2ABCD15EF)
-    other = encoder.with_registers({0x56: 0x10})
+    shorter = encoder.with_registers({0x56: 0x10})
     assert before.variant is encoder
-    assert len({encoder.frame_bits, other.frame_bits}) == 2
-    assert "decode" not in vars(other)
+    assert len({encoder.frame_bits, shorter.frame_bits}) == 2
+    assert "decode" not in vars(shorter)
 
 
 def test_an_error_says_which_frame_it_was(families: dict[str, Family]) -> None:
@@ -93,7 +95,7 @@ def test_an_answer_left_out_is_told_with_the_answers(families: dict[str, Family]
     """This also holds if the answer determines the length of a frame: no attribute of None is accessed."""
     module = families["odd_shapes"].module
     encoder, kind, cycle = module.lookup("OBSC"), module.Open, module.Cycle
-    said = r"expected Form\.NARROW or Form\.WIDE, got .*: the manual leaves this open$"
+    message = r"expected Form\.NARROW or Form\.WIDE, got .*: the manual leaves this open$"
     asking: list[Callable[[Any], object]] = [
         lambda answer: encoder.decode(5, form_=answer),
         lambda answer: encoder.try_decode(5, form_=answer),
@@ -106,7 +108,7 @@ def test_an_answer_left_out_is_told_with_the_answers(families: dict[str, Family]
     ]
     for asks in asking:
         for answer in (None, "narrow", module.Form):
-            with pytest.raises(TypeError, match=said):
+            with pytest.raises(TypeError, match=message):
                 asks(answer)
     assert cycle.frame_bits(encoder, module.Form.NARROW) == 47
     with pytest.raises(ValueError, match="the length depends on your choice"):

@@ -32,17 +32,20 @@ _OWN = re.compile(r"own_\w+|crc_own|from_own_position|own")
 
 def words(folder: Path) -> list[str]:
     """Return every identifier of a package for the spec below, every member of the runtime's classes, and of Python."""
-    found = {*keyword.kwlist, *dir(builtins), *dir(tuple), *dir(dict)}
-    found |= {*names.VARIANT_NAMES, *names.CLASS_NAMES, *names.LOCAL_NAMES, *names.PROCEDURE_NAMES}
+    identifiers = {*keyword.kwlist, *dir(builtins), *dir(tuple), *dir(dict)}
+    identifiers |= {*names.VARIANT_NAMES, *names.CLASS_NAMES, *names.LOCAL_NAMES, *names.PROCEDURE_NAMES}
     for name, text in generate(Library(_devices(["own_one", "own_two"], folder))).items():
         tree: ast.AST = ast.parse(text) if name.endswith(".py") else ast.Module([], [])
         inside = "/runtime/" in name
-        parts = [item for item in ast.walk(tree) if isinstance(item, ast.ClassDef)] if inside else [tree]
-        nodes = (node for part in parts for node in (part.body if isinstance(part, ast.ClassDef) else ast.walk(part)))
-        found |= {word for node in nodes for word in _identifiers(node)}
+        nodes = list(ast.walk(tree))
+        if inside:
+            classes = [node for node in nodes if isinstance(node, ast.ClassDef)]
+            nodes = [node for class_node in classes for node in class_node.body]
+        identifiers |= {word for node in nodes for word in _identifiers(node)}
     # BiSS defines the meaning of error and warning.
-    kept = {name for name in found - {"error", "warning"} if NAME.fullmatch(name) and not _OWN.fullmatch(name)}
-    return sorted(kept | {"from_own_position", "own_preset_limits", "crc_own", "crc_own_of_bits"})
+    names_of_specs = filter(NAME.fullmatch, identifiers - {"error", "warning"})
+    accepted = {name for name in names_of_specs if not _OWN.fullmatch(name)}
+    return sorted(accepted | {"from_own_position", "own_preset_limits", "crc_own", "crc_own_of_bits"})
 
 
 def _identifiers(node: ast.AST) -> Iterator[str]:
@@ -52,18 +55,18 @@ def _identifiers(node: ast.AST) -> Iterator[str]:
         case ast.FunctionDef(name=name) | ast.ClassDef(name=name) | ast.AnnAssign(target=ast.Name(id=name)):
             yield name
         case ast.Assign(targets=targets):
-            yield from (item.id for item in targets if isinstance(item, ast.Name))
-        case ast.alias(name=name, asname=other):
-            yield (other or name).partition(".")[0]
+            yield from (target.id for target in targets if isinstance(target, ast.Name))
+        case ast.alias(name=name, asname=alias):
+            yield (alias or name).partition(".")[0]
         case ast.Constant(value=str(name)):
             yield name  # Slots, members of __all__, and keys.
 
 
 def hostile(words: list[str]) -> Item:
     """Return a spec with each word as a field in every role, a joined number, a parameter and an argument."""
-    layouts = [item for index, word in enumerate(words) for item in _layouts(index, word)]
+    layouts = [layout for index, word in enumerate(words) for layout in _layouts(index, word)]
     sets = {size: {"own_bits": size, **dict.fromkeys(words[::2], size)} for size in (3, 5)}
-    sizes = {str(size): {"interface": "biss", "sets": given} for size, given in sets.items()}
+    sizes = {str(size): {"interface": "biss", "sets": parameters} for size, parameters in sets.items()}
     return {
         **HEAD,
         "parameters": {
@@ -105,35 +108,36 @@ def _layouts(index: int, word: str) -> Iterator[Item]:
     fields = ({**wide, "padded_to": 16}, {"name": "own_crc", "crc": "own_8"})
     yield layout_of(f"own_bytes_{index}", *fields, carried_as="bytes", byte_order="low_byte_first")
     # The first word is a measurement and not a flag. No field may have the name of the number of all unused bits.
-    told = {"name": word if index else "own_told", "active": "low", "makes_position": "not_usable"}
-    summed = {"name": "own_flag", "active": "high", "makes_position": "usable_with_warning", "sums_up": [told["name"]]}
+    reporting_flag = {"name": word if index else "own_told", "active": "low", "makes_position": "not_usable"}
+    summed = {
+        "name": "own_flag",
+        "active": "high",
+        "makes_position": "usable_with_warning",
+        "sums_up": [reporting_flag["name"]],
+    }
     spare = [] if word == "unused" else [{"name": "own_spare", "bits": 3, "unused": 5}]
     join = {"own_position": ["own_high", "own_low"]}
-    yield layout_of(f"own_told_{index}", high, low, told, summed, *spare, check, join=join)
+    yield layout_of(f"own_told_{index}", high, low, reporting_flag, summed, *spare, check, join=join)
 
 
 def _registers(words: list[str]) -> list[Item]:
     register = {"length": 1, "access": "read_write", "source": "1"}
     modes = {"name": "own_mode", "at": "1:0", "values": {"one": {"value": 1}, "two": {"value": 2}}}
     setting = {"default": 1, "other_bits": "zero", "fields": [modes, {"name": "own_gray", "at": 2}]}
-    limits = [
+    limits: list[Item] = [
         {"name": "own_preset", "when": "own_setting.own_mode", "is": "one", "max": "2^own_bits - 1"},
         {"name": "own_offset", "when": "own_setting.own_mode", "is": "two", "max": 9},
     ]
     return [
         {**register, "name": "own_setting", "address": 0x3C, **setting},
         {**register, "name": "own_number", "address": 0x3D},
-        *(
-            {
-                **register,
-                "name": f"own_preset_{index}",
-                "address": index,
-                "meanings": limits,
-                "fields": [{"name": word, "at": "6:0"}, {"name": "own_top", "at": 7}],
-            }
-            for index, word in enumerate(words)
-        ),
+        *(_preset(index, word, limits) | register for index, word in enumerate(words)),
     ]
+
+
+def _preset(index: int, word: str, limits: list[Item]) -> Item:
+    fields = [{"name": word, "at": "6:0"}, {"name": "own_top", "at": 7}]
+    return {"name": f"own_preset_{index}", "address": index, "meanings": limits, "fields": fields}
 
 
 def _procedure(index: int, word: str) -> Item:
@@ -166,69 +170,69 @@ def test_no_name_of_a_spec_is_one_that_the_package_has(
     part: int, tmp_path: Path, import_generated: Callable[..., Any]
 ) -> None:
     (tmp_path / "words").mkdir()
-    given = words(tmp_path / "words")[part::4]
-    assert len(given) > 60
+    words_of_part = words(tmp_path / "words")[part::4]
+    assert len(words_of_part) > 60
     # A word has eight layouts, and an interface at most 256.
-    for start in range(0, len(given), 32):
-        _works(given[start : start + 32], tmp_path / str(start), import_generated)
+    for start in range(0, len(words_of_part), 32):
+        _check_package(words_of_part[start : start + 32], tmp_path / str(start), import_generated)
 
 
-def _works(given: list[str], folder: Path, import_generated: Callable[..., Any]) -> None:
+def _check_package(hostile_words: list[str], folder: Path, import_generated: Callable[..., Any]) -> None:
     folder.mkdir()
-    devices = _devices(given, folder)
+    devices = _devices(hostile_words, folder)
     package = import_generated(Library(devices), "test_encoders")[1]
     module = package.hostile
     for variant in devices[0].variants[-1:]:
         encoder = package.lookup(variant.code)
         for _, layout in devices[0].layouts():
-            _goes_there_and_back(devices[0], layout, variant, module, encoder)
-        for index, word in enumerate(given):
+            _check_round_trip(devices[0], layout, variant, module, encoder)
+        for index, word in enumerate(hostile_words):
             steps = getattr(module, f"own_set_{index}")(encoder, 5, 9)
             assert len(steps) == 2, word
             with pytest.raises(ValueError):
                 getattr(module, f"own_set_{index}")(encoder, 2 ** variant.parameters["own_bits"], 9)
         assert encoder.turns(3) > 0
         # Some of its frames have signed positions, so their ranges differ.
-        kinds = [item for item in descriptions.kinds_of(encoder) if hasattr(item, "usable_position")]
+        kinds = [kind for kind in descriptions.kinds_of(encoder) if hasattr(kind, "usable_position")]
         assert kinds
-        assert {encoder.range_of(item).unwrap(0, 1) for item in kinds} == {1}
+        assert {encoder.range_of(kind).unwrap(0, 1) for kind in kinds} == {1}
 
 
-def _goes_there_and_back(device: Device, layout: Layout, variant: Variant, module: Any, encoder: Any) -> None:
+def _check_round_trip(device: Device, layout: Layout, variant: Variant, module: Any, encoder: Any) -> None:
     """A frame of the model decodes to the model's numbers and encodes to the same frame.
 
     This also holds for one made from a joined number.
     """
-    given: dict[type, int | str | bool] = {Choice: "two", Flag: True, Decimal: 1234}
+    values_by_kind: dict[type, int | str | bool] = {Choice: "two", Flag: True, Decimal: 1234}
     values: dict[str, int | str | bool] = {}
     for field in layout.data_fields:
-        values[field.name] = given.get(type(field.kind), 3)
+        values[field.name] = values_by_kind.get(type(field.kind), 3)
     placed = layout.place(variant.parameters)
     number = codec.encode(device, placed, values)
     wire = number_to_bytes(layout, number, placed.bits) if layout.carried_as == "bytes" else number
-    made = getattr(module, "".join(part.title() for part in layout.name.split("_")))
-    frame = made.decode(wire, encoder) if "variant" in made._fields else made.decode(wire)
+    frame_class = getattr(module, "".join(part.title() for part in layout.name.split("_")))
+    frame = frame_class.decode(wire, encoder) if "variant" in frame_class._fields else frame_class.decode(wire)
     assert frame.encode() == wire
     for field in layout.data_fields:
         if isinstance(field.kind, Number):
-            assert _of(frame, field.name) == 3, (layout.name, field.name)
+            assert _attribute_of(frame, field.name) == 3, (layout.name, field.name)
     assert len(frame.reports) == (2 if layout.name.startswith("own_told") else 0), layout.name
     for join in layout.joins:
         whole = codec.join_value(placed, join, codec.from_gray(placed, number))
-        assert _of(frame, join.name) == whole
-        joined = {f"{name}_" if f"{name}_" in made._fields else name for name in join.fields}
-        others = {name: getattr(frame, name) for name in made._fields if name not in joined}
-        build = next(
-            item for name in (f"from_{join.name}", f"from_{join.name}_") if callable(item := getattr(made, name, None))
-        )
-        assert build(**others, **{_spelled(build, join.name): whole}) == frame
+        assert _attribute_of(frame, join.name) == whole
+        joined = {f"{name}_" if f"{name}_" in frame_class._fields else name for name in join.fields}
+        other_members = {name: getattr(frame, name) for name in frame_class._fields if name not in joined}
+        build = getattr(frame_class, f"from_{join.name}", None)
+        if not callable(build):
+            build = getattr(frame_class, f"from_{join.name}_")
+        assert build(**other_members, **{_argument_name(build, join.name): whole}) == frame
 
 
-def _spelled(build: Any, name: str) -> str:
+def _argument_name(build: Any, name: str) -> str:
     names: tuple[str, ...] = build.__func__.__code__.co_varnames[1:]
     return name if name in names else f"{name}_"
 
 
-def _of(frame: Any, name: str) -> Any:
+def _attribute_of(frame: Any, name: str) -> Any:
     """Return the attribute with this name, or with a trailing underscore."""
     return getattr(frame, f"{name}_") if f"{name}_" in dir(frame) else getattr(frame, name)

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy
 import pytest
-from test_agreement import ALL, Case, Family, families, family, given
-from test_many import by_layout, numbers, one_by_one
+from test_agreement import ALL, Case, Family, arguments_of, families, family
+from test_many import by_layout, decoded_one_by_one, numbers
 
 __all__ = ["families", "family"]
 pytestmark = pytest.mark.slow
@@ -20,11 +20,11 @@ FRAMES = 1_000
 def sound_columns(case: Case, source: random.Random) -> tuple[list[Any], list[Any], dict[str, Any]]:
     """Return valid frames that can be encoded again: as they are sent, as objects, and as columns."""
     wire = [case.carried(number) for number in numbers(case, max(40, FRAMES // 10), source)]
-    frames, _ = one_by_one(case, wire)
-    table = case.view.decode_many(wire, *given(case))
-    good = [place for place, frame in enumerate(frames) if frame is not None and can_be_encoded(frame)]
-    columns = {name: table[name][good] for name in table}
-    return [wire[place] for place in good], [frames[place] for place in good], columns
+    frames, _ = decoded_one_by_one(case, wire)
+    table = case.view.decode_many(wire, *arguments_of(case))
+    sound_places = [place for place, frame in enumerate(frames) if frame is not None and can_be_encoded(frame)]
+    columns = {name: table[name][sound_places] for name in table}
+    return [wire[place] for place in sound_places], [frames[place] for place in sound_places], columns
 
 
 def can_be_encoded(frame: Any) -> bool:
@@ -36,38 +36,38 @@ def can_be_encoded(frame: Any) -> bool:
     return True
 
 
-def plain(made: Any) -> list[Any]:
+def frames_as_list(frames: Any) -> list[Any]:
     """Encode the frames one by one."""
-    return [bytes(row) for row in made] if made.ndim == 2 else made.tolist()
+    return [bytes(row) for row in frames] if frames.ndim == 2 else frames.tolist()
 
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
 def test_columns_make_the_frames_they_come_from(family: Family) -> None:
     source = random.Random(family.device.name)
-    for name, found in by_layout(family).items():
-        for case in found:
+    for name, layout_cases in by_layout(family).items():
+        for case in layout_cases:
             wire, _, columns = sound_columns(case, source)
             assert wire
-            made = case.view.encode_many(columns, *given(case))
-            assert plain(made) == wire, (case.variant.code, name)
-            assert made.dtype == (numpy.uint8 if case.layout.in_bytes else numpy.uint64)
+            encoded = case.view.encode_many(columns, *arguments_of(case))
+            assert frames_as_list(encoded) == wire, (case.variant.code, name)
+            assert encoded.dtype == (numpy.uint8 if case.layout.in_bytes else numpy.uint64)
             for join in case.layout.joins:
                 less = {key: value for key, value in columns.items() if key not in join.fields}
-                assert plain(case.view.encode_many(less, *given(case))) == wire, (name, join.name)
+                assert frames_as_list(case.view.encode_many(less, *arguments_of(case))) == wire, (name, join.name)
 
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
 def test_what_one_frame_refuses_columns_refuse(family: Family) -> None:
     source = random.Random(f"refusals {family.device.name}")
     refused = 0
-    for found in by_layout(family).values():
-        for case in found[:6]:
+    for layout_cases in by_layout(family).values():
+        for case in layout_cases[:6]:
             _, frames, columns = sound_columns(case, source)
-            kept = {name: columns[name] for name in type(frames[0])._fields if name in columns}
-            for name, column in kept.items():
+            field_columns = {name: columns[name] for name in type(frames[0])._fields if name in columns}
+            for name, column in field_columns.items():
                 for value in values_around(column):
                     row = source.randrange(len(frames))
-                    refused += refuses_alike(case, frames[row]._replace(**{name: value}), kept, name, row)
+                    refused += refuses_alike(case, frames[row]._replace(**{name: value}), field_columns, name, row)
     assert refused > 3
 
 
@@ -100,14 +100,15 @@ def refuses_alike(case: Case, frame: Any, columns: dict[str, Any], name: str, ro
     except ValueError as error:
         alone: Any = error
         with pytest.raises(ValueError) as caught:
-            case.view.encode_many(given_columns, *given(case))
-        found: Any = caught.value
-        assert type(alone).__name__ in {item.__name__ for item in type(found).__mro__}
-        assert (found.row, found.value) == (row, alone.value), case.layout.name
+            case.view.encode_many(given_columns, *arguments_of(case))
+        column_error: Any = caught.value
+        assert type(alone).__name__ in {error_class.__name__ for error_class in type(column_error).__mro__}
+        assert (column_error.row, column_error.value) == (row, alone.value), case.layout.name
         # A keyword of Python has another name in columns and attributes.
-        assert found.field in (alone.field, f"{alone.field}_")
+        assert column_error.field in (alone.field, f"{alone.field}_")
         return True
-    assert plain(case.view.encode_many(given_columns, *given(case)))[row] == expected, (case.layout.name, name, value)
+    encoded = frames_as_list(case.view.encode_many(given_columns, *arguments_of(case)))
+    assert encoded[row] == expected, (case.layout.name, name, value)
     return False
 
 
@@ -118,9 +119,9 @@ def test_what_is_left_out(families: dict[str, Family]) -> None:
     words = encoder.encode_many({"position": numpy.array([89902357, 5]), "warning": True})
     frames = [amm5.SingleCycleData.from_position(encoder, at, error=False, warning=True) for at in (89902357, 5)]
     assert words.tolist() == [frame.encode() for frame in frames]
-    for wrong in ({"position": [1], "speed": [2]}, {"singleturn": [1]}, {"position": [1.5]}, {"position": ["1"]}):
+    for columns in ({"position": [1], "speed": [2]}, {"singleturn": [1]}, {"position": [1.5]}, {"position": ["1"]}):
         with pytest.raises(TypeError):
-            encoder.encode_many(wrong)
+            encoder.encode_many(columns)
     with pytest.raises(ValueError, match="2 rows"):
         encoder.encode_many({"singleturn": [1, 2], "multiturn": [1]})
     assert encoder.encode_many({"position": numpy.zeros(0, int)}).tolist() == []
@@ -141,6 +142,6 @@ def test_the_first_wrong_row_is_named(families: dict[str, Family], row: int) -> 
     position[row] = position[60_000] = 1 << 37
     with pytest.raises(ValueError) as caught:
         encoder.encode_many({"position": position})
-    found: Any = pickle.loads(pickle.dumps(caught.value))
-    assert (found.row, found.field, found.value) == (row, "position", 1 << 37)
-    assert str(found) == str(caught.value) == f"row {row}: position must be 0 to {(1 << 37) - 1}, got {1 << 37}"
+    column_error: Any = pickle.loads(pickle.dumps(caught.value))
+    assert (column_error.row, column_error.field, column_error.value) == (row, "position", 1 << 37)
+    assert str(column_error) == str(caught.value) == f"row {row}: position must be 0 to {(1 << 37) - 1}, got {1 << 37}"

@@ -13,7 +13,7 @@ from typing import Any
 
 import pytest
 from codewheel.reference import codec
-from test_agreement import FAMILIES, Case, Family, cases, families, family, given, values_of
+from test_agreement import FAMILIES, Case, Family, arguments_of, cases, families, family, values_of
 
 __all__ = ["families", "family"]
 
@@ -29,10 +29,9 @@ SHARED = {"biss"}
 
 
 def modules(files: Mapping[str, str]) -> dict[str, str]:
-    found = re.compile(r"python/lika_encoders/([a-z]\w+)\.py")
-    return {
-        match[1]: text for path, text in files.items() if (match := found.fullmatch(path)) and match[1] not in SHARED
-    }
+    module_path = re.compile(r"python/lika_encoders/([a-z]\w+)\.py")
+    matches = {match[1]: match[0] for match in map(module_path.fullmatch, files) if match is not None}
+    return {name: files[path] for name, path in matches.items() if name not in SHARED}
 
 
 def names_in(text: str) -> set[str]:
@@ -50,12 +49,13 @@ def test_the_first_screen_names_all_that_a_module_holds(files: Mapping[str, str]
     assert set(modules(files)) == {"am36", "amm5", "asc85", "sma21"}
     for name, text in modules(files).items():
         tree = ast.parse(text)
-        held = {node.name for node in tree.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
+        names = {node.name for node in tree.body if isinstance(node, (ast.ClassDef, ast.FunctionDef))}
         for node in tree.body:
-            held |= {node.target.id} if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) else set()
+            if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name):
+                names.add(node.target.id)
         facts = ast.parse(files[f"python/lika_encoders/facts/{name}.py"])
-        held |= {node.target.id for node in facts.body if isinstance(node, ast.AnnAssign)}  # type: ignore[union-attr]
-        assert names_in(text) == {item for item in held if not item.startswith("_")}, name
+        names |= {node.target.id for node in facts.body if isinstance(node, ast.AnnAssign)}  # type: ignore[union-attr]
+        assert names_in(text) == {public for public in names if not public.startswith("_")}, name
 
 
 # Frames are values
@@ -64,12 +64,12 @@ def test_the_first_screen_names_all_that_a_module_holds(files: Mapping[str, str]
 def one_of_each(family: Family) -> list[tuple[Case, Any]]:
     """Return a frame or register of each class."""
     source = random.Random(family.device.name)
-    found: dict[str, tuple[Case, Any]] = {}
+    examples: dict[str, tuple[Case, Any]] = {}
     for case in cases(family):
-        if case.view.__name__ not in found:
+        if case.view.__name__ not in examples:
             number = codec.encode(case.family.device, case.placed, values_of(case, "random", source))
-            found[case.view.__name__] = (case, case.view.decode(case.carried(number), *given(case)))
-    return [*found.values()]
+            examples[case.view.__name__] = (case, case.view.decode(case.carried(number), *arguments_of(case)))
+    return [*examples.values()]
 
 
 @pytest.mark.slow
@@ -85,12 +85,12 @@ def test_frames_are_values(family: Family) -> None:
             assert repr(frame).startswith(f"<{type(frame).__name__}.")
             continue
         names = frame._fields
-        shown = ", ".join(f"{name}={getattr(frame, name)!r}" for name in names)
-        assert repr(frame) == f"{type(frame).__name__}({shown})"
+        members = ", ".join(f"{name}={getattr(frame, name)!r}" for name in names)
+        assert repr(frame) == f"{type(frame).__name__}({members})"
         assert case.variant.code in repr(frame) or "variant" not in names
         # Frames of different classes with equal values are not equal.
-        other = type("Other", (type(frame),), {})(*frame)
-        assert frame not in (tuple(frame), other)
+        subclass_frame = type("Other", (type(frame),), {})(*frame)
+        assert frame not in (tuple(frame), subclass_frame)
         assert len({frame, tuple(frame), type(frame)(*frame)}) == 2
 
 
@@ -99,7 +99,7 @@ def test_match_takes_a_frame_by_class_and_keyword(families: dict[str, Family]) -
     amm5 = families["amm5"].module
     encoder = amm5.lookup("AMM5A23/65KJP1")
 
-    def told(frame: object) -> object:
+    def kind_or_count(frame: object) -> object:
         match frame:
             case amm5.MultiturnReply():
                 return "multiturn"
@@ -110,8 +110,8 @@ def test_match_takes_a_frame_by_class_and_keyword(families: dict[str, Family]) -
             case _:
                 return None
 
-    assert told(encoder.decode(bytes.fromhex("02 00 15 CD 5B 81"))) == 6016277
-    assert told(tuple(encoder.decode(bytes.fromhex("02 00 15 CD 5B 81")))) is None
+    assert kind_or_count(encoder.decode(bytes.fromhex("02 00 15 CD 5B 81"))) == 6016277
+    assert kind_or_count(tuple(encoder.decode(bytes.fromhex("02 00 15 CD 5B 81")))) is None
 
 
 # Errors name their frame
@@ -121,21 +121,24 @@ def test_match_takes_a_frame_by_class_and_keyword(families: dict[str, Family]) -
 @pytest.mark.parametrize("family", FAMILIES, indirect=True)
 def test_errors_say_which_frame_of_which_encoder(family: Family) -> None:
     """For each interface, and also after passing through another process."""
-    seen = set()
+    interfaces = set()
     for case in cases(family):
         in_bytes = case.layout.carried_as == "bytes"
         if case.register is not None or case.layout.sender != "encoder" or (case.answers and in_bytes):
             continue
         damaged: Any = b"\x00" if in_bytes else (1 << case.placed.bits) | 1
-        asked = family.device.alternatives_of(case.layout)
+        alternatives = family.device.alternatives_of(case.layout)
         with pytest.raises(ValueError) as caught:
-            case.made.decode(damaged, **{item.name: answer for item, answer in zip(asked, case.answers, strict=True)})
+            case.encoder.decode(
+                damaged,
+                **{alternative.name: answer for alternative, answer in zip(alternatives, case.answers, strict=True)},
+            )
         for error in (caught.value, pickle.loads(pickle.dumps(caught.value))):
-            assert (error.frame, error.order_code, error.encoder) == (damaged, case.variant.code, case.made)
+            assert (error.frame, error.order_code, error.encoder) == (damaged, case.variant.code, case.encoder)
             assert isinstance(error.hint, str)
             assert str(error)
-        seen.add(case.variant.interface)
-    assert seen == {item.interface for item in family.device.variants}
+        interfaces.add(case.variant.interface)
+    assert interfaces == {variant.interface for variant in family.device.variants}
 
 
 @pytest.mark.slow

@@ -13,7 +13,7 @@ from codewheel.model import Verdict
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
 from codewheel.targets.python.names import CLASS_NAMES, attribute
-from test_agreement import ALL, KINDS, Case, Family, cases, families, family, given, values_of
+from test_agreement import ALL, KINDS, Case, Family, arguments_of, cases, families, family, values_of
 
 __all__ = ["families", "family"]
 pytestmark = pytest.mark.slow
@@ -27,29 +27,29 @@ def numbers(case: Case, count: int, source: random.Random) -> list[int]:
     """Return frames as numbers: valid ones, ones with flipped bits, random ones with a correct CRC, and noise."""
     bits = case.placed.bits
     kinds = ("zero", "ones", *["random"] * min(count // 8, 30))
-    made = [codec.encode(case.family.device, case.placed, values_of(case, kind, source)) for kind in kinds]
-    for _ in range(count - len(made)):
-        number = source.choice(made[:32])
+    frame_numbers = [codec.encode(case.family.device, case.placed, values_of(case, kind, source)) for kind in kinds]
+    for _ in range(count - len(frame_numbers)):
+        number = source.choice(frame_numbers[:32])
         for _ in range(source.choice((0, 1, 1, 2, 8))):
             number ^= 1 << source.randrange(bits)
-        made.append(source.getrandbits(bits) if source.random() < 0.1 else number)
-    return made
+        frame_numbers.append(source.getrandbits(bits) if source.random() < 0.1 else number)
+    return frame_numbers
 
 
-def one_by_one(case: Case, wire: list[Any]) -> tuple[list[Any], list[int]]:
+def decoded_one_by_one(case: Case, wire: list[Any]) -> tuple[list[Any], list[int]]:
     """Return the frames, with None for errors, and the errors."""
-    found, faults = [], []
-    for item in wire:
+    frames, faults = [], []
+    for data in wire:
         try:
-            found.append(case.view.decode(item, *given(case)))
+            frames.append(case.view.decode(data, *arguments_of(case)))
             faults.append(0)
         except ValueError as error:
-            found.append(None)
+            frames.append(None)
             faults.append(FAULTS[KINDS[type(error).__name__]])
-    return found, faults
+    return frames, faults
 
 
-def agree(case: Case, table: Any, frames: list[Any], faults: list[int]) -> None:
+def check_columns(case: Case, table: Any, frames: list[Any], faults: list[int]) -> None:
     """Compare the columns with the frames one by one."""
     assert table.fault.tolist() == faults, case.layout.name
     sound = [place for place, frame in enumerate(frames) if frame is not None]
@@ -63,84 +63,96 @@ def agree(case: Case, table: Any, frames: list[Any], faults: list[int]) -> None:
             continue
         number, scale = name.partition(" (")[0], table.scale(name)
         wanted = [getattr(frames[place], number) for place in sound]
-        wanted = wanted if scale is None else [scale.decimal(item) for item in wanted]
+        if scale is not None:
+            wanted = [scale.decimal(value) for value in wanted]
         assert column[sound].tolist() == wanted, (case.layout.name, name)
     if hasattr(case.view, "verdict"):
-        order = [item.name for item in type(frames[sound[0]].verdict)] if sound else []
+        order = [verdict.name for verdict in type(frames[sound[0]].verdict)] if sound else []
         expected = [order.index(frame.verdict.name) if frame is not None else 0 for frame in frames]
         assert table.verdict.tolist() == expected, case.layout.name
     if hasattr(case.view, "reports"):
-        told = {name: set(numpy.flatnonzero(column).tolist()) for name, column in table.reports.items()}
-        named = {name: item.name for name, item in getattr(case.family.module, "REPORTS", {}).items()}
-        for name, places in told.items():
-            said = {place for place in sound if any(item.name == named[name] for item in frames[place].reports)}
-            assert places == said, (case.layout.name, name)
-        assert {item.name for place in sound for item in frames[place].reports} <= {named[name] for name in told}
+        check_report_columns(case, table, frames)
+
+
+def names_of_reports(frame: Any) -> set[str]:
+    """Return the names of the reports of a frame, or of no frame."""
+    return set() if frame is None else {report.name for report in frame.reports}
+
+
+def check_report_columns(case: Case, table: Any, frames: list[Any]) -> None:
+    """Compare the columns of the reports with the reports of the frames."""
+    named = {name: report.name for name, report in getattr(case.family.module, "REPORTS", {}).items()}
+    report_names = list(map(names_of_reports, frames))
+    for name, column in table.reports.items():
+        places = [place for place, names in enumerate(report_names) if named[name] in names]
+        assert numpy.flatnonzero(column).tolist() == places, (case.layout.name, name)
+    assert set().union(*report_names) <= {named[name] for name in table.reports}
 
 
 def by_layout(family: Family) -> dict[str, list[Case]]:
     """Return the cases of each frame of a family, without registers."""
-    found: dict[str, list[Case]] = defaultdict(list)
+    cases_by_layout: dict[str, list[Case]] = defaultdict(list)
     for case in cases(family):
         if case.register is None:
-            found[case.layout.name].append(case)
-    assert found
-    return found
+            cases_by_layout[case.layout.name].append(case)
+    assert cases_by_layout
+    return cases_by_layout
 
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
 def test_columns_are_what_each_frame_is(family: Family) -> None:
     source = random.Random(family.device.name)
-    for name, found in by_layout(family).items():
-        seen: set[int] = set()
-        for case in found:
-            made = numbers(case, max(40, FRAMES // len(found)), source)
-            wire = [case.carried(number) for number in made]
-            frames, faults = one_by_one(case, wire)
-            seen |= set(faults)
-            agree(case, case.view.decode_many(wire, *given(case)), frames, faults)
-            packed = b"".join(wire) if case.layout.in_bytes else numpy.array(made, numpy.uint64)
-            agree(case, case.view.decode_many(packed, *given(case)), frames, faults)
-        assert 0 in seen, name
-        assert not found[0].layout.crc_field or FAULTS["crc"] in seen, name
+    for name, layout_cases in by_layout(family).items():
+        seen_faults: set[int] = set()
+        for case in layout_cases:
+            frame_numbers = numbers(case, max(40, FRAMES // len(layout_cases)), source)
+            wire = [case.carried(number) for number in frame_numbers]
+            frames, faults = decoded_one_by_one(case, wire)
+            seen_faults |= set(faults)
+            check_columns(case, case.view.decode_many(wire, *arguments_of(case)), frames, faults)
+            packed = b"".join(wire) if case.layout.in_bytes else numpy.array(frame_numbers, numpy.uint64)
+            check_columns(case, case.view.decode_many(packed, *arguments_of(case)), frames, faults)
+        assert 0 in seen_faults, name
+        assert not layout_cases[0].layout.crc_field or FAULTS["crc"] in seen_faults, name
 
 
 @pytest.mark.parametrize("family", ALL, indirect=True)
 def test_columns_are_what_the_model_says(family: Family) -> None:
     """Compared directly with the model, without the decoder of one frame."""
     source = random.Random(f"model {family.device.name}")
-    for found in by_layout(family).values():
-        for case in found:
-            made = numbers(case, max(20, FRAMES_OF_THE_MODEL // len(found)), source)
-            wire = b"".join(map(case.carried, made)) if case.layout.in_bytes else made
-            agree_with_the_model(case, case.view.decode_many(wire, *given(case)), made)
+    for layout_cases in by_layout(family).values():
+        for case in layout_cases:
+            frame_numbers = numbers(case, max(20, FRAMES_OF_THE_MODEL // len(layout_cases)), source)
+            wire = b"".join(map(case.carried, frame_numbers)) if case.layout.in_bytes else frame_numbers
+            check_columns_with_the_model(case, case.view.decode_many(wire, *arguments_of(case)), frame_numbers)
 
 
-def agree_with_the_model(case: Case, table: Any, made: list[int]) -> None:
+def check_columns_with_the_model(case: Case, table: Any, frame_numbers: list[int]) -> None:
     device, names = case.family.device, {name: attribute(name, CLASS_NAMES) for name in model_names(case)}
     columns = {name: table[column].tolist() for name, column in names.items() if column in table}
     faults, reports = table.fault.tolist(), {name: column.tolist() for name, column in table.reports.items()}
     judged = table.verdict.tolist() if "verdict" in table else None
-    for place, number in enumerate(made):
-        said = codec.decode(device, case.placed, number)
-        assert faults[place] == (FAULTS[said.problems[0].fault.value] if said.problems else 0), hex(number)
-        if said.problems:
+    for place, number in enumerate(frame_numbers):
+        decoded = codec.decode(device, case.placed, number)
+        assert faults[place] == (FAULTS[decoded.problems[0].fault.value] if decoded.problems else 0), hex(number)
+        if decoded.problems:
             continue
-        raw = {item.name: item for item in said.fields}
+        raw = {field.name: field for field in decoded.fields}
         for name, column in columns.items():
             # A field that an order code lacks is 0 in a column, and missing in the model.
             expected = plain(raw[name], column[place], numbers_of(case, name)) if name in raw else 0
             assert column[place] == expected, (case.layout.name, name, hex(number))
-        told = findings(device, case.variant, said)
+        expected_findings = findings(device, case.variant, decoded)
         # Reports with the same words differ only in their names, which the model takes from the field.
-        assert sum(column[place] for column in reports.values()) == len(told.reports), hex(number)
+        assert sum(column[place] for column in reports.values()) == len(expected_findings.reports), hex(number)
         if judged is not None:
-            assert told.verdict is [*Verdict][judged[place]], hex(number)
+            assert expected_findings.verdict is [*Verdict][judged[place]], hex(number)
 
 
 def model_names(case: Case) -> list[str]:
     """Return the names of the columns in the model."""
-    return [*(item.name for item in case.layout.fields), *(item.name for item in case.layout.joins), codec.UNUSED]
+    layout = case.layout
+    return [*(field.name for field in layout.fields), *(join.name for join in layout.joins), codec.UNUSED]
 
 
 def numbers_of(case: Case, name: str) -> dict[str, int]:
@@ -159,8 +171,8 @@ def plain(field: codec.DecodedField, column: object, numbers: dict[str, int]) ->
 def test_lengths_are_a_column_too(families: dict[str, Family]) -> None:
     amm5 = families["amm5"].module
     encoder = amm5.lookup("AMM5A21/65KSC1")
-    good = 0x55BCD15E2
-    table = encoder.decode_many([good, good | 1 << 45, good << 70, -1, good])
+    sound_word = 0x55BCD15E2
+    table = encoder.decode_many([sound_word, sound_word | 1 << 45, sound_word << 70, -1, sound_word])
     assert table.fault.tolist() == [0, 1, 1, 1, 0]
     assert table.usable.tolist() == [True, False, False, False, True]
     reply = bytes.fromhex("02 00 15 CD 5B 81")
@@ -204,9 +216,9 @@ def test_numbers_of_any_kind(families: dict[str, Family]) -> None:
         assert encoder.decode_many(numpy.array([5, 70_000], kind)).position.tolist() == [5, 70_000]
     assert encoder.decode_many(numpy.array([5, 7, -1], numpy.int8)).fault.tolist() == [0, 0, 1]
     assert encoder.decode_many(numpy.array([5, 7], "<u8").tobytes()).position.tolist() == [5, 7]
-    for wrong in (numpy.array([1.5]), "0101", 5, numpy.zeros((2, 2), int)):
+    for not_words in (numpy.array([1.5]), "0101", 5, numpy.zeros((2, 2), int)):
         with pytest.raises(TypeError):
-            encoder.decode_many(wrong)
+            encoder.decode_many(not_words)
     serial = families["amm5"].module.lookup("AMM5A23/65KJP1")
     with pytest.raises(ValueError, match="expected complete frames of 6 bytes"):
         serial.decode_many(b"1234567", families["amm5"].module.SingleturnReply)
@@ -227,13 +239,13 @@ def test_counts_go_on_where_the_position_starts_again(families: dict[str, Family
     counts[500] = counts[499]
     offset = counts[0] - counts[0] % encoder.modulus
     expected, previous = [], None
-    found = encoder.decode_many(words).unwrapped()
+    unwrapped = encoder.decode_many(words).unwrapped()
     for count in counts:
         position = count % encoder.modulus
         previous = position if previous is None else encoder.unwrap(previous, position)
         expected.append(previous)
         assert previous == count - offset
-    assert found.tolist() == expected
+    assert unwrapped.tolist() == expected
 
 
 #: Open questions about the frames of an order code.
@@ -264,9 +276,9 @@ def test_units_are_those_of_one_position(families: dict[str, Family], label: str
         assert table.in_units(unit).tolist() == [method(position) for position in positions]
         assert table.in_units(unit, counts).tolist() == [method(count) for count in counts.tolist()]
     assert table.in_units("counts").tolist() == positions
-    other = "metres" if "turns" in UNITS[label] else "turns"
+    other_unit = "metres" if "turns" in UNITS[label] else "turns"
     with pytest.raises((AttributeError, ValueError)):
-        table.in_units(other)
+        table.in_units(other_unit)
 
 
 @pytest.mark.parametrize("label", UNITS)
@@ -283,16 +295,16 @@ def test_velocity_is_the_way_by_the_time(families: dict[str, Family], label: str
     words = encoder.encode_many(columns, **answers_of(encoder))
     words[[0, 100, 101]] ^= numpy.uint64(1)
     table, last = encoder.decode_many(words, **answers_of(encoder)), None
-    found, raw = table.velocity(numpy.array(times), unit), table.velocity(numpy.array(times))
+    velocities, raw = table.velocity(numpy.array(times), unit), table.velocity(numpy.array(times))
     for place, (count, time) in enumerate(zip(counts, times, strict=True)):
         if place in (0, 7, 100, 101):
-            assert numpy.isnan(found[place])
+            assert numpy.isnan(velocities[place])
             continue
         if last is None:
-            assert numpy.isnan(found[place])
+            assert numpy.isnan(velocities[place])
         else:
             assert raw[place] == pytest.approx((count - last[0]) / (time - last[1]), rel=1e-9)
-            assert found[place] == pytest.approx((count - last[0]) * per_count / (time - last[1]), rel=1e-9)
+            assert velocities[place] == pytest.approx((count - last[0]) * per_count / (time - last[1]), rel=1e-9)
         last = count, time
     assert numpy.nanmax(numpy.abs(table.velocity(0.001) - numpy.gradient(table.unwrapped()) * 1000)) < 2 * 190_000
     with pytest.raises(ValueError, match="expected 500 times, one per frame, got 3"):
@@ -324,7 +336,7 @@ def test_a_negative_position_of_a_signed_field(families: dict[str, Family]) -> N
 
 
 def lookup_of(families: dict[str, Family], label: str) -> Any:
-    return next(item.module.lookup(label) for item in families.values() if label in item.module.VARIANTS)
+    return next(family.module.lookup(label) for family in families.values() if label in family.module.VARIANTS)
 
 
 def test_other_libraries_take_the_columns(families: dict[str, Family]) -> None:
@@ -349,12 +361,12 @@ def test_what_is_no_frame_and_no_kind_is_refused(family: Family) -> None:
     """A list that contains something other than frames is a mistake in a program, not a frame with an error."""
     amm5 = family.module
     bits, serial = amm5.lookup("AMM5A21/65KSC1"), amm5.lookup("AMM5A23/65KJP1")
-    for wrong in (["1"], [5.9], [True]):
+    for not_words in (["1"], [5.9], [True]):
         with pytest.raises(TypeError, match="the frame in row 1 must be an integer, got "):
-            bits.decode_many(wrong)
-    for wrong in ([2, 0, 199], ["02 00 C7 D1 6A 7E"]):
+            bits.decode_many(not_words)
+    for not_words in ([2, 0, 199], ["02 00 C7 D1 6A 7E"]):
         with pytest.raises(TypeError, match="expected bytes, got "):
-            serial.decode_many(wrong, amm5.SingleturnReply)
+            serial.decode_many(not_words, amm5.SingleturnReply)
     kinds = "SingleturnReply, MultiturnReply, EncoderIdReply, CompleteReply, EepromWriteReply, EepromReadReply"
     for kind in ("singleturn_reply", amm5.SsiWord, serial):
         with pytest.raises(TypeError, match=f"is not a kind of frame that this encoder sends; it sends {kinds}$"):

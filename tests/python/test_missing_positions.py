@@ -59,18 +59,18 @@ def test_a_table_masks_and_gives_null(lika: Any) -> None:
     degrees = table.in_units("degrees")
     assert numpy.isnan(degrees).tolist() == [False, True, True]
     assert not numpy.isnan(table.in_units("degrees", table.position)).any()
-    found = table.to_arrow()
-    assert [found[name].null_count for name in PARTS] == [2, 2, 2]
-    assert found["error"].null_count == found["verdict"].null_count == 0
+    arrow_table = table.to_arrow()
+    assert [arrow_table[name].null_count for name in PARTS] == [2, 2, 2]
+    assert arrow_table["error"].null_count == arrow_table["verdict"].null_count == 0
     assert table.to_arrow(raw=True)["position"].null_count == 0
 
 
 def test_pandas_has_nullable_positions(lika: Any) -> None:
     pandas = pytest.importorskip("pandas", reason="pandas is not installed: its columns are not tried")
     table = lika.lookup(CODE).decode_many([GOOD, WRONG, SPOILT])
-    found = table.to_pandas()
-    assert found["position"].mean() == POSITION
-    assert [found[name].isna().tolist() for name in PARTS] == [[False, True, True]] * 3
+    frame = table.to_pandas()
+    assert frame["position"].mean() == POSITION
+    assert [frame[name].isna().tolist() for name in PARTS] == [[False, True, True]] * 3
     assert not table.to_pandas(raw=True)["position"].isna().any()
     words = pandas.DataFrame({"word": pandas.Series([GOOD, None, SPOILT], dtype="Int64")})
     part = lika.decode_partition(words, CODE)
@@ -94,9 +94,9 @@ def test_where_nothing_tells_the_position_stays(lika: Any) -> None:
 def test_a_reply_with_a_part_of_the_position(lika: Any) -> None:
     """The singleturn reply has no ``position``, but its fields of a position are also meaningless."""
     encoder = lika.lookup("AMM5A23/65KJP1")
-    good = lika.amm5.SingleturnReply(encoder, lika.amm5.DataId.SINGLETURN, False, False, 5)
-    spoilt = good._replace(status_st_error=True)
-    table = encoder.decode_many([good.encode(), spoilt.encode(), None], lika.amm5.SingleturnReply)
+    sound_reply = lika.amm5.SingleturnReply(encoder, lika.amm5.DataId.SINGLETURN, False, False, 5)
+    spoilt = sound_reply._replace(status_st_error=True)
+    table = encoder.decode_many([sound_reply.encode(), spoilt.encode(), None], lika.amm5.SingleturnReply)
     assert table.to_arrow()["singleturn"].to_pylist() == [5, None, None]
 
 
@@ -107,12 +107,12 @@ def test_a_file_has_no_position_of_a_wrong_frame(decode: Any, tmp_path: Path, na
         decode(CODE, "it.bin", "--words", "little", "-o", name, "--force", *more)
         if name.endswith("csv"):
             text = (tmp_path / name).read_text()
-            found = [int(item) if item else None for item in column(text, "position")]
+            positions = [int(cell) if cell else None for cell in column(text, "position")]
         else:
             is_parquet = name.endswith("parquet")
             read = pyarrow.parquet.read_table if is_parquet else (lambda path: pyarrow.ipc.open_file(path).read_all())
-            found = read(tmp_path / name)["position"].to_pylist()
-        assert found == expected if expected else None not in found
+            positions = read(tmp_path / name)["position"].to_pylist()
+        assert positions == expected if expected else None not in positions
 
 
 # Other columns
@@ -127,10 +127,10 @@ def test_other_columns_come_first_and_as_they_are(decode: Any, tmp_path: Path) -
     ]
     assert (column(out, "time"), column(out, "note")) == (["0.10", "0.20", "0.30"], ["a b", "", ""])
     decode(CODE, "it.csv", "-o", "it.parquet")
-    found = pyarrow.parquet.read_table(tmp_path / "it.parquet")
-    assert found["time"].to_pylist() == [0.1, 0.2, 0.3]
-    assert found["note"].to_pylist() == ["a b", None, None]
-    assert found.column_names[:3] == ["time", "note", "singleturn"]
+    table = pyarrow.parquet.read_table(tmp_path / "it.parquet")
+    assert table["time"].to_pylist() == [0.1, 0.2, 0.3]
+    assert table["note"].to_pylist() == ["a b", None, None]
+    assert table.column_names[:3] == ["time", "note", "singleturn"]
     assert decode(CODE, "it.csv", "--columns", "position,time")[1].splitlines()[:2] == [
         "position,time",
         f"{POSITION},0.10",
@@ -163,17 +163,17 @@ def test_si_units_of_a_file_with_a_time(lika: Any, decode: Any, tmp_path: Path, 
 
 
 @pytest.mark.parametrize(
-    ("content", "code", "said"),
+    ("content", "code", "message"),
     [
         ("word\n0x1\n", 2, "it.csv has no column 'time', which speeds in SI units need"),
         (f"time,word\nnoon,{GOOD:#x}\n", 1, "it.csv, column 'time': expected numbers in seconds"),
         (f"time,word,radians\n0,{GOOD:#x},1\n", 2, "it.csv already has a column 'radians'"),
     ],
 )
-def test_si_units_of_a_file_without_a_time(decode: Any, tmp_path: Path, content: str, code: int, said: str) -> None:
+def test_si_units_of_a_file_without_a_time(decode: Any, tmp_path: Path, content: str, code: int, message: str) -> None:
     (tmp_path / "it.csv").write_text(content)
-    done, _, err = decode(CODE, "it.csv", "--si", "-o", "out.csv")
-    assert (done, said in err, err.count("\n")) == (code, True, 1), err
+    exit_code, _, err = decode(CODE, "it.csv", "--si", "-o", "out.csv")
+    assert (exit_code, message in err, err.count("\n")) == (code, True, 1), err
     assert not (tmp_path / "out.csv").exists()
 
 
@@ -182,10 +182,10 @@ def test_columns_of_parquet_keep_their_types(decode: Any, tmp_path: Path) -> Non
     words = pyarrow.table({"time": times, "word": [GOOD, None], "raw": [b"\x01", None], "on": [True, False]})
     pyarrow.parquet.write_table(words, tmp_path / "it.parquet")
     decode(CODE, "it.parquet", "-o", "out.parquet")
-    found = pyarrow.parquet.read_table(tmp_path / "out.parquet")
+    decoded = pyarrow.parquet.read_table(tmp_path / "out.parquet")
     for name in ("time", "raw", "on"):
-        assert found[name].equals(words[name])
-    assert found["fault"].to_pylist() == ["none", "length"]
+        assert decoded[name].equals(words[name])
+    assert decoded["fault"].to_pylist() == ["none", "length"]
     _, out, _ = decode(CODE, "it.parquet")
     assert [column(out, name) for name in ("time", "raw", "on")] == [
         ["1970-01-01 00:00:00.000001", ""],
@@ -194,7 +194,7 @@ def test_columns_of_parquet_keep_their_types(decode: Any, tmp_path: Path) -> Non
     ]
     pyarrow.parquet.write_table(words.slice(0, 0), tmp_path / "none.parquet")
     decode(CODE, "none.parquet", "-o", "empty.parquet")
-    assert pyarrow.parquet.read_schema(tmp_path / "empty.parquet").equals(found.schema)
+    assert pyarrow.parquet.read_schema(tmp_path / "empty.parquet").equals(decoded.schema)
 
 
 def test_columns_without_a_name(decode: Any, tmp_path: Path) -> None:
@@ -215,16 +215,16 @@ def test_a_cell_that_is_no_number_is_counted(
 
 
 @pytest.mark.parametrize(
-    ("header", "said"),
+    ("header", "message"),
     [
         ("position,word", "it.csv already has a column 'position', which the decoded frames also have: rename it"),
         ("time,word,time", "it.csv has two columns 'time'; rename one, or select the columns"),
     ],
 )
-def test_names_that_clash(decode: Any, tmp_path: Path, header: str, said: str) -> None:
+def test_names_that_clash(decode: Any, tmp_path: Path, header: str, message: str) -> None:
     (tmp_path / "it.csv").write_text(f"{header}\n1,{GOOD:#x},2\n")
     code, _, err = decode(CODE, "it.csv", "-o", "out.csv")
-    assert (code, said in err) == (2, True), err
+    assert (code, message in err) == (2, True), err
     assert not (tmp_path / "out.csv").exists()
     code, out, _ = decode(CODE, "it.csv", "--columns", "singleturn,fault")
     assert (code, out) == (0, "singleturn,fault\n1821973,none\n")
@@ -245,13 +245,14 @@ def test_names_that_clash(decode: Any, tmp_path: Path, header: str, said: str) -
 )
 def test_the_form_that_fits_is_named(decode: Any, tmp_path: Path, code: str, form: str, kind: str, word: int) -> None:
     (tmp_path / "it.bin").write_bytes(numpy.full(2001, word, kind).tobytes())
-    done, out, _ = decode(code, "it.bin", "--words", form)
-    assert (done, set(column(out, "fault"))) == (0, {"none"})
+    exit_code, out, _ = decode(code, "it.bin", "--words", form)
+    assert (exit_code, set(column(out, "fault"))) == (0, {"none"})
     # Four bytes are also the packed form of a frame of 25 to 32 bits.
-    for other in {"packed", "little", "big"} - {form} - ({"packed"} if form == "big32" else set()):
-        done, _, err = decode(code, "it.bin", "--words", other, "-o", "out.csv")
+    for other_form in {"packed", "little", "big"} - {form} - ({"packed"} if form == "big32" else set()):
+        exit_code, _, err = decode(code, "it.bin", "--words", other_form, "-o", "out.csv")
         fitting = {form, "packed"} if form == "big32" else {form}
-        assert (done, any(f"with --words {item}, 100% are valid" in err for item in fitting)) == (1, True), err
+        assert exit_code == 1
+        assert any(f"with --words {fitting_form}, 100% are valid" in err for fitting_form in fitting), err
         assert not (tmp_path / "out.csv").exists()
 
 
@@ -283,20 +284,23 @@ def test_missing_frames_are_rows(lika: Any) -> None:
     assert encoder.decode_many(numpy.array([GOOD, None], object)).fault.tolist() == [0, 1]
     reply = bytes.fromhex("02 00 15 CD 5B 81")
     assert serial.decode_many([reply, None], lika.amm5.SingleturnReply).fault.tolist() == [0, 1]
-    for wrong, said in (([1.5], "not an integer"), (numpy.array([1.0], numpy.float32), "cannot represent every frame")):
-        with pytest.raises(TypeError, match=said):
-            encoder.decode_many(numpy.array(wrong))
-    found = lika.decode_partition(pyarrow.table({"word": [GOOD, None]}), encoder)
-    assert (found["fault"].to_pylist(), found["position"].to_pylist()) == (["none", "length"], [POSITION, None])
-    assert [found[name].to_pylist() for name in ("error", "warning")] == [[False, None]] * 2
+    for unusable_words, message in (
+        ([1.5], "not an integer"),
+        (numpy.array([1.0], numpy.float32), "cannot represent every frame"),
+    ):
+        with pytest.raises(TypeError, match=message):
+            encoder.decode_many(numpy.array(unusable_words))
+    decoded = lika.decode_partition(pyarrow.table({"word": [GOOD, None]}), encoder)
+    assert (decoded["fault"].to_pylist(), decoded["position"].to_pylist()) == (["none", "length"], [POSITION, None])
+    assert [decoded[name].to_pylist() for name in ("error", "warning")] == [[False, None]] * 2
     assert encoder.decode_many([GOOD, None])[1]["error"] is None
 
 
 def test_flags_of_missing_frames_are_null_in_pandas(lika: Any) -> None:
     pytest.importorskip("pandas", reason="pandas is not installed: its columns are not tried")
     for frames, missing in (([SPOILT, None], [False, True]), ([SPOILT, GOOD], [False, False])):
-        found = lika.lookup(CODE).decode_many(frames).to_pandas()["error"]
-        assert (str(found.dtype), found.isna().tolist(), found[0]) == ("boolean", missing, True)
+        errors = lika.lookup(CODE).decode_many(frames).to_pandas()["error"]
+        assert (str(errors.dtype), errors.isna().tolist(), errors[0]) == ("boolean", missing, True)
 
 
 def test_a_column_that_is_not_frames_names_the_row(lika: Any) -> None:
@@ -329,8 +333,8 @@ def test_unknown_units_of_speed_list_rpm(lika: Any) -> None:
 )
 def test_a_cell_without_a_frame_does_not_end_the_run(decode: Any, tmp_path: Path, end: str, faults: list[str]) -> None:
     """A last line without an end that is shorter than the one before may be cut, so its number is not used."""
-    good = f"{GOOD:#x}"
-    (tmp_path / "it.csv").write_text(f"time,word\n0,{good}\n" + end.format(good, good[:-1]))
+    sound_cell = f"{GOOD:#x}"
+    (tmp_path / "it.csv").write_text(f"time,word\n0,{sound_cell}\n" + end.format(sound_cell, sound_cell[:-1]))
     _, out, _ = decode(CODE, "it.csv")
     assert column(out, "fault") == ["none", *faults]
     assert column(out, "position")[0] == str(POSITION)

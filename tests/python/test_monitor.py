@@ -23,10 +23,10 @@ class Readings:
         self._items = iter(items)
 
     def read(self) -> Any:
-        item = next(self._items)
-        if isinstance(item, RuntimeError):
-            raise item
-        return item
+        reading = next(self._items)
+        if isinstance(reading, RuntimeError):
+            raise reading
+        return reading
 
 
 class Terminal(io.StringIO):
@@ -52,13 +52,13 @@ def test_a_terminal_shows_the_last_state(encoder: Any) -> None:
     monitor.watch(readings, encoder, "COM3", count=3, out=out)
     last = out.getvalue().rpartition("\x1b[9A")[2].replace("\r\x1b[2K", "").splitlines()
     assert last[0] == "AMM5A21/65KSC1, BiSS, COM3    Ctrl-C ends"
-    shown = {line[:10].strip(): line[10:] for line in last[1:]}
+    rows_shown = {line[:10].strip(): line[10:] for line in last[1:]}
     # The position of the last frame is not usable, so none is shown.
-    assert shown["position"] == "-"
-    assert shown["verdict"] == "not usable"
-    assert shown["alarms"] == "error"
-    assert shown["errors"] == "1 of 3 readings failed: 1 no reply"
-    assert shown[""] == "no reply within 50 ms"
+    assert rows_shown["position"] == "-"
+    assert rows_shown["verdict"] == "not usable"
+    assert rows_shown["alarms"] == "error"
+    assert rows_shown["errors"] == "1 of 3 readings failed: 1 no reply"
+    assert rows_shown[""] == "no reply within 50 ms"
     assert "89902357 counts" in out.getvalue()
 
 

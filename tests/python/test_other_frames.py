@@ -26,7 +26,7 @@ def package_of(folder: Path, import_generated: Callable[..., Any], name: str) ->
 
 
 @pytest.mark.parametrize(
-    ("maker", "arguments", "code", "said"),
+    ("maker", "arguments", "code", "ending"),
     [
         ("cui", "AMT212B AB61", 0, f"\n\nThis can also be {TURNS}\n"),
         ("cui", "AMT212B AB62", 1, "k0 must be 0x0, got 0x1\n"),
@@ -44,14 +44,14 @@ def test_other_frames_that_it_can_be(
     maker: str,
     arguments: str,
     code: int,
-    said: str,
+    ending: str,
     import_generated: Callable[..., Any],
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     package = package_of(ENCODERS / maker, import_generated, maker)
     assert main(package, ["decode", *arguments.split()]) == code
-    found = capsys.readouterr()
-    assert (found.out + found.err).endswith(said)
+    captured = capsys.readouterr()
+    assert (captured.out + captured.err).endswith(ending)
 
 
 def test_hex_bytes_of_a_long_frame(

@@ -45,7 +45,7 @@ HOSTILE = [
 @pytest.mark.slow
 def test_types_are_strict(generated_python: tuple[Path, ModuleType]) -> None:
     folder, package = generated_python
-    done = subprocess.run(
+    completed = subprocess.run(
         [
             sys.executable,
             "-m",
@@ -60,29 +60,29 @@ def test_types_are_strict(generated_python: tuple[Path, ModuleType]) -> None:
         text=True,
         env={**os.environ, "MYPYPATH": str(folder / "runtime")},
     )
-    assert done.returncode == 0, done.stdout + done.stderr
+    assert completed.returncode == 0, completed.stdout + completed.stderr
 
 
 @pytest.mark.slow
 def test_two_families_in_one_package(library: Library, tmp_path: Path) -> None:
     from codewheel.model import OrderCode
 
-    first = next(item for item in library.devices if item.name == "amm5")
+    first = next(device for device in library.devices if device.name == "amm5")
 
     def renamed(text: str) -> str:
         return text.replace("AMM5", "OTHER")
 
     code: OrderCode = replace(first.order_code, pattern=renamed(first.order_code.pattern))
-    variants = tuple(replace(item, code=renamed(item.code)) for item in first.variants)
+    variants = tuple(replace(variant, code=renamed(variant.code)) for variant in first.variants)
     second = replace(first, name="other", title="Other encoders", order_code=code, variants=variants, examples=())
     _write(generate(Library((first, second))), tmp_path)
-    done = subprocess.run(
+    completed = subprocess.run(
         [sys.executable, "-m", "mypy", "--strict", "--no-incremental", str(tmp_path / "python" / "lika_encoders")],
         capture_output=True,
         text=True,
         env={**os.environ, "MYPYPATH": str(tmp_path / "python" / "runtime")},
     )
-    assert done.returncode == 0, done.stdout + done.stderr
+    assert completed.returncode == 0, completed.stdout + completed.stderr
     script = """
 import lika_encoders as e
 
@@ -93,8 +93,8 @@ except e.OrderCodeError as error:
     print(error)
 """
     environment = {**os.environ, "PYTHONPATH": python_path(tmp_path / "python")}
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=environment)
-    assert done.stdout.startswith(
+    completed = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=environment)
+    assert completed.stdout.startswith(
         "<OTHERA21/65KSC1> <AMM5B17/1JP1> ['amm5', 'other']\n"
         "'OTHERB99/1JP1' has singleturn '99'; valid values: 17, 21, 23; similar order codes: "
     )
@@ -111,8 +111,8 @@ def test_lines_are_of_a_length_to_read(files: Mapping[str, str]) -> None:
 def test_a_linter_finds_nothing(files: Mapping[str, str], tmp_path: Path) -> None:
     """Python's own style and pyflakes, with the default settings of users' tools."""
     shapes, _ = load_library([Path(__file__).parent / "specs"])
-    for folder, made in (("ours", files), ("shapes", generate(Library(shapes)))):
-        for path, text in made.items():
+    for folder, package_files in (("ours", files), ("shapes", generate(Library(shapes)))):
+        for path, text in package_files.items():
             place = tmp_path / folder / path
             place.parent.mkdir(parents=True, exist_ok=True)
             place.write_text(text, encoding="utf-8")
@@ -136,17 +136,11 @@ def test_imports_are_all_used(files: Mapping[str, str]) -> None:
     """This also holds if a field has the name of a function."""
     shapes, _ = load_library([Path(__file__).parent / "specs"])
     for path, source in {**files, **generate(Library(shapes))}.items():
-        tree = (
-            ast.parse(source)
-            if path.endswith(".py") and not path.endswith(("__init__.py", "_encoders/biss.py"))
-            else ast.Module([], [])
-        )
-        imported = {
-            alias.asname or alias.name
-            for node in tree.body
-            if isinstance(node, ast.ImportFrom) and node.module != "__future__"
-            for alias in node.names
-        }
+        if not path.endswith(".py") or path.endswith(("__init__.py", "_encoders/biss.py")):
+            continue
+        tree = ast.parse(source)
+        imports = [node for node in tree.body if isinstance(node, ast.ImportFrom) and node.module != "__future__"]
+        imported = {alias.asname or alias.name for node in imports for alias in node.names}
         names = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
         exported = next((node.value for node in tree.body if _assigns_all(node)), None)
         names |= set(ast.literal_eval(exported)) if exported is not None else set()
@@ -164,9 +158,13 @@ def shape(files: Mapping[str, str]) -> list[str]:
 def test_text_of_a_spec_stays_text(
     text: str, shape: list[str], tmp_path: Path, import_generated: Callable[[Library, str], tuple[Path, ModuleType]]
 ) -> None:
-    data = _parsed("amm5.yaml")
+    data = _parsed_spec("amm5.yaml")
     _poison(data, text)
-    maker = _parsed("manufacturer.yaml") | {"title": text, "trademarks": [text], "python_package": "hostile_encoders"}
+    maker = _parsed_spec("manufacturer.yaml") | {
+        "title": text,
+        "trademarks": [text],
+        "python_package": "hostile_encoders",
+    }
     (tmp_path / "amm5.yaml").write_text(json.dumps(data, ensure_ascii=False, indent=1), encoding="utf-8")
     (tmp_path / "manufacturer.yaml").write_text(json.dumps(maker, ensure_ascii=False, indent=1), encoding="utf-8")
     devices, report = load_library([tmp_path])
@@ -185,47 +183,28 @@ def test_text_of_a_spec_stays_text(
         assert tomllib.loads(toml)["project"]["name"] == "hostile-encoders"
 
 
-def _parsed(name: str) -> dict[str, Any]:
+def _parsed_spec(name: str) -> dict[str, Any]:
     """Return the data of one of our specs, to be changed."""
     document = read_document(SPECS / name, Report())
     assert document is not None
     return copy.deepcopy(document.data)
 
 
+#: Keys whose values are running texts.
+TEXTS = {
+    *("title", "meaning", "note", "special", "printed_name", "changes", "publisher", "signals", "profile", "value"),
+    *("printed", "used", "why", "content", "mating", "signal", "remedy", "unit", "detected", "precondition", "result"),
+    *("when_active", "when_inactive", "address", "data"),
+}
+
+
 def _poison(data: Any, text: str) -> None:
     """Put ``text`` into every running text."""
-    texts = {
-        "title",
-        "meaning",
-        "note",
-        "special",
-        "printed_name",
-        "changes",
-        "publisher",
-        "signals",
-        "profile",
-        "value",
-        "printed",
-        "used",
-        "why",
-        "content",
-        "mating",
-        "signal",
-        "remedy",
-        "unit",
-        "detected",
-        "precondition",
-        "result",
-        "when_active",
-        "when_inactive",
-        "address",
-        "data",
-    }
     if isinstance(data, dict):
-        if any(isinstance(item, dict) and "quantity" in item for item in data.get("values") or ()):
+        if any(isinstance(value, dict) and "quantity" in value for value in data.get("values") or ()):
             del data["values"]  # The text must give them.
         for key, value in data.items():
-            if key in texts and isinstance(value, str) and not (key == "value" and "register" in data):
+            if key in TEXTS and isinstance(value, str) and not (key == "value" and "register" in data):
                 # Numbers of steps stay, because remedies refer to them.
                 poison = f"1. {text} 2. {text} 3. {text}" if has_steps(value) else text
                 # Neighbours must not have the same name or meaning.
@@ -233,8 +212,8 @@ def _poison(data: Any, text: str) -> None:
             else:
                 _poison(value, text)
     elif isinstance(data, list):
-        for item in data:
-            _poison(item, text)
+        for member in data:
+            _poison(member, text)
 
 
 def _shape(source: str) -> list[str]:

@@ -51,7 +51,7 @@ def test_a_frame_keeps_the_number_and_its_facts_have_the_scale(rls: ModuleType) 
     frame = reply(rls).decode(FRAMES[10:15])
     assert (frame.temperature, type(frame.temperature)) == (269, int)
     facts = importlib.import_module(f"{rls.__name__}.facts.orbis_serial").FRAMES[LAYOUT]
-    (scale,) = (item.scale for item in facts if item.scale is not None)
+    (scale,) = (facts_of_field.scale for facts_of_field in facts if facts_of_field.scale is not None)
     assert (scale.numerator, scale.denominator, scale.offset, scale.unit) == (1, 10, 0, "°C")
     assert str(scale.decimal(frame.temperature)) == "26.9"
     assert scale.source.startswith("smile: temperature")
@@ -61,10 +61,10 @@ def test_many_frames(rls: ModuleType) -> None:
     table = reply(rls).decode_many(FRAMES)
     assert table["temperature"].tolist() == NUMBERS
     assert table["temperature"].dtype == numpy.int64
-    assert [str(item) for item in table[COLUMN]] == [*EXPECTED.values()]
+    assert [str(decimal) for decimal in table[COLUMN]] == [*EXPECTED.values()]
     assert [*table][-4:] == ["temperature", COLUMN, "verdict", "fault"]
     assert table[2][COLUMN] == Decimal("26.9")
-    assert [str(item) for item in table[1:3][COLUMN]] == ["10.0", "26.9"]
+    assert [str(decimal) for decimal in table[1:3][COLUMN]] == ["10.0", "26.9"]
     # The quantity is not encoded.
     assert reply(rls).encode_many(table).tobytes() == FRAMES
     assert [*reply(rls).decode_many(b"")[COLUMN]] == []
@@ -76,7 +76,7 @@ def test_arrow_and_pandas(rls: ModuleType) -> None:
     assert column.type == pyarrow.decimal128(38, 1)
     assert column.to_pylist() == [Decimal(text) for text in EXPECTED.values()]
     pytest.importorskip("pandas")
-    assert [str(item) for item in table.to_pandas()[COLUMN]] == [*EXPECTED.values()]
+    assert [str(decimal) for decimal in table.to_pandas()[COLUMN]] == [*EXPECTED.values()]
 
 
 @pytest.mark.parametrize("ending", ["csv", "parquet"])
@@ -86,12 +86,12 @@ def test_files(rls: ModuleType, tmp_path: Path, ending: str) -> None:
     rls.decode_file(CODE, source, target, layout=LAYOUT)
     if ending == "csv":
         with target.open(encoding="utf-8", newline="") as file:
-            found = [(row["temperature"], row[COLUMN]) for row in csv.DictReader(file)]
-        assert found == [*zip(map(str, NUMBERS), EXPECTED.values(), strict=True)]
+            written_rows = [(row["temperature"], row[COLUMN]) for row in csv.DictReader(file)]
+        assert written_rows == [*zip(map(str, NUMBERS), EXPECTED.values(), strict=True)]
     else:
-        found = pyarrow.parquet.read_table(target)
-        assert found["temperature"].to_pylist() == NUMBERS
-        assert found[COLUMN].to_pylist() == [Decimal(text) for text in EXPECTED.values()]
+        written_rows = pyarrow.parquet.read_table(target)
+        assert written_rows["temperature"].to_pylist() == NUMBERS
+        assert written_rows[COLUMN].to_pylist() == [Decimal(text) for text in EXPECTED.values()]
 
 
 def test_the_command_writes_chosen_columns(rls: ModuleType, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

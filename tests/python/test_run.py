@@ -15,24 +15,24 @@ import pytest
 class Memory:
     """Registers that keep written values. The access ``fails_at`` fails, and so do all after it if ``lost``."""
 
-    def __init__(self, held: dict[int, int] | None = None, fails_at: int = -1, lost: bool = False) -> None:
-        self.held = dict(held or {})
+    def __init__(self, registers: dict[int, int] | None = None, fails_at: int = -1, lost: bool = False) -> None:
+        self.registers = dict(registers or {})
         self.fails_at, self.lost, self.count = fails_at, lost, 0
         self.written: list[tuple[int, bytes]] = []
 
-    def _counted(self) -> None:
+    def _count_access(self) -> None:
         self.count += 1
         if self.count - 1 == self.fails_at or (self.lost and self.fails_at >= 0 and self.count > self.fails_at):
             raise OSError("the line is cut")
 
     def read(self, address: int, length: int, /) -> bytes:
-        self._counted()
-        return bytes(self.held.get(address + place, 0) for place in range(length))
+        self._count_access()
+        return bytes(self.registers.get(address + place, 0) for place in range(length))
 
     def write(self, address: int, data: bytes, /) -> None:
-        self._counted()
+        self._count_access()
         self.written.append((address, bytes(data)))
-        self.held.update(enumerate(data, address))
+        self.registers.update(enumerate(data, address))
 
 
 @pytest.fixture
@@ -42,14 +42,19 @@ def lika(generated_python: tuple[Path, ModuleType]) -> Any:
 
 def test_a_preset_as_the_manual_has_it(lika: Any) -> None:
     """The worked example: 1,000,003 with 21 bits, opened by 01h at 40h and closed before it is saved."""
-    memory, waited, seen = Memory(), [], []
+    memory, waited, progress_calls = Memory(), [], []
     steps = lika.amm5.set_preset(lika.lookup("AMM5A21/65KSC1"), 1_000_003)
-    found = lika.run(steps, memory, wait=waited.append, progress=lambda at, of, step: seen.append((at, of, step)))
-    assert found == ()
+    result = lika.run(
+        steps,
+        memory,
+        wait=waited.append,
+        progress=lambda at, step_count, step: progress_calls.append((at, step_count, step)),
+    )
+    assert result == ()
     assert bytes(data[0] for _, data in memory.written) == bytes.fromhex("01 00 30 24 f4 00 00 00 00 01 02")
     assert [address for address, _ in memory.written] == [0x40, *range(0x11, 0x18), 0x40, 0x77, 0x77]
     assert waited == [0.03, 0.03]
-    assert seen == [(at, len(steps), step) for at, step in enumerate(steps)]
+    assert progress_calls == [(at, len(steps), step) for at, step in enumerate(steps)]
 
 
 @pytest.mark.parametrize("at", range(12))
@@ -62,7 +67,7 @@ def test_what_was_opened_is_closed_when_a_step_fails(lika: Any, at: int) -> None
     assert caught.value.left_open == ()
     assert caught.value.done == steps[: caught.value.at]
     # It is closed in any case, and no command was sent too early.
-    assert memory.held.get(0x40, 0) == 0
+    assert memory.registers.get(0x40, 0) == 0
     assert [data for address, data in memory.written if address == 0x77] == [b"\x01", b"\x02"][: max(0, at - 10)]
     assert str(pickle.loads(pickle.dumps(caught.value))) == str(caught.value)
 
@@ -80,13 +85,13 @@ def test_what_stays_open_is_told(lika: Any) -> None:
 def test_an_interrupted_run_closes_too(lika: Any) -> None:
     memory = Memory()
 
-    def interrupt(at: int, of: int, step: object) -> None:
+    def interrupt(at: int, step_count: int, step: object) -> None:
         if at == 5:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
         lika.run(lika.amm5.set_preset(lika.lookup("AMM5A21/65KSC1"), 5), memory, progress=interrupt)
-    assert memory.held[0x40] == 0
+    assert memory.registers[0x40] == 0
 
 
 def test_bits_that_were_changed_are_put_back(lika: Any) -> None:
@@ -96,10 +101,10 @@ def test_bits_that_were_changed_are_put_back(lika: Any) -> None:
     before = 0xFF & ~change.mask
     sound, broken = Memory({change.address: before}), Memory({change.address: before}, fails_at=4)
     lika.run(steps, sound, wait=lambda seconds: None)
-    assert sound.held[change.address] == before | change.value
+    assert sound.registers[change.address] == before | change.value
     with pytest.raises(lika.StepError):
         lika.run(steps, broken, wait=lambda seconds: None)
-    assert broken.held[change.address] == before
+    assert broken.registers[change.address] == before
 
 
 def test_byte_order_of_a_step(lika: Any) -> None:
@@ -114,11 +119,10 @@ def test_byte_order_of_a_step(lika: Any) -> None:
 
 def test_what_is_read_is_given(lika: Any) -> None:
     steps = lika.asc85.reset_errors(lika.lookup("ASC8525/SC1"))
-    found = lika.run(steps, Memory({0x69: 7}))
-    assert [(item.step.register, len(item.data)) for item in found] == [
-        (step.register, step.length) for step in steps if isinstance(step, lika.Read)
-    ]
-    assert found[0].data == b"\x07"
+    reads = lika.run(steps, Memory({0x69: 7}))
+    expected = [(step.register, step.length) for step in steps if isinstance(step, lika.Read)]
+    assert [(result.step.register, len(result.data)) for result in reads] == expected
+    assert reads[0].data == b"\x07"
 
 
 class Encoder485:
@@ -135,8 +139,8 @@ class Encoder485:
         self.waiting += self.answers.pop(0) if self.answers else request + bytes(4) + request
 
     def receive(self, length: int, /) -> bytes:
-        found, self.waiting = self.waiting[:length], self.waiting[length:]
-        return found
+        reply, self.waiting = self.waiting[:length], self.waiting[length:]
+        return reply
 
 
 def test_a_request_owns_its_reply(lika: Any) -> None:
@@ -150,7 +154,7 @@ def test_a_request_owns_its_reply(lika: Any) -> None:
 
 
 @pytest.mark.parametrize(
-    ("answer", "said"),
+    ("answer", "message"),
     [
         ("", "no reply to BA"),
         ("BA 00 00 00 00", "the reply to BA is BA 00 00 00 00: expected 6 bytes, got 5"),
@@ -159,24 +163,24 @@ def test_a_request_owns_its_reply(lika: Any) -> None:
         ("BA BA 00 01 00 00", "expected CRC 0x01, got 0x00. Is it an echo of the request?"),
     ],
 )
-def test_a_reply_to_another_request_is_refused(lika: Any, answer: str, said: str) -> None:
+def test_a_reply_to_another_request_is_refused(lika: Any, answer: str, message: str) -> None:
     steps = lika.amm5.reset_errors(lika.lookup("AMM5A23/65KJP1"))
-    good = bytes.fromhex("BA 00 00 00 00 BA")
-    with pytest.raises(lika.StepError, match=re.escape(said)):
-        lika.run(steps, line := Encoder485(good, bytes.fromhex(answer)), wait=lambda seconds: None)
+    sound_reply = bytes.fromhex("BA 00 00 00 00 BA")
+    with pytest.raises(lika.StepError, match=re.escape(message)):
+        lika.run(steps, line := Encoder485(sound_reply, bytes.fromhex(answer)), wait=lambda seconds: None)
     assert line.sent == 2
 
 
 def test_a_line_that_cannot_receive_is_refused(lika: Any) -> None:
-    sent: list[bytes] = []
+    requests: list[bytes] = []
 
     class Port:
         def send(self, request: bytes, /) -> None:
-            sent.append(request)
+            requests.append(request)
 
     with pytest.raises(lika.StepError, match="Port has no 'drain': a line needs drain, send and receive"):
         lika.run(lika.amm5.reset_errors(), Port())
-    assert sent == []
+    assert requests == []
 
 
 def test_over_the_registers_of_biss(lika: Any) -> None:
@@ -184,25 +188,25 @@ def test_over_the_registers_of_biss(lika: Any) -> None:
     from importlib import import_module
 
     biss = import_module("lika_encoders.biss")
-    held = {0x40: 0, 0x78: 0x4C, 0x79: 0x69}
+    registers = {0x40: 0, 0x78: 0x4C, 0x79: 0x69}
     slave = biss.Slave(readable=[*range(0x11, 0x18), *range(0x40, 0x80)], writable=[0x40, *range(0x11, 0x18), 0x77])
 
     def exchange(cdm: int) -> int:
         cds = slave.next(cdm)
         if slave.wants is biss.Wants.BYTE:
-            slave.give(held.get(slave.address, 0))
+            slave.give(registers.get(slave.address, 0))
         elif slave.wants is biss.Wants.STORE:
-            held[slave.address] = slave.value
+            registers[slave.address] = slave.value
             slave.stored()
         return int(cds)
 
     bus = biss.RegisterBus(exchange, busy_limit=3)
     assert bus.read(0x78, 2) == b"Li"
     lika.run(lika.amm5.set_preset(lika.lookup("AMM5A21/65KSC1"), 1_000_003), bus, wait=lambda seconds: None)
-    assert bytes(held[place] for place in range(0x11, 0x18)) == bytes.fromhex("00 30 24 f4 00 00 00")
-    assert (held[0x40], held[0x77]) == (0, 2)
-    said = "access to registers from 78h failed: the register is protected or not implemented"
-    with pytest.raises(biss.AccessError, match=said):
+    assert bytes(registers[place] for place in range(0x11, 0x18)) == bytes.fromhex("00 30 24 f4 00 00 00")
+    assert (registers[0x40], registers[0x77]) == (0, 2)
+    message = "access to registers from 78h failed: the register is protected or not implemented"
+    with pytest.raises(biss.AccessError, match=message):
         bus.write(0x78, b"x")
 
 
@@ -215,19 +219,25 @@ def test_a_disturbed_preset_is_never_saved(lika: Any, register: int, bit: int) -
         def write(self, address: int, data: bytes, /) -> None:
             super().write(address, data)
             if address == register:
-                self.held[address] ^= 1 << bit
+                self.registers[address] ^= 1 << bit
 
-    memory, sent = Disturbed(), bytes.fromhex("00 30 24 f4 00 00 00")
+    memory, preset_bytes = Disturbed(), bytes.fromhex("00 30 24 f4 00 00 00")
     with pytest.raises(lika.StepError) as caught:
         lika.run(lika.amm5.set_preset(lika.lookup("AMM5A21/65KSC1"), 1_000_003), memory, wait=lambda seconds: None)
-    assert 0x77 not in memory.held
-    assert (memory.held[0x40], caught.value.left_open) == (0, ())
-    error, held = caught.value.__cause__, bytearray(sent)
-    held[register - 0x11] ^= 1 << bit
+    assert 0x77 not in memory.registers
+    assert (memory.registers[0x40], caught.value.left_open) == (0, ())
+    error, stored_bytes = caught.value.__cause__, bytearray(preset_bytes)
+    stored_bytes[register - 0x11] ^= 1 << bit
     assert isinstance(error, lika.VerifyError)
-    assert (error.register, error.address, error.written, error.found) == ("preset", 0x11, sent, bytes(held))
+    assert (error.register, error.address, error.written, error.found) == (
+        "preset",
+        0x11,
+        preset_bytes,
+        bytes(stored_bytes),
+    )
+    stored = stored_bytes.hex(" ").upper()
     assert str(caught.value) == (
-        f"step 9, Verify: register preset at 11h holds {held.hex(' ').upper()}, but 00 30 24 F4 00 00 00 was written"
+        f"step 9, Verify: register preset at 11h holds {stored}, but 00 30 24 F4 00 00 00 was written"
     )
     assert str(pickle.loads(pickle.dumps(error))) == str(error)
 
@@ -239,9 +249,9 @@ def test_bits_that_do_not_count_may_differ(lika: Any) -> None:
         memory = Memory()
         lika.run([*steps[:2]], memory)
         memory.write = lambda address, data: None  # type: ignore[method-assign]
-        memory.held[6] = 7
+        memory.registers[6] = 7
         assert lika.run(steps, memory) == ()
-        memory.held[5] = 7
+        memory.registers[5] = 7
         with pytest.raises(lika.StepError, match="register it at 05h holds 07 07, but 01 02 was written"):
             lika.run(steps, memory)
     with pytest.raises(lika.StepError, match="no earlier step wrote to it, so it cannot be verified"):
@@ -254,33 +264,33 @@ def test_bits_that_do_not_count_may_differ(lika: Any) -> None:
 
 def test_each_byte_is_compared_with_its_last_value(lika: Any) -> None:
     """Later steps change the second byte of a register, and then both bytes."""
-    both, second = lika.Modify(5, 2, "it", 0xFFFF, 0x0201), lika.Write(6, 7, "other")
+    both_bytes, second = lika.Modify(5, 2, "it", 0xFFFF, 0x0201), lika.Write(6, 7, "other")
     verified = lika.Verify(5, 2, "it", 0xFFFF)
     memory = Memory({5: 0, 6: 0})
-    assert lika.run([both, second, verified], memory) == ()
-    assert (memory.held[5], memory.held[6]) == (1, 7)
-    assert lika.run([second, both, verified, lika.Verify(6, 1, "other", 0xFF)], memory) == ()
-    assert (memory.held[5], memory.held[6]) == (1, 2)
+    assert lika.run([both_bytes, second, verified], memory) == ()
+    assert (memory.registers[5], memory.registers[6]) == (1, 7)
+    assert lika.run([second, both_bytes, verified, lika.Verify(6, 1, "other", 0xFF)], memory) == ()
+    assert (memory.registers[5], memory.registers[6]) == (1, 2)
     memory.write = lambda address, data: None  # type: ignore[method-assign]
     with pytest.raises(lika.StepError, match="register it at 05h holds 01 02, but 01 07 was written"):
-        lika.run([both, second, verified], memory)
+        lika.run([both_bytes, second, verified], memory)
 
 
-@pytest.mark.parametrize("wrong", range(7))
-def test_a_disturbed_preset_is_never_saved_over_biss(lika: Any, wrong: int) -> None:
+@pytest.mark.parametrize("disturbed_place", range(7))
+def test_a_disturbed_preset_is_never_saved_over_biss(lika: Any, disturbed_place: int) -> None:
     """The slave of the package stores a value other than the sent one, as half of all can come back (biss.py)."""
     from importlib import import_module
 
     biss = import_module("lika_encoders.biss")
-    held: dict[int, int] = {}
+    registers: dict[int, int] = {}
     slave = biss.Slave(readable=range(0x11, 0x18), writable=[0x40, *range(0x11, 0x18), 0x77])
 
     def exchange(cdm: int) -> int:
         cds = slave.next(cdm)
         if slave.wants is biss.Wants.BYTE:
-            slave.give(held.get(slave.address, 0))
+            slave.give(registers.get(slave.address, 0))
         elif slave.wants is biss.Wants.STORE:
-            held[slave.address] = slave.value ^ (0x10 if slave.address == 0x11 + wrong else 0)
+            registers[slave.address] = slave.value ^ (0x10 if slave.address == 0x11 + disturbed_place else 0)
             slave.stored()
         return int(cds)
 
@@ -288,7 +298,7 @@ def test_a_disturbed_preset_is_never_saved_over_biss(lika: Any, wrong: int) -> N
     with pytest.raises(lika.StepError) as caught:
         lika.run(lika.amm5.set_preset(lika.lookup("AMM5A21/65KSC1"), 1_000_003), bus, wait=lambda seconds: None)
     assert isinstance(caught.value.__cause__, lika.VerifyError)
-    assert (held[0x40], 0x77 in held) == (0, False)
+    assert (registers[0x40], 0x77 in registers) == (0, False)
 
 
 def test_steps_are_logged(lika: Any, caplog: pytest.LogCaptureFixture) -> None:

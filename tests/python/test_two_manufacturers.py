@@ -30,7 +30,7 @@ REFUSED = "needs codewheel-runtime 1.0 or a later 1.x, but {} is installed"
 
 
 @pytest.fixture(scope="module")
-def both(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def packages_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """The folder with the packages of both manufacturers and their runtime. Its path has a space."""
     folder = tmp_path_factory.mktemp("both") / "with a space"
     specs = [str(ROOT / "specs" / "lika"), str(ROOT / "docs" / "example" / "tolvarn")]
@@ -42,7 +42,7 @@ def run(*command: str | Path, folders: tuple[Path, ...] = (), cwd: Path = ROOT) 
     """Run a command for which these folders hold the packages, in Python and for mypy."""
     path = os.pathsep.join(map(str, folders))
     environment = {**os.environ, "PYTHONPATH": path, "MYPYPATH": path}
-    return subprocess.run([str(item) for item in command], capture_output=True, text=True, env=environment, cwd=cwd)
+    return subprocess.run([str(word) for word in command], capture_output=True, text=True, env=environment, cwd=cwd)
 
 
 def doctored(folder: Path, version: str) -> Path:
@@ -65,47 +65,47 @@ def test_the_names_are_those_of_the_runtime(generated_python: tuple[Path, Module
 
 
 @pytest.mark.slow
-def test_there_is_one_runtime(both: Path) -> None:
+def test_there_is_one_runtime(packages_folder: Path) -> None:
     beside = {"LICENSE", "README.md", "pyproject.toml", "setup.py"}
-    assert {path.name for path in both.iterdir()} == {*beside, *NAMES, "runtime", ".codewheel"}
-    assert {path.name for path in (both / NAMES[1]).iterdir()} == {*beside, NAMES[1]}
-    assert "pip install . ./tolvarn_encoders\n" in (both / "README.md").read_text()
-    assert "pip install . ..\n" in (both / NAMES[1] / "README.md").read_text()
+    assert {path.name for path in packages_folder.iterdir()} == {*beside, *NAMES, "runtime", ".codewheel"}
+    assert {path.name for path in (packages_folder / NAMES[1]).iterdir()} == {*beside, NAMES[1]}
+    assert "pip install . ./tolvarn_encoders\n" in (packages_folder / "README.md").read_text()
+    assert "pip install . ..\n" in (packages_folder / NAMES[1] / "README.md").read_text()
 
 
 @pytest.mark.slow
 def test_without_a_main_manufacturer_each_has_its_folder(library: Library) -> None:
     lika = library.by_manufacturer()[0][0]
-    devices = tuple(
-        dataclasses.replace(item, manufacturer=dataclasses.replace(item.manufacturer, main=False))
-        for item in library.devices
-        if item.name in ("icmu", "sma21")
-    )
+    devices = []
+    for device in library.devices:
+        if device.name in ("icmu", "sma21"):
+            manufacturer = dataclasses.replace(device.manufacturer, main=False)
+            devices.append(dataclasses.replace(device, manufacturer=manufacturer))
     assert lika.main
-    files = generate(Library(devices))
-    for name, other in (("lika_encoders", "ichaus_encoders"), ("ichaus_encoders", "lika_encoders")):
+    files = generate(Library(tuple(devices)))
+    for name, other_package in (("lika_encoders", "ichaus_encoders"), ("ichaus_encoders", "lika_encoders")):
         assert f"python/{name}/pyproject.toml" in files
         assert f"python/{name}/{name}/__init__.py" in files
-        assert f"pip install . ../{other}\n" in files[f"python/{name}/README.md"]
+        assert f"pip install . ../{other_package}\n" in files[f"python/{name}/README.md"]
         assert "(../runtime/README.md)" in files[f"python/{name}/README.md"]
     assert "python/pyproject.toml" not in files
 
 
 @pytest.mark.slow
-def test_the_example(both: Path) -> None:
+def test_the_example(packages_folder: Path) -> None:
     readme = (EXAMPLE / "README.md").read_text(encoding="utf-8")
     program = EXAMPLE / "positions.py"
-    commands, shown = re.findall(r"```(?:text)?\n(.*?)```", readme, re.DOTALL)
+    commands, expected_output = re.findall(r"```(?:text)?\n(.*?)```", readme, re.DOTALL)
     assert commands.splitlines() == [
         "codewheel generate specs/lika docs/example/tolvarn --target python -o out",
         "pip install out/python out/python/tolvarn_encoders",
         f"python {program.relative_to(ROOT).as_posix()}",
     ]
-    folders = (both, both / NAMES[1], both / "runtime")
-    done = run(sys.executable, program, folders=folders)
-    assert (done.stdout, done.stderr) == (shown, "")
-    done = run(sys.executable, "-m", "mypy", "--strict", "--no-incremental", program, folders=folders)
-    assert done.returncode == 0, done.stdout
+    folders = (packages_folder, packages_folder / NAMES[1], packages_folder / "runtime")
+    completed = run(sys.executable, program, folders=folders)
+    assert (completed.stdout, completed.stderr) == (expected_output, "")
+    completed = run(sys.executable, "-m", "mypy", "--strict", "--no-incremental", program, folders=folders)
+    assert completed.returncode == 0, completed.stdout
 
 
 @pytest.mark.slow
@@ -122,20 +122,20 @@ def test_the_readme_of_the_runtime(generated_python: tuple[Path, ModuleType], tm
     assert [names["position"](encoder, word) for word in (0xF4243D3, 0xF424355, 0xF4243D2)] == [1000003, None, None]
     (tmp_path / "program.py").write_text(program, encoding="utf-8")
     command = [sys.executable, "-m", "mypy", "--strict", "--no-incremental", tmp_path / "program.py"]
-    done = run(*command, folders=(RUNTIME,))
-    assert done.returncode == 0, done.stdout
+    completed = run(*command, folders=(RUNTIME,))
+    assert completed.returncode == 0, completed.stdout
 
 
 # The version of the runtime
 
 
 @pytest.mark.slow
-def test_the_version_stands_in_one_place(both: Path) -> None:
+def test_the_version_stands_in_one_place(packages_folder: Path) -> None:
     major, minor = runtime_version().split(".")
-    needed = re.search(r'^NEEDED, FITTING = "(.*)", "(.*)"$', (both / "setup.py").read_text(), re.MULTILINE)
+    needed = re.search(r'^NEEDED, FITTING = "(.*)", "(.*)"$', (packages_folder / "setup.py").read_text(), re.MULTILINE)
     assert needed is not None
     assert needed.groups() == (f"{major}.{minor}", f"codewheel-runtime>={major}.{minor},<{int(major) + 1}")
-    for folder, name in ((both, NAMES[0]), (both / NAMES[1], NAMES[1])):
+    for folder, name in ((packages_folder, NAMES[0]), (packages_folder / NAMES[1], NAMES[1])):
         text = (folder / name / "__init__.py").read_text(encoding="utf-8")
         assert f'__runtime__: Final = require(__name__, "{major}.{minor}")\n' in text
 
@@ -155,18 +155,18 @@ def test_only_the_same_major_version_fits(needed: str) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("version", ["0.9.0", "1.0.1", "1.1.0", "2.0.0"])
-def test_a_runtime_that_does_not_fit_is_refused(both: Path, tmp_path: Path, version: str) -> None:
+def test_a_runtime_that_does_not_fit_is_refused(packages_folder: Path, tmp_path: Path, version: str) -> None:
     """The import of the package checks it, and so does its build if the runtime is next to it."""
     place = doctored(tmp_path, version)
-    done = run(sys.executable, "-c", "import tolvarn_encoders.tv62", folders=(both / NAMES[1], place))
-    shutil.copytree(both / NAMES[1], tmp_path / "tree" / "it")
+    completed = run(sys.executable, "-c", "import tolvarn_encoders.tv62", folders=(packages_folder / NAMES[1], place))
+    shutil.copytree(packages_folder / NAMES[1], tmp_path / "tree" / "it")
     place.rename(tmp_path / "tree" / "runtime")
     built = run(sys.executable, "setup.py", "--quiet", "egg_info", cwd=tmp_path / "tree" / "it")
     if version.startswith("1."):
-        assert (done.returncode, done.stderr) == (0, "")
+        assert (completed.returncode, completed.stderr) == (0, "")
         assert built.returncode == 0, built.stderr
         return
-    assert done.stderr.splitlines()[-1] == f"ImportError: tolvarn_encoders {REFUSED.format(version)}"
+    assert completed.stderr.splitlines()[-1] == f"ImportError: tolvarn_encoders {REFUSED.format(version)}"
     assert built.stderr.splitlines()[-1] == f"ImportError: this package {REFUSED.format(version)}"
 
 
@@ -184,22 +184,22 @@ def pip(tmp_path_factory: pytest.TempPathFactory) -> Callable[..., subprocess.Co
             (site / file).parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(str(file.locate()), site / file)
 
-    def done(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    def run_installed(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
         if arguments[0] == "python":
             return run(place / "bin" / "python", *arguments[1:], cwd=place)
         options = ["--no-index", "--no-build-isolation", "--quiet"] if arguments[0] == "install" else []
         common = ["-m", "pip", "--python", place / "bin" / "python", "--disable-pip-version-check"]
         return run(sys.executable, *common, arguments[0], *options, *arguments[1:])
 
-    return done
+    return run_installed
 
 
 @pytest.mark.slow
-def test_one_command_installs_both_and_one_can_go(both: Path, pip: Any, tmp_path: Path) -> None:
+def test_one_command_installs_both_and_one_can_go(packages_folder: Path, pip: Any, tmp_path: Path) -> None:
     """Without an index, and in a path with a space."""
-    shutil.copytree(both, tmp_path / "a copy")
-    done = pip("install", tmp_path / "a copy", tmp_path / "a copy" / NAMES[1])
-    assert done.returncode == 0, done.stderr
+    shutil.copytree(packages_folder, tmp_path / "a copy")
+    completed = pip("install", tmp_path / "a copy", tmp_path / "a copy" / NAMES[1])
+    assert completed.returncode == 0, completed.stderr
     program = "import codewheel_runtime, {0}; print({0}.Verdict is codewheel_runtime.Verdict, {0}.__runtime__)"
     for name in NAMES:
         assert pip("python", "-c", program.format(name)).stdout == "True 1.0.0\n"

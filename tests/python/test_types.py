@@ -131,8 +131,8 @@ STRICT = {
 def strict(folder: Path, *files: Path) -> str:
     """Return the messages of mypy about these files, which use the package in ``folder``."""
     command = [sys.executable, "-m", "mypy", "--strict", "--no-error-summary", "--python-version", "3.10"]
-    done = subprocess.run([*command, *map(str, files)], capture_output=True, text=True, cwd=folder)
-    return done.stdout + done.stderr
+    completed = subprocess.run([*command, *map(str, files)], capture_output=True, text=True, cwd=folder)
+    return completed.stdout + completed.stderr
 
 
 #: Inside the package, modules use each other's private names, and functions check the types of arguments
@@ -144,32 +144,33 @@ def pyright(folder: Path, *files: Path, setting: Mapping[str, object] = STRICT) 
     """Return pyright's messages about these files, with their names. It needs Node, and fetches it if it is missing."""
     command = [sys.executable, "-m", "pyright", "--outputjson", "--pythonpath", sys.executable]
     (folder / "pyrightconfig.json").write_text(json.dumps(setting), encoding="utf-8")
-    done = subprocess.run([*command, *map(str, files)], capture_output=True, text=True, cwd=folder)
+    completed = subprocess.run([*command, *map(str, files)], capture_output=True, text=True, cwd=folder)
     try:
-        told = json.loads(done.stdout)
+        report = json.loads(completed.stdout)
     except ValueError:
-        words = f"pyright does not start here, so what it says is not shown: {(done.stderr or done.stdout)[-200:]}"
+        output = completed.stderr or completed.stdout
+        words = f"pyright does not start here, so what it says is not shown: {output[-200:]}"
         if os.environ.get("CODEWHEEL_REQUIRE_TOOLS"):
             pytest.fail(words)
         warnings.warn(words, stacklevel=2)
         pytest.skip(words)
-    assert told["summary"]["filesAnalyzed"] >= len(files)
-    return [(Path(item["file"]).stem, item["message"]) for item in told["generalDiagnostics"]]
+    assert report["summary"]["filesAnalyzed"] >= len(files)
+    return [(Path(diagnostic["file"]).stem, diagnostic["message"]) for diagnostic in report["generalDiagnostics"]]
 
 
 def examples() -> dict[str, str]:
     """Return the Python of each README of this repository that uses the package. Every block is its own program."""
-    found = {}
+    programs_by_name = {}
     for folder in (ROOT, ROOT / "generated" / "python", ROOT / "runtime" / "python"):
         path = folder / "README.md"
         blocks = re.findall(r"```python\n(.*?)```", path.read_text(encoding="utf-8"), re.DOTALL)
         for number, block in enumerate(blocks):
             lines = [line[4:] for line in block.splitlines() if line.startswith((">>> ", "... "))]
             text = "\n".join(lines)
-            found[f"{folder.parent.name}_{folder.name}_{number}"] = (
+            programs_by_name[f"{folder.parent.name}_{folder.name}_{number}"] = (
                 text if "import" in text else f"{_imports(blocks[0])}\n{text}"
             )
-    return found
+    return programs_by_name
 
 
 def _imports(block: str) -> str:
@@ -214,31 +215,33 @@ def test_examples_of_every_readme_pass_pyright(package: Path) -> None:
     assert pyright(package, *programs(package, examples())) == []
 
 
-def found(said: Mapping[str, list[str]], of: Callable[[Mistake], str]) -> None:
+def check_mistakes(lines_by_program: Mapping[str, list[str]], message_of: Callable[[Mistake], str]) -> None:
     """Each mistake is found by its message, and the program without one passes."""
     for name, mistake in MISTAKES.items():
-        lines = said.get(stem(name), [])
-        assert any(of(mistake) in line for line in lines), (name, lines)
-    assert "sound" not in said
+        lines = lines_by_program.get(stem(name), [])
+        assert any(message_of(mistake) in line for line in lines), (name, lines)
+    assert "sound" not in lines_by_program
 
 
 def test_mypy_finds_mistakes(package: Path) -> None:
     lines: dict[str, list[str]] = defaultdict(list)
     for line in strict(package, *wrong_programs(package)).splitlines():
         lines[line.partition(".py:")[0]].append(line)
-    found(lines, lambda mistake: mistake.mypy)
+    check_mistakes(lines, lambda mistake: mistake.mypy)
 
 
 def test_pyright_finds_mistakes(package: Path) -> None:
     lines: dict[str, list[str]] = defaultdict(list)
     for file, message in pyright(package, *wrong_programs(package)):
         lines[file].append(message)
-    found(lines, lambda mistake: mistake.pyright)
+    check_mistakes(lines, lambda mistake: mistake.pyright)
 
 
 def wrong_programs(folder: Path) -> list[Path]:
     """Return the programs with a mistake each, and one without."""
-    return programs(folder, {**{name: HEAD + item.code for name, item in MISTAKES.items()}, "sound": HEAD + SOUND})
+    return programs(
+        folder, {**{name: HEAD + mistake.code for name, mistake in MISTAKES.items()}, "sound": HEAD + SOUND}
+    )
 
 
 def test_every_listed_code_has_its_class(package: Path, generated_python: tuple[Path, ModuleType]) -> None:
@@ -250,5 +253,5 @@ def test_every_listed_code_has_its_class(package: Path, generated_python: tuple[
             assert type(lika.lookup(code)) is type(encoder)
             lines.append(f"it_{len(lines)}: {family.name}.{type(encoder).__name__} = lookup({code!r})")
     assert len(lines) > 100
-    head = f"from lika_encoders import lookup, {', '.join(item.name for item in lika.FAMILIES)}\n"
+    head = f"from lika_encoders import lookup, {', '.join(family.name for family in lika.FAMILIES)}\n"
     assert strict(package, *programs(package, {"all": head + "\n".join(lines)})) == ""

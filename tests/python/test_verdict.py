@@ -37,26 +37,28 @@ def names(frame: Any) -> list[str]:
     return [report.name for report in frame.reports]
 
 
-def sent(devices: Mapping[str, Device]) -> Iterator[tuple[Device, Layout, Variant, PlacedLayout]]:
+def encoder_frames(devices: Mapping[str, Device]) -> Iterator[tuple[Device, Layout, Variant, PlacedLayout]]:
     """Return every frame of the encoders, each for one order code that has it."""
     for device in devices.values():
         for interface, layout in device.layouts():
-            variant = next(item for item in device.variants if item.interface == interface.name)
+            variant = next(candidate for candidate in device.variants if candidate.interface == interface.name)
             if layout.sender == "encoder":
                 yield device, layout, variant, layout.place(variant.parameters)
 
 
-def usual(placed: PlacedLayout) -> dict[str, int | str | bool]:
+def values_without_reports(placed: PlacedLayout) -> dict[str, int | str | bool]:
     """Return values of a frame that reports nothing."""
     layout = placed.layout
-    values: dict[str, int | str | bool] = {item.name: 0 for item in placed.fields if item.field.carries_data}
-    values |= {item.name: False for item in layout.fields if isinstance(item.kind, Flag)}
+    data_fields = [placed_field for placed_field in placed.fields if placed_field.field.carries_data]
+    values: dict[str, int | str | bool] = {placed_field.name: 0 for placed_field in data_fields}
+    values |= {field.name: False for field in layout.fields if isinstance(field.kind, Flag)}
     return values | ({layout.selector: layout.selects[0]} if layout.selector else {})
 
 
 def answers(view: Any, device: Device, layout: Layout) -> dict[str, Any]:
     """Return the first answers to the open questions about a frame, which the model uses."""
-    return {item.name: next(iter(getattr(view, item.kind))) for item in Context(device).questions_of(layout)}
+    kinds = {alternative.name: alternative.kind for alternative in Context(device).questions_of(layout)}
+    return {name: next(iter(getattr(view, kind))) for name, kind in kinds.items()}
 
 
 def carried(placed: PlacedLayout, number: int) -> Any:
@@ -67,7 +69,7 @@ def carried(placed: PlacedLayout, number: int) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("code", "made", "verdict", "reports"),
+    ("code", "members", "verdict", "reports"),
     [
         # nE and nW of BiSS: 6.2.1 p.32-33.
         ("AMM5A21/65KSC1", {}, "usable", []),
@@ -112,7 +114,7 @@ def carried(placed: PlacedLayout, number: int) -> Any:
         ("SMA21-BG1-0050", {"error": True}, "not_usable", ["error"]),
     ],
 )
-def test_what_the_manuals_say(lika: Any, code: str, made: dict[str, Any], verdict: str, reports: list[str]) -> None:
+def test_what_the_manuals_say(lika: Any, code: str, members: dict[str, Any], verdict: str, reports: list[str]) -> None:
     encoder = lika.lookup(code)
     module = getattr(lika, encoder.family.name)
     kinds = {"JP1": "CompleteReply", "BG1": "SsiWord", "BG": "SsiWord"}
@@ -121,7 +123,7 @@ def test_what_the_manuals_say(lika: Any, code: str, made: dict[str, Any], verdic
     first |= {"multiturn": 0} if "/1" in code else {}
     flags = {name: False for name in kind._fields if name.startswith("status_")}
     identity = {"encoder_id": 0x23} if "encoder_id" in kind._fields else {}
-    frame = encoder.decode(kind(encoder, **first | flags | identity | made).encode())
+    frame = encoder.decode(kind(encoder, **first | flags | identity | members).encode())
     assert (frame.verdict, names(frame)) == (lika.Verdict(verdict), reports)
 
 
@@ -132,8 +134,9 @@ def test_the_published_frames(lika: Any, vectors: list[dict[str, Any]]) -> None:
     for row in rows:
         frame = encoder.decode("00" + row["frame_hex_or_bits"])
         error, warning = not row["fields"]["nE"], not row["fields"]["nW"]
-        assert frame.verdict is lika.Verdict(WORDS[0 if error else 2 if warning else 3])
-        assert names(frame) == [name for name, active in (("error", error), ("warning", warning)) if active]
+        expected = "usable_with_warning" if warning else "usable"
+        assert frame.verdict is lika.Verdict("not_usable" if error else expected)
+        assert names(frame) == ["error"] * error + ["warning"] * warning
     # EE_1 is set in the reply of the T-format, and data ID 0 does not show which of four errors it is.
     reply = next(row for row in vectors if row["protocol"].startswith("Tamagawa T-format response"))
     frame = lika.lookup("AMM5A23/65KJP1").decode(bytes.fromhex(reply["frame_hex_or_bits"]))
@@ -167,27 +170,30 @@ def test_the_only_printed_reply_to_data_id_5_decodes(lika: Any) -> None:
 def test_every_state_of_the_flags(lika: Any, devices: Mapping[str, Device]) -> None:
     """All of them together with no unused bit, with one, and with several."""
     source = random.Random("flags")
-    for device, layout, variant, placed in sent(devices):
+    for device, layout, variant, placed in encoder_frames(devices):
         view = getattr(lika, device.name)
         encoder, frames = view.VARIANTS[variant.code], Context(device).frames
-        flags = [item.name for item in layout.fields if isinstance(item.kind, Flag)]
+        flags = [field.name for field in layout.fields if isinstance(field.kind, Flag)]
         ones = sum(((1 << field.widest) - 1) << place for field, place in layout.unused)
-        masks = [0, *(1 << bit for bit in range(64) if ones >> bit & 1), *(source.getrandbits(64) & ones for _ in "12")]
-        values, given_answers = usual(placed), answers(view, device, layout)
+        single_bits = [1 << bit for bit in range(64) if ones >> bit & 1]
+        masks = [0, *single_bits, source.getrandbits(64) & ones, source.getrandbits(64) & ones]
+        values, given_answers = values_without_reports(placed), answers(view, device, layout)
         for states, unused in itertools.product(itertools.product((False, True), repeat=len(flags)), set(masks)):
-            given = values | dict(zip(flags, states, strict=True)) | ({"unused": unused} if ones else {})
-            number = codec.encode(device, placed, given)
+            values_of_state = values | dict(zip(flags, states, strict=True)) | ({"unused": unused} if ones else {})
+            number = codec.encode(device, placed, values_of_state)
             frame = encoder.decode(carried(placed, number), **given_answers)
-            said = findings(device, variant, codec.decode(device, placed, number))
+            expected_findings = findings(device, variant, codec.decode(device, placed, number))
             assert type(frame).__name__ == frames[layout.name]
             verdict = frame.verdict.value if hasattr(frame, "verdict") else None
-            assert verdict == (said.verdict.value if said.verdict is not None else None), (frame, said)
-            assert sorted(item.meaning for item in frame.reports) == sorted(item.meaning for item in said.reports)
+            expected = expected_findings.verdict.value if expected_findings.verdict is not None else None
+            assert verdict == expected, (frame, expected_findings)
+            meanings = [report.meaning for report in frame.reports]
+            assert sorted(meanings) == sorted(report.meaning for report in expected_findings.reports)
             assert getattr(frame, "unused", 0) == unused
 
 
 def test_a_frame_with_a_position_has_a_verdict(lika: Any, devices: Mapping[str, Device]) -> None:
-    for device, layout, variant, _ in sent(devices):
+    for device, layout, variant, _ in encoder_frames(devices):
         view = getattr(getattr(lika, device.name), Context(device).frames[layout.name])
         assert hasattr(view, "verdict") == device.tells_position(variant.interface, layout)
 
@@ -195,16 +201,17 @@ def test_a_frame_with_a_position_has_a_verdict(lika: Any, devices: Mapping[str, 
 def test_a_report_says_what_the_manual_says_of_its_field(lika: Any, devices: Mapping[str, Device]) -> None:
     for device in devices.values():
         reports = getattr(lika, device.name).REPORTS
-        found = set()
+        reported_names = set()
         for _, layout in device.layouts():
-            flags = [item for item in layout.fields if isinstance(item.kind, Flag) and item.kind.only]
-            others = [replace(item.unexplained, name=f"{item.name}_unexplained") for item in flags]
-            for field in (*layout.fields, *others):
+            flags = [field for field in layout.fields if isinstance(field.kind, Flag) and field.kind.only]
+            unexplained = [replace(field.unexplained, name=f"{field.name}_unexplained") for field in flags]
+            for field in (*layout.fields, *unexplained):
                 alarm = alarm_of(device, field)
-                said = (field.printed_name, meaning(field, alarm), remedy(field, alarm))
-                found |= {key for key, item in reports.items() if key.endswith(field.name) and item[1:4] == said}
-        assert found == set(reports)
-        assert all(key == item.name for key, item in reports.items())
+                report_texts = (field.printed_name, meaning(field, alarm), remedy(field, alarm))
+                of_field = {key: report for key, report in reports.items() if key.endswith(field.name)}
+                reported_names |= {key for key, report in of_field.items() if report[1:4] == report_texts}
+        assert reported_names == set(reports)
+        assert all(key == report.name for key, report in reports.items())
 
 
 # ------------------------------------------------------------ unused bits
@@ -213,30 +220,30 @@ def test_a_report_says_what_the_manual_says_of_its_field(lika: Any, devices: Map
 def test_other_bits_than_the_unused_ones_are_refused(lika: Any, devices: Mapping[str, Device]) -> None:
     """The package and the model agree."""
     with_unused = 0
-    for device, layout, variant, placed in sent(devices):
+    for device, layout, variant, placed in encoder_frames(devices):
         ones = sum(((1 << field.widest) - 1) << place for field, place in layout.unused)
         view = getattr(lika, device.name)
-        encoder, number = view.VARIANTS[variant.code], codec.encode(device, placed, usual(placed))
+        encoder, number = view.VARIANTS[variant.code], codec.encode(device, placed, values_without_reports(placed))
         frame = encoder.decode(carried(placed, number), **answers(view, device, layout))
         assert hasattr(frame, "unused") == bool(ones)
         with_unused += bool(ones)
         for bit in range(layout.unused_width + 2) if ones else ():
-            given = usual(placed) | {"unused": 1 << bit}
+            values = values_without_reports(placed) | {"unused": 1 << bit}
             if ones >> bit & 1:
-                assert frame._replace(unused=1 << bit).encode() == carried(placed, codec.encode(device, placed, given))
+                assert frame._replace(unused=1 << bit).encode() == carried(placed, codec.encode(device, placed, values))
                 continue
             with pytest.raises(lika.RangeError, match=f"unused must be within the mask {ones:#x}, got {1 << bit}"):
                 frame._replace(unused=1 << bit).encode()
             with pytest.raises(codec.EncodeError):
-                codec.encode(device, placed, given)
+                codec.encode(device, placed, values)
     assert with_unused > 6
 
 
-@pytest.mark.parametrize(("wrong", "error"), [(-1, "RangeError"), (True, "TypeError"), (1.0, "TypeError")])
-def test_what_is_no_number_of_unused_bits(lika: Any, wrong: Any, error: str) -> None:
+@pytest.mark.parametrize(("not_a_number", "error"), [(-1, "RangeError"), (True, "TypeError"), (1.0, "TypeError")])
+def test_what_is_no_number_of_unused_bits(lika: Any, not_a_number: Any, error: str) -> None:
     frame = lika.lookup("SMA21-JP1-0001").decode(DATA_ID_5)
     with pytest.raises((ValueError, TypeError)) as caught:
-        frame._replace(unused=wrong).encode()
+        frame._replace(unused=not_a_number).encode()
     assert type(caught.value).__name__ == error
 
 
@@ -246,11 +253,16 @@ def test_unused_is_the_last_and_can_be_left_out(lika: Any) -> None:
     frame = kind.from_position(encoder, 5, False, False, encoder_id=0x23)
     assert frame.unused == 0
     assert frame.is_as_documented
-    other = kind.from_position(encoder, 5, False, False, encoder_id=0x23, unused=0x100)
-    assert (other != frame, hash(other) != hash(frame), other.is_as_documented) == (True, True, False)
-    assert repr(other) == repr(frame).replace("unused=0", "unused=256")
-    for one in (frame, other):
-        assert encoder.decode(one.encode()) == one == pickle.loads(pickle.dumps(one)) == copy.deepcopy(one)
+    with_unused = kind.from_position(encoder, 5, False, False, encoder_id=0x23, unused=0x100)
+    assert (with_unused != frame, hash(with_unused) != hash(frame), with_unused.is_as_documented) == (True, True, False)
+    assert repr(with_unused) == repr(frame).replace("unused=0", "unused=256")
+    for kept_frame in (frame, with_unused):
+        assert (
+            encoder.decode(kept_frame.encode())
+            == kept_frame
+            == pickle.loads(pickle.dumps(kept_frame))
+            == copy.deepcopy(kept_frame)
+        )
 
 
 # ------------------------------------------------------------ objects
@@ -258,8 +270,8 @@ def test_unused_is_the_last_and_can_be_left_out(lika: Any) -> None:
 
 def test_reports_are_made_once(lika: Any) -> None:
     encoder, amm5 = lika.lookup("AMM5A21/65KSC1"), lika.amm5
-    wrong = amm5.SingleCycleData(encoder, 0, 5, error=True).encode()
-    first, second = (encoder.decode(wrong).reports for _ in "12")
+    error_frame = amm5.SingleCycleData(encoder, 0, 5, error=True).encode()
+    first, second = (encoder.decode(error_frame).reports for _ in "12")
     assert first[0] is second[0] is amm5.REPORTS["error"]
     assert len(amm5.REPORTS) == len(set(amm5.REPORTS)) > 10
     assert pickle.loads(pickle.dumps(first)) == first == copy.deepcopy(first)
@@ -276,8 +288,8 @@ print(sound.reports, wrong.verdict.name, "_items" in vars(amm5.REPORTS))
 print(len(wrong.reports), "_items" in vars(amm5.REPORTS))
 """
     environment = {**os.environ, "PYTHONPATH": python_path(generated_python[0])}
-    done = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=environment)
-    assert (done.stdout, done.stderr) == ("() NOT_USABLE False\n1 True\n", "")
+    completed = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, env=environment)
+    assert (completed.stdout, completed.stderr) == ("() NOT_USABLE False\n1 True\n", "")
 
 
 def test_the_words_are_those_of_the_command_line(lika: Any) -> None:

@@ -30,8 +30,8 @@ def release(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a source archive and a wheel of the package and of the runtime, as in a release."""
     folder = tmp_path_factory.mktemp("release")
     for project in (source, source / "runtime"):
-        done = run("build", "--quiet", "--no-isolation", "--outdir", folder, project)
-        assert done.returncode == 0, done.stdout + done.stderr
+        completed = run("build", "--quiet", "--no-isolation", "--outdir", folder, project)
+        assert completed.returncode == 0, completed.stdout + completed.stderr
     return folder
 
 
@@ -48,10 +48,10 @@ def metadata_of(wheel: zipfile.ZipFile) -> Message:
 def test_the_runtime_is_all_that_is_needed(release: Path) -> None:
     """It is required by version. A release is for other machines, so it names no folder of this one."""
     needed = metadata_of(zipfile.ZipFile(next(release.glob("lika_encoders-*.whl")))).get_all("Requires-Dist", [])
-    assert [item for item in needed if "extra ==" not in item] == ["codewheel-runtime<2,>=1.0"]
+    assert [requirement for requirement in needed if "extra ==" not in requirement] == ["codewheel-runtime<2,>=1.0"]
     assert not metadata_of(zipfile.ZipFile(next(release.glob("codewheel_runtime-*.whl")))).get_all("Requires-Dist", [])
     with tarfile.open(next(release.glob("lika_encoders-*.tar.gz"))) as archive:
-        texts = {item.name: archive.extractfile(item) for item in archive.getmembers() if item.isfile()}
+        texts = {member.name: archive.extractfile(member) for member in archive.getmembers() if member.isfile()}
         assert not [name for name in texts if "codewheel_runtime" in name]
         assert not [name for name, text in texts.items() if text is not None and b"file:///" in text.read()]
 
@@ -60,15 +60,15 @@ def test_the_runtime_is_all_that_is_needed(release: Path) -> None:
 @pytest.mark.parametrize("version", ["1.0.0", "1.1.0", "0.9.0", "2.0.0"])
 def test_pip_refuses_a_runtime_that_does_not_fit(release: Path, tmp_path: Path, version: str) -> None:
     (name,) = (path.name for path in release.glob("codewheel_runtime-*.whl"))
-    other = tmp_path / name.replace("1.0.0", version)
-    with zipfile.ZipFile(release / name) as old, zipfile.ZipFile(other, "w") as new:
-        for item in old.namelist():
-            text = old.read(item).replace(b"Version: 1.0.0", f"Version: {version}".encode())
-            new.writestr(item.replace("1.0.0", version), text)
+    other_wheel = tmp_path / name.replace("1.0.0", version)
+    with zipfile.ZipFile(release / name) as old, zipfile.ZipFile(other_wheel, "w") as new:
+        for path in old.namelist():
+            text = old.read(path).replace(b"Version: 1.0.0", f"Version: {version}".encode())
+            new.writestr(path.replace("1.0.0", version), text)
     place = ["install", "--quiet", "--no-index", "--target", tmp_path / "there", "--disable-pip-version-check"]
-    done = run("pip", *place, next(release.glob("lika_encoders-*.whl")), other)
-    assert (done.returncode == 0) == version.startswith("1."), done.stderr
-    assert done.returncode == 0 or "have conflicting dependencies" in done.stderr
+    completed = run("pip", *place, next(release.glob("lika_encoders-*.whl")), other_wheel)
+    assert (completed.returncode == 0) == version.startswith("1."), completed.stderr
+    assert completed.returncode == 0 or "have conflicting dependencies" in completed.stderr
 
 
 @pytest.mark.slow
@@ -84,7 +84,7 @@ def test_the_wheel_names_its_licence(source: Path, release: Path) -> None:
         *classifiers
     }
     # A licence classifier next to the expression is refused by the index.
-    assert not [item for item in classifiers if item.startswith("License")]
+    assert not [classifier for classifier in classifiers if classifier.startswith("License")]
     version = re.search(
         r'^__version__: Final = "(.+)"$', (source / "lika_encoders/__init__.py").read_text(), re.MULTILINE
     )

@@ -22,7 +22,7 @@ def lika(generated_python: tuple[Path, ModuleType]) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("frame", "said"),
+    ("frame", "explanation"),
     [
         (WORD ^ ((1 << BITS) - 1), "with all bits inverted"),
         (int(f"{WORD:0{BITS}b}"[::-1], 2), "with its bits in reverse order"),
@@ -33,16 +33,16 @@ def lika(generated_python: tuple[Path, ModuleType]) -> Any:
         (WORD | 1 << BITS + 1, "with only its last 45 bits"),
     ],
 )
-def test_common_mistakes_with_bits(lika: Any, frame: int, said: str) -> None:
+def test_common_mistakes_with_bits(lika: Any, frame: int, explanation: str) -> None:
     encoder = lika.lookup("AMM5A21/65KSC1")
-    assert any(item.startswith(said) for item in lika.why(encoder, frame))
+    assert any(line.startswith(explanation) for line in lika.why(encoder, frame))
     fault = encoder.try_decode(frame)
     assert isinstance(fault, lika.FrameError)
-    assert said in fault.hint
+    assert explanation in fault.hint
 
 
 @pytest.mark.parametrize(
-    ("frame", "said"),
+    ("frame", "explanation"),
     [
         (bytes(byte ^ 0xFF for byte in REPLY), "with all bits inverted"),
         (REPLY[::-1], "with its bytes in reverse order"),
@@ -50,12 +50,12 @@ def test_common_mistakes_with_bits(lika: Any, frame: int, said: str) -> None:
         (REPLY + REPLY[:2], "without its last 2 bytes: they may belong to the next frame"),
     ],
 )
-def test_common_mistakes_with_bytes(lika: Any, frame: bytes, said: str) -> None:
-    assert said in lika.lookup("AMM5A23/65KJP1").try_decode(frame).hint
+def test_common_mistakes_with_bytes(lika: Any, frame: bytes, explanation: str) -> None:
+    assert explanation in lika.lookup("AMM5A23/65KJP1").try_decode(frame).hint
 
 
 @pytest.mark.parametrize(
-    ("code", "frame", "said"),
+    ("code", "frame", "explanation"),
     [
         ("AMM5A21/65KSC1", 0, f"{LOW} Check for a short circuit, the supply and the clock"),
         ("AMM5A21/65KSC1", (1 << 45) - 1, f"{HIGH} Check for a broken wire, the supply and the clock"),
@@ -67,10 +67,10 @@ def test_common_mistakes_with_bytes(lika: Any, frame: bytes, said: str) -> None:
         ("AMM5A23/65KJP1", b"\xff" * 6, f"{HIGH} Check for a broken wire, the supply and wires A and B"),
     ],
 )
-def test_a_dead_line_is_the_only_answer(lika: Any, code: str, frame: Any, said: str) -> None:
+def test_a_dead_line_is_the_only_answer(lika: Any, code: str, frame: Any, explanation: str) -> None:
     fault = lika.lookup(code).try_decode(frame)
     assert isinstance(fault, lika.FrameError)
-    assert fault.hint.startswith(said)
+    assert fault.hint.startswith(explanation)
     assert len(lika.why(lika.lookup(code), frame)) == 1
 
 

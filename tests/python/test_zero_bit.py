@@ -55,11 +55,11 @@ def test_a_frame_shifted_by_one_bit_never_fits() -> None:
 def test_a_receiver_that_shares_the_wrong_decision_rejects_every_frame(asc85: Any, code: str, after: int) -> None:
     """It reads as many bits as the wrong frame has: one too many, or one too few."""
     encoder, printed, left_out = asc85.lookup(code), asc85.ZeroBit.AS_PRINTED, asc85.ZeroBit.LEFT_OUT
-    _, sent = random_frames(asc85, code, left_out)
-    table = encoder.decode_many(sent << numpy.uint64(1) | numpy.uint64(after), zero_bit=printed)
+    _, frames = random_frames(asc85, code, left_out)
+    table = encoder.decode_many(frames << numpy.uint64(1) | numpy.uint64(after), zero_bit=printed)
     assert numpy.count_nonzero(table.fault == 0) == 0
-    _, sent = random_frames(asc85, code, printed)
-    table = encoder.decode_many(sent >> numpy.uint64(1), zero_bit=left_out)
+    _, frames = random_frames(asc85, code, printed)
+    table = encoder.decode_many(frames >> numpy.uint64(1), zero_bit=left_out)
     assert numpy.count_nonzero(table.fault == 0) == 0
 
 
@@ -72,13 +72,13 @@ def test_a_word_of_the_right_length_does_not_show_the_wrong_decision(asc85: Any,
     lower half turn.
     """
     encoder, printed, left_out = asc85.lookup(code), asc85.ZeroBit.AS_PRINTED, asc85.ZeroBit.LEFT_OUT
-    position, sent = random_frames(asc85, code, left_out)
-    table = encoder.decode_many(sent, zero_bit=printed)
+    position, frames = random_frames(asc85, code, left_out)
+    table = encoder.decode_many(frames, zero_bit=printed)
     accepted = table.fault == 0
     assert (accepted == (position % 2 == 0)).all()
     assert (numpy.asarray(table.position)[accepted] == position[accepted] // 2).all()
-    position, sent = random_frames(asc85, code, printed)
-    table = encoder.decode_many(sent, zero_bit=left_out)
+    position, frames = random_frames(asc85, code, printed)
+    table = encoder.decode_many(frames, zero_bit=left_out)
     accepted = table.fault == 0
     assert (accepted == (position < encoder.modulus // 2)).all()
     assert (numpy.asarray(table.position)[accepted] == position[accepted] * 2).all()
@@ -87,8 +87,8 @@ def test_a_word_of_the_right_length_does_not_show_the_wrong_decision(asc85: Any,
 @pytest.mark.slow
 def test_a_wrong_order_code_of_the_same_length_shows_in_half_of_all_frames(asc85: Any) -> None:
     """24 bits with the 0 bit and 25 bits without it both have 33 bits. Only the order code distinguishes them."""
-    position, sent = random_frames(asc85, "ASC8525/SC1", asc85.ZeroBit.LEFT_OUT)
-    table = asc85.lookup("ASC8524/SC1").decode_many(sent, zero_bit=asc85.ZeroBit.AS_PRINTED)
+    position, frames = random_frames(asc85, "ASC8525/SC1", asc85.ZeroBit.LEFT_OUT)
+    table = asc85.lookup("ASC8524/SC1").decode_many(frames, zero_bit=asc85.ZeroBit.AS_PRINTED)
     assert ((table.fault == 0) == (position % 2 == 0)).all()
 
 
@@ -101,6 +101,6 @@ def test_both_decode_their_own(asc85: Any) -> None:
         assert encoder.decode(frame, bits=length, zero_bit=answer).position == 1
         with pytest.raises(ValueError, match=f"expected {length} bits, got {67 - length}"):
             encoder.decode(frame, bits=67 - length, zero_bit=answer)
-    said = "expected ZeroBit.AS_PRINTED or ZeroBit.LEFT_OUT, got None: the manual leaves this open"
-    with pytest.raises(TypeError, match=said):
+    message = "expected ZeroBit.AS_PRINTED or ZeroBit.LEFT_OUT, got None: the manual leaves this open"
+    with pytest.raises(TypeError, match=message):
         encoder.decode(frame)

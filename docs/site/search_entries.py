@@ -1,7 +1,7 @@
 """First results of the search: order codes, addresses of registers and printed names, taken from the model.
 
-They are objects of a Sphinx domain, which the search ranks before headings and words. The things come from the model,
-and their locations from the pages. A thing without an anchor on any page of its family is omitted, with a warning.
+They are objects of a Sphinx domain, which the search ranks before headings and words. The entries come from the model,
+and their locations from the pages. An entry without an anchor on any page of its family is omitted, with a warning.
 """
 
 from __future__ import annotations
@@ -33,37 +33,39 @@ class _Nameable(Protocol):
 
 
 @dataclass(frozen=True)
-class Thing:
-    """A name, the kind of thing with this name, and the anchor of its description."""
+class SearchEntry:
+    """A name, the kind of part with this name, and the anchor of its description."""
 
     name: str
-    what: str
+    description: str
     anchor: str
     interface: str = ""
     priority: int = _FIRST
 
 
-def things(device: Device) -> Iterator[Thing]:
+def entries(device: Device) -> Iterator[SearchEntry]:
     """Yield everything in a family that has a name or an address, except order codes and fields."""
     for register in device.registers:
         anchor = f"register-{register.name}"
-        what = f"register {title(register)}, {addresses(register)}"
-        yield from _named(register, what, anchor, register.interface)
+        description = f"register {title(register)}, {addresses(register)}"
+        yield from _entries_of(register, description, anchor, register.interface)
         for address in range(register.address, register.last_address + 1):
             for spelling in (hexadecimal(address), f"0x{address:02X}"):
-                yield Thing(spelling, what, anchor, register.interface)
+                yield SearchEntry(spelling, description, anchor, register.interface)
     for interface, layout in device.layouts():
         anchor = f"layout-{layout.name}"
-        yield from _named(layout, f"frame, {interface.title}", anchor, interface.name)
-    for item in device.interfaces:
+        yield from _entries_of(layout, f"frame, {interface.title}", anchor, interface.name)
+    for interface in device.interfaces:
         # The first section of its page.
-        yield Thing(item.title, "interface", "frames", item.name)
+        yield SearchEntry(interface.title, "interface", "frames", interface.name)
     for kind, anchor, items in _parts(device):
         for part in items:
-            yield from _named(part, kind, f"{anchor}-{part.name}")
+            yield from _entries_of(part, kind, f"{anchor}-{part.name}")
     for procedure in device.procedures:
-        over = device.interface(procedure.interface).title
-        yield from _named(procedure, f"procedure, {over}", f"procedure-{procedure.name}", procedure.interface)
+        interface_title = device.interface(procedure.interface).title
+        yield from _entries_of(
+            procedure, f"procedure, {interface_title}", f"procedure-{procedure.name}", procedure.interface
+        )
 
 
 def _parts(device: Device) -> Iterator[tuple[str, str, Sequence[_Nameable]]]:
@@ -74,7 +76,7 @@ def _parts(device: Device) -> Iterator[tuple[str, str, Sequence[_Nameable]]]:
     yield "left open by the manual", "alternative", device.alternatives
 
 
-def fields(device: Device) -> Iterator[Thing]:
+def field_entries(device: Device) -> Iterator[SearchEntry]:
     """Yield the fields of registers and frames, and the groups that frames share."""
     for register in device.registers:
         owner, anchor = f"register {title(register)}", f"register-{register.name}"
@@ -83,10 +85,10 @@ def fields(device: Device) -> Iterator[Thing]:
         yield from _fields(device, layout, f"frame {title(layout)}", f"layout-{layout.name}", interface.name)
 
 
-def _fields(device: Device, layout: Layout, owner: str, anchor: str, interface: str) -> Iterator[Thing]:
-    groups = {item.name: item for item in device.field_groups}
+def _fields(device: Device, layout: Layout, owner: str, anchor: str, interface: str) -> Iterator[SearchEntry]:
+    groups = {group.name: group for group in device.field_groups}
     for name in dict.fromkeys(field.group for field in layout.fields if field.group):
-        yield from _named(groups[name], f"part of {owner}", f"group-{name}", interface)
+        yield from _entries_of(groups[name], f"part of {owner}", f"group-{name}", interface)
     for field in layout.fields:
         if field.group:
             yield from _field(field, title(groups[field.group]), f"group-{field.group}", interface)
@@ -94,20 +96,20 @@ def _fields(device: Device, layout: Layout, owner: str, anchor: str, interface: 
             yield from _field(field, owner, anchor, interface)
 
 
-def _field(field: Field, owner: str, anchor: str, interface: str) -> Iterator[Thing]:
+def _field(field: Field, owner: str, anchor: str, interface: str) -> Iterator[SearchEntry]:
     """Yield a field. The printed name ranks first, and our own names, such as number, rank like other words."""
-    for thing in _named(field, f"field of {owner}", anchor, interface):
-        is_printed = thing.name == field.printed_name.replace(".", " ")
-        yield thing if is_printed else replace(thing, priority=_SECOND)
+    for entry in _entries_of(field, f"field of {owner}", anchor, interface):
+        is_printed = entry.name == field.printed_name.replace(".", " ")
+        yield entry if is_printed else replace(entry, priority=_SECOND)
 
 
-def _named(item: _Nameable, what: str, anchor: str, interface: str = "") -> Iterator[Thing]:
+def _entries_of(owner: _Nameable, description: str, anchor: str, interface: str = "") -> Iterator[SearchEntry]:
     """Yield an item by its name in the manual, its name in words, and its name in specs and code."""
-    for name in (getattr(item, "printed_name", ""), words(item.name)):
+    for name in (getattr(owner, "printed_name", ""), words(owner.name)):
         if name:
             # A point would split the name.
-            yield Thing(name.replace(".", " "), what, anchor, interface)
-    yield Thing(item.name, what, anchor, interface, _SECOND)
+            yield SearchEntry(name.replace(".", " "), description, anchor, interface)
+    yield SearchEntry(owner.name, description, anchor, interface, _SECOND)
 
 
 class Encoders(Domain):
@@ -125,24 +127,24 @@ class Encoders(Domain):
         return families
 
     @cached_property
-    def _once(self) -> dict[str, list[Thing]]:
-        """Return the things in each family, without duplicates. A field is kept only if no other thing has its name."""
-        found = {}
+    def _entries(self) -> dict[str, list[SearchEntry]]:
+        """Return the entries of each family, without duplicates. A field is kept only if no other part has its name."""
+        entries_by_family = {}
         for device in self._families:
-            kept = {(item.name.lower(), item.anchor): item for item in reversed([*things(device)])}
-            named = {name for name, _ in kept}
-            more = {item.name.lower(): item for item in reversed([*fields(device)]) if item.name.lower() not in named}
-            found[device.name] = [*kept.values(), *more.values()]
-        return found
+            named_entries = {(entry.name.lower(), entry.anchor): entry for entry in reversed([*entries(device)])}
+            fields = {entry.name.lower(): entry for entry in reversed([*field_entries(device)])}
+            for name, _ in named_entries:
+                fields.pop(name, None)
+            entries_by_family[device.name] = [*named_entries.values(), *fields.values()]
+        return entries_by_family
 
     @cached_property
     def _code_pages(self) -> dict[str, tuple[str, ...]]:
         """Return the order codes described by each page."""
-        return {
-            f"{_PAGES}/{device.name}/{alike.name}": tuple(alike.codes)
-            for device in self._families
-            for alike in Codes(device).alike
-        }
+        pages: dict[str, tuple[str, ...]] = {}
+        for device in self._families:
+            pages |= {f"{_PAGES}/{device.name}/{alike.name}": tuple(alike.codes) for alike in Codes(device).alike}
+        return pages
 
     def code_of(self, page: str) -> str:
         """Return the first order code described by a page, or an empty string if there is none."""
@@ -160,13 +162,16 @@ class Encoders(Domain):
 
     def interfaces_of(self, family: str) -> list[str]:
         """Return the names of the interfaces of a family."""
-        return [item.name for device in self._families if device.name == family for item in device.interfaces]
+        return [interface.name for device in self._families if device.name == family for interface in device.interfaces]
 
     def interface_page_of(self, page: str) -> str:
         """Return the page for the interface of an order code, or an empty string for other pages."""
         code = self.code_of(page)
-        found = (item for device in self._families for item in device.variants if code and item.code == code)
-        return next((f"{page.rpartition('/')[0]}/{item.interface}" for item in found), "")
+        for device in self._families if code else ():
+            for variant in device.variants:
+                if variant.code == code:
+                    return f"{page.rpartition('/')[0]}/{variant.interface}"
+        return ""
 
     def get_objects(self) -> Iterator[tuple[str, str, str, str, str, int]]:
         for page, codes in self._code_pages.items():
@@ -174,52 +179,55 @@ class Encoders(Domain):
             for code in codes if anchors else ():
                 yield code, code, f"order code of {page.split('/')[-2].upper()}", page, anchors[0], _FIRST
         for device in self._families:
-            for thing in self._once[device.name]:
-                page = self._page_with(device, thing)
-                name = f"{device.name.upper()}.{thing.name}"
+            for entry in self._entries[device.name]:
+                page = self._page_with(device, entry)
+                name = f"{device.name.upper()}.{entry.name}"
                 if page:
-                    yield name, name, thing.what, page, thing.anchor, thing.priority
+                    yield name, name, entry.description, page, entry.anchor, entry.priority
 
     def missing(self) -> Iterator[str]:
-        """Yield the things that have no anchor on any page."""
+        """Yield the entries that have no anchor on any page."""
         for page, codes in self._code_pages.items():
             if not self._anchors(page):
                 yield f"{codes[0]}: no page {page}"
         for device in self._families:
-            for thing in self._once[device.name]:
-                if not self._page_with(device, thing):
-                    yield f"{device.name}: no anchor {thing.anchor}"
+            for entry in self._entries[device.name]:
+                if not self._page_with(device, entry):
+                    yield f"{device.name}: no anchor {entry.anchor}"
 
     def _anchors(self, page: str) -> list[str]:
         return self.env.metadata.get(page, {}).get("anchors", [])  # type: ignore[return-value]
 
-    def _page_with(self, device: Device, thing: Thing) -> str:
-        """Return the page that describes a thing: the page for its interface, or otherwise the first one."""
-        pages = self._pages_with.get((device.name, thing.anchor), ())
-        return next((page for page in pages if thing.interface and _is_of(page, thing.interface)), (*pages, "")[0])
+    def _page_with(self, device: Device, entry: SearchEntry) -> str:
+        """Return the page that describes an entry: the page for its interface, or otherwise the first one."""
+        pages = self._pages_with.get((device.name, entry.anchor), ())
+        return next(
+            (page for page in pages if entry.interface and _is_page_of_interface(page, entry.interface)),
+            (*pages, "")[0],
+        )
 
     @cached_property
     def _pages_with(self) -> dict[tuple[str, str], list[str]]:
         """Return the pages of each family that contain an anchor, except order code pages."""
-        found: dict[tuple[str, str], list[str]] = {}
+        pages_by_anchor: dict[tuple[str, str], list[str]] = {}
         for device in self._families:
             start = f"{_PAGES}/{device.name}"
             for page in sorted(self.env.found_docs - set(self._code_pages)):
                 if page == start or page.startswith((f"{start}-", f"{start}/")):
                     for anchor in self._anchors(page):
-                        found.setdefault((device.name, anchor), []).append(page)
-        return found
+                        pages_by_anchor.setdefault((device.name, anchor), []).append(page)
+        return pages_by_anchor
 
 
-def _is_of(page: str, interface: str) -> bool:
+def _is_page_of_interface(page: str, interface: str) -> bool:
     return interface in page.rpartition("/")[2].split("-")
 
 
 def _warn(app: Sphinx, _error: Exception | None) -> None:
     domain = app.env.get_domain("encoder")
     assert isinstance(domain, Encoders)
-    for item in dict.fromkeys(domain.missing()):
-        logging.getLogger(__name__).warning("the search cannot lead to %s", item)
+    for missing in dict.fromkeys(domain.missing()):
+        logging.getLogger(__name__).warning("the search cannot lead to %s", missing)
 
 
 def setup(app: Sphinx) -> dict[str, bool]:
