@@ -446,7 +446,7 @@ def byte_frames(family: Family, layouts: tuple[Layout, ...], source: random.Rand
 def first_answers(family: Family) -> dict[str, Any]:
     """Return the first answer to each open question, which the model uses."""
     answers = {}
-    for alternative in family.names.asked.values():
+    for alternative in family.names.questions.values():
         kind = getattr(family.module, alternative.kind)
         answers[alternative.name] = kind[alternative.alternative.answers[0].name.upper()]
     return answers
