@@ -174,7 +174,7 @@ def test_diff_renders_equal_models_once(
     (new / "tv63.yaml").write_text(text.replace("max_hz: 1500000", "max_hz: 1400000"), encoding="utf-8")
     command = ("diff", str(two), str(new))
     without = said(capsys, *command, "--no-cache")
-    assert (without[0], "max_hz" in without[1], len(rendered_parts)) == (1, True, 3 * len(BUILT_IN))
+    assert (without[0], "tv63" in without[1], len(rendered_parts)) == (1, True, 3 * len(BUILT_IN))
     rendered_parts.clear()
     assert said(capsys, *command) == without
     assert len(rendered_parts) == 3 * len(BUILT_IN)
