@@ -164,6 +164,13 @@ def test_specs_without_a_change_are_not_even_read(
     assert [said(capsys, *command)[0] for command in commands] == [1] * len(commands)
 
 
+@pytest.mark.parametrize("is_edited", [False, True])
+def test_the_model_of_an_edited_document_is_not_stored(folder: Path, two: Path, is_edited: bool) -> None:
+    families, report = load_families([two], Cache(folder), prepare=lambda document: is_edited)
+    assert not report, report.problems
+    assert len(entries(folder)) == (0 if is_edited else len(families))
+
+
 @pytest.mark.slow
 def test_diff_renders_equal_models_once(
     folder: Path, two: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], rendered_parts: list[str]
