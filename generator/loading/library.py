@@ -81,23 +81,23 @@ def load_families(
     """Load all families, like ``load_library``, with the spec and the files of each device.
 
     Families that are in the cache, which had no problems with the same content, are not built again. ``prepare`` is
-    called with each document before it is checked. Then no family is stored.
+    called with each document before it is checked. If its result is true, it changed the document, whose family is not
+    stored.
     """
     paths = packaged_families() if paths is None else paths
     report = Report()
     contents_before = contents(paths) if cache else {}
     stored_devices = {file: stored_device(cache, content) for file, content in contents_before.items()}
     documents = _documents(paths, report)
-    if prepare is not None:
-        for document in documents:
-            prepare(document)
+    edited_files = {document.file for document in documents if prepare is not None and prepare(document)}
     contents_after = contents(paths) if cache else {}
     unchanged = {file: content for file, content in contents_before.items() if contents_after.get(file) == content}
     cached_devices = {file: device for file in unchanged if (device := stored_devices[file]) is not None}
     families = families_of(documents, report, cached_devices)
-    if prepare is not None:
-        return families, report
-    return [_with_content(family, unchanged, cached_devices, report, cache) for family in families], report
+    for index, family in enumerate(families):
+        if family.files.isdisjoint(edited_files):
+            families[index] = _with_content(family, unchanged, cached_devices, report, cache)
+    return families, report
 
 
 def _documents(paths: Sequence[Path], report: Report) -> list[Document]:
