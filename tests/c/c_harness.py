@@ -323,7 +323,8 @@ def _takes(view: DeviceView) -> str:
     names = {parameter.name for parameter in view.device.parameters if parameter.interface == interface}
     for alternative in view.device.alternatives:
         if alternative.default and alternative.parameter in names:
-            takes += _MEMBER.replace("@parameter@", alternative.parameter)
+            member = _MEMBER.replace("@alternative@", alternative.name)
+            takes += member.replace("@parameter@", alternative.parameter)
     return takes
 
 
@@ -655,8 +656,8 @@ _ANSWER = r"""            if (strncmp(state, "@alternative@=", sizeof "@alternat
             }
 """
 
-_MEMBER = r"""            if (strncmp(state, "@parameter@=", sizeof "@parameter@=" - 1U) == 0) {
-                variant.@parameter@ = held[0];
+_MEMBER = r"""            if (strncmp(state, "@alternative@=", sizeof "@alternative@=" - 1U) == 0) {
+                variant.@parameter@ = (uint8_t)(held[0] != 0U); /* the first answer sets 0, others set 1 */
                 taken = 0;
             }
 """

@@ -120,8 +120,6 @@ def with_other_answers(device: Device) -> Iterator[Variant]:
         variants = [variant for variant in device.variants if variant.interface in kinds]
         for index, answer in enumerate(alternative.answers):
             state = f"{alternative.name}={index:02X}"
-            if alternative.default:
-                state = f"{alternative.parameter}={answer.sets[alternative.parameter]:02X}"
             for variant in variants[-2:]:
                 chosen = with_answers(device, variant, {alternative.name: answer.name})
                 yield replace(chosen, code=f"{variant.code};{state}")

@@ -48,7 +48,7 @@ class Peer:
     """The Python class of a layout: it decodes, lists its members in the order of the struct, and encodes."""
 
     def __init__(self, batch: Batch, codec: Codec, module: ModuleType) -> None:
-        names = Context(batch.device)
+        self.names = names = Context(batch.device)
         self.module = module
         self.kind = getattr(module, names.frames.get(codec.name) or names.registers[codec.name.removeprefix("reg_")])
         self.takes_variant = "variant" in inspect.signature(self.kind.decode).parameters
@@ -88,12 +88,18 @@ class Peer:
         """Return the order code of the package, with the contents of its registers."""
         label, state = label_and_state(variant)
         contents: dict[int, int] = {}
+        answers: dict[str, Any] = {}
+        alternatives = {alternative.name: alternative for alternative in device.alternatives}
         for name, data in state.items():
-            if name in {alternative.name for alternative in device.alternatives}:
-                continue
-            contents |= {device.register(name).address + index: byte for index, byte in enumerate(bytes.fromhex(data))}
+            if name not in alternatives:
+                address = device.register(name).address
+                contents |= {address + index: byte for index, byte in enumerate(bytes.fromhex(data))}
+            elif alternatives[name].default:
+                answer = alternatives[name].answers[int(data, 16)]
+                answers[name] = getattr(self.module, self.names.questions[name].kind)[answer.name.upper()]
         encoder = self.module.lookup(label)
-        return encoder.with_registers(contents) if contents else encoder
+        encoder = encoder.with_registers(contents) if contents else encoder
+        return encoder.with_answers(**answers) if answers else encoder
 
     def answers(self, variant: Variant) -> list[Any]:
         """Return the answers for a decoder, with the first one if the variant has none."""
