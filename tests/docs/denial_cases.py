@@ -185,7 +185,7 @@ def a_field(kind: Any, **changes: Any) -> Field:
 def sent(kind: str, device: Device) -> str:
     here = over(kind, device)
     variants = device.variants_over(kind) or device.variants
-    shown = bytes_to_send.sending(device, device, here, variants[0], lambda *_, **__: "")
+    shown = bytes_to_send.sending_section(device, device, here, variants[0], lambda *_, **__: "")
     return "\n".join((*shown.facts, *(" ".join(row) for row in shown.commands)))
 
 
@@ -281,7 +281,7 @@ case(
 
 
 def speed(kind: str, device: Device) -> str:
-    return "\n".join(clock_and_cable.speed(device, device, over(kind, device), None).facts)
+    return "\n".join(clock_and_cable.speed_section(device, device, over(kind, device), None).facts)
 
 
 def of_record(label: str, device: Device) -> str:
@@ -499,7 +499,7 @@ def rules(item: Field) -> str:
 
 def alarm_row(implemented: bool) -> str:
     device = replace(tv62(), alarms=(replace(tv62().alarms[0], implemented=implemented),))
-    return "\n".join(" ".join(row) for row in cross_family_pages.alarms([device])["alarm_rows"])
+    return "\n".join(" ".join(row) for row in cross_family_pages.alarms_page_values([device])["alarm_rows"])
 
 
 def network(several: bool) -> str:

@@ -178,7 +178,7 @@ def page_values(device: Device) -> ErrataPage:
     summary = _summary(len(of_manual), len(is_open))
     return {
         "device": device,
-        "errata_summary": summary + fact_tables.changes(len(device.errata) - len(of_manual)),
+        "errata_summary": summary + fact_tables.sentence_on_changes(len(device.errata) - len(of_manual)),
         "erratum_links": [
             (text(standing), [link(code(erratum.name), f"#erratum-{erratum.name}") for erratum in alike_errata])
             for standing, alike_errata in _by_standing(device.errata)
@@ -191,7 +191,7 @@ def page_values(device: Device) -> ErrataPage:
                     *fact_tables.printed_and_used(erratum),
                     ("Why", text(erratum.why)),
                     ("Status", badge(erratum)),
-                    ("Impact", fact_tables.severity(erratum.severity)),
+                    ("Impact", fact_tables.severity_text(erratum.severity)),
                     ("Affects", ", ".join(map(code, erratum.affects))),
                     ("Source", cited(erratum.source)),
                 ],
@@ -221,7 +221,7 @@ def _by_standing(listed_errata: Sequence[Erratum]) -> Iterator[tuple[str, list[E
         for severity in fact_tables.SEVERITIES:
             alike = [erratum for erratum in listed_errata if (erratum.status, erratum.severity) == (status, severity)]
             if alike:
-                yield f"{status}, {fact_tables.severity(severity)}", alike
+                yield f"{status}, {fact_tables.severity_text(severity)}", alike
 
 
 def all_values(devices: Sequence[Device]) -> AllErrataPage:
@@ -241,7 +241,7 @@ def _rows(devices: Sequence[Device], status: str) -> Iterator[tuple[str, ...]]:
                 if (manual_erratum.status, manual_erratum.severity) == (status, severity):
                     name = to_erratum(device, manual_erratum.name)
                     yield (
-                        text(fact_tables.severity(severity)),
+                        text(fact_tables.severity_text(severity)),
                         family,
                         name,
                         text(manual_erratum.printed),
