@@ -16,7 +16,7 @@ from codewheel.loading.library import load_library
 from codewheel.model import Device, Field, Layout
 from codewheel.say.name import title, words
 from codewheel.say.place import addresses, hexadecimal
-from codewheel.targets.docs.order_code_page import Codes
+from codewheel.targets.docs.order_code_page import OrderCodes
 from sphinx.application import Sphinx
 from sphinx.domains import Domain
 from sphinx.util import logging
@@ -141,7 +141,7 @@ class Encoders(Domain):
         return {
             f"{_PAGES}/{device.name}/{alike.name}": tuple(alike.codes)
             for device in self._families
-            for alike in Codes(device).alike
+            for alike in OrderCodes(device).alike
         }
 
     def code_of(self, page: str) -> str:

@@ -351,9 +351,9 @@ case(
 
 def without_timeout(*timings: Timing) -> str:
     kind = replace(biss(), timeout=None, timings=timings)
-    wave = timing_pictures.wave(with_interface(kind), kind)
+    wave = timing_pictures.timing_diagram(with_interface(kind), kind)
     assert wave is not None
-    return wave.told
+    return wave.text
 
 
 case("timeout", without_timeout, lambda: without_timeout(a_timing("Time-out after a frame")))

@@ -11,7 +11,7 @@ import pytest
 from codewheel.loading.library import load_sound
 from codewheel.model import Device
 from codewheel.targets import Library
-from codewheel.targets.docs.timing_pictures import drawn, wave
+from codewheel.targets.docs.timing_pictures import diagram_picture, timing_diagram
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -70,9 +70,9 @@ def test_requests_that_are_repeated_are_those_of_a_procedure(pages: Mapping[str,
     amm5 = family("amm5")
     assert "Between repeated requests: at least 40 µs." in pages["docs/amm5/rs485.md"]
     assert "(rs485.md#timings)" in pages["docs/amm5/AMM5A17-1JP1.md"]
-    shown = wave(replace(amm5, procedures=()), amm5.interface("rs485"))
+    shown = timing_diagram(replace(amm5, procedures=()), amm5.interface("rs485"))
     assert shown is not None
-    assert "repeated" not in shown.told + drawn(shown)
+    assert "repeated" not in shown.text + diagram_picture(shown)
 
 
 def test_the_shortest_request_is_said_to_be_the_shortest(pages: Mapping[str, str]) -> None:
@@ -92,6 +92,6 @@ def test_it_says_what_it_is_drawn_from(pages: Mapping[str, str]) -> None:
 def test_the_words_have_each_field_and_time(library: Library) -> None:
     for device in library.devices:
         for interface in device.interfaces:
-            shown = wave(device, interface)
+            shown = timing_diagram(device, interface)
             assert shown is not None
-            assert [span.label for span in shown.spans if span.label.rpartition(": ")[2] not in shown.told] == []
+            assert [span.label for span in shown.spans if span.label.rpartition(": ")[2] not in shown.text] == []

@@ -23,7 +23,7 @@ from ...say.markdown import STYLE, cited, text
 from ...say.mentions import Subject
 from ...say.timing import bounds_with_codes
 from ...say.words import counted, hertz, nanoseconds, timeout_words
-from .unstated import unstated
+from .unstated import unstated_facts
 
 Row = tuple[str, ...]
 #: Bits of a BiSS frame before the position: the start bit and the CDS bit.
@@ -94,7 +94,7 @@ def _pauses(family: Device, interface: Ssi | Biss) -> Iterator[str]:
         case Biss():
             if interface.timeout is not None:
                 yield f"Time-out after a frame: {timeout_words(interface.timeout)} ({cited(interface.timeout.source)})."
-            yield from unstated(family, interface, {"reply time (acknowledge)": Subject.REPLY_TIME})
+            yield from unstated_facts(family, interface, {"reply time (acknowledge)": Subject.REPLY_TIME})
 
 
 def _baud_section(family: Device, device: Device, interface: Rs485) -> Speed:
@@ -106,7 +106,7 @@ def _baud_section(family: Device, device: Device, interface: Rs485) -> Speed:
     facts = (
         f"{baud_rate} ({cited(port.source)}).",
         f"Duration on the line, with {bits_per_byte} bits per byte: {times}.",
-        *unstated(family, interface, {"reply time": Subject.REPLY_TIME, "cable length": Subject.CABLE}),
+        *unstated_facts(family, interface, {"reply time": Subject.REPLY_TIME, "cable length": Subject.CABLE}),
     )
     return Speed("Baud rate and times", facts)
 

@@ -34,7 +34,7 @@ from ...say.place import hexadecimal
 from ...say.procedure import read_back, step
 from ...say.timing import bounds_with_codes
 from ...say.words import counted, number
-from .layout_tables import named
+from .layout_tables import name_cell
 from .page_links import ERRATA
 
 _SEVERITY_TEXTS = {
@@ -199,7 +199,7 @@ def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
         values = [STYLE.phrase(value(named_value, control_field.bits)) for named_value in control_field.values]
         crc = link(code(control_field.crc), f"#crc-{control_field.crc}") if control_field.crc else ""
         yield (
-            named(control_field),
+            name_cell(control_field),
             f"{control_field.bits}",
             joined([text(control_field.meaning), crc, *values]),
             cited(control_field.source),

@@ -15,8 +15,8 @@ from ...say.origin import edition_test, origin, other_editions
 from ...say.text import Said
 from ...say.words import counted, language
 from . import changes_page, fact_tables, inline_errata, order_code_tables, page_links, verdict_page
-from .hardware_steps import ByHand, by_hand
-from .order_code_page import Codes
+from .hardware_steps import ManualProcedure, by_hand
+from .order_code_page import OrderCodes
 from .order_code_patterns import patterns
 
 Rows = list[tuple[str, ...]]
@@ -42,7 +42,7 @@ class FamilyPage(TypedDict):
 class HardwarePage(TypedDict):
     device: Annotated[Device, "the family"]
     errata_at: Annotated[Callable[..., str], "errata of one or more paths in the spec"]
-    by_hand: Annotated[list[ByHand], "the procedures by hand"]
+    by_hand: Annotated[list[ManualProcedure], "the procedures by hand"]
     characteristic_rows: Annotated[Rows, "characteristics, mounting, safety"]
 
 
@@ -56,7 +56,7 @@ class ManualPage(TypedDict):
     history_rows: Annotated[Rows, "the revisions of the manual"]
 
 
-def index_values(family: Codes, has_masters: bool) -> FamilyPage:
+def index_values(family: OrderCodes, has_masters: bool) -> FamilyPage:
     device = family.device
     return {
         "device": device,
@@ -87,7 +87,7 @@ def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
     )
 
 
-def _order_code_links(family: Codes) -> Iterator[tuple[str, list[str]]]:
+def _order_code_links(family: OrderCodes) -> Iterator[tuple[str, list[str]]]:
     """Yield the number of order codes of each interface, with links to them."""
     for interface in family.device.interfaces:
         order_codes = [variant.code for variant in family.device.variants_over(interface.name)]
@@ -164,7 +164,7 @@ def _characteristic_rows(device: Device, errata_at: inline_errata.OnPage) -> Ite
 
 
 def manual_values(device: Device) -> ManualPage:
-    style = page_links.style_beside(device)
+    style = page_links.style_in_folder(device)
     tests = [edition_test(edition.revision, test) for edition in device.editions for test in edition.tests]
     return {
         "device": device,

@@ -66,7 +66,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
             f"{cross_family_pages.ALARMS}.jinja",
             cross_family_pages.alarms_page_values(library.devices),
         ),
-        inline_errata.ALL: (f"{inline_errata.ALL}.jinja", inline_errata.all_values(library.devices)),
+        inline_errata.ALL_ERRATA: (f"{inline_errata.ALL_ERRATA}.jinja", inline_errata.all_values(library.devices)),
         glossary.PAGE: (f"{glossary.PAGE}.jinja", glossary.page_values(library.devices)),
     }
     files = licence_in("docs")
@@ -87,7 +87,7 @@ def _family_part(device: Device, library: Library, options: Options) -> _FamilyP
         masters = shipped_masters()
     except ValueError as error:
         raise TargetError(str(error)) from None
-    codes = order_code_page.Codes(device)
+    codes = order_code_page.OrderCodes(device)
     files = {f"docs/{device.name}/{name}": picture for name, picture in _pictures(codes)}
     pages = _rendered(dict(_pages(codes, masters)), library)
     for path, page_text in pages.items():
@@ -104,7 +104,7 @@ def _rendered(pages: Mapping[str, tuple[str, Mapping[str, Any]]], library: Libra
 
 
 def _pages(
-    codes: order_code_page.Codes, masters: tuple[Master, ...]
+    codes: order_code_page.OrderCodes, masters: tuple[Master, ...]
 ) -> Iterator[tuple[str, tuple[str, Mapping[str, Any]]]]:
     """Yield each page with its template and its values."""
     device, folder = codes.device, codes.device.name
@@ -132,14 +132,14 @@ def _pages(
     yield changes_page.file_name(device), ("changes.md.jinja", changes_page.page_values(device))
 
 
-def _pictures(codes: order_code_page.Codes) -> Iterator[tuple[str, str]]:
+def _pictures(codes: order_code_page.OrderCodes) -> Iterator[tuple[str, str]]:
     """Yield each picture with its file name."""
     for pictures in (codes.pictures, *(alike.pictures for alike in codes.alike)):
         yield from ((picture.name, picture.svg) for picture in pictures.values())
     for interface in codes.device.interfaces:
-        timing = timing_pictures.wave(codes.device, interface)
-        if timing is not None:
-            yield f"timing-{interface.name}.svg", timing_pictures.wave_picture(timing)
+        diagram = timing_pictures.timing_diagram(codes.device, interface)
+        if diagram is not None:
+            yield f"timing-{interface.name}.svg", timing_pictures.diagram_picture(diagram)
 
 
 def _tidy(page_text: str) -> str:
@@ -151,7 +151,7 @@ def _tidy(page_text: str) -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
-def _order_code_sections(codes: order_code_page.Codes) -> Iterator[Section]:
+def _order_code_sections(codes: order_code_page.OrderCodes) -> Iterator[Section]:
     """Yield the sections of a family on the index, one for each interface."""
     device = codes.device
     for interface in device.interfaces:
@@ -203,7 +203,7 @@ TEMPLATES = Templates(
         f"{cross_family_pages.WHICH_ENCODER}.jinja": cross_family_pages.WhichPage,
         f"{cross_family_pages.REGISTERS}.jinja": cross_family_pages.RegistersPage,
         f"{cross_family_pages.ALARMS}.jinja": cross_family_pages.AlarmsPage,
-        f"{inline_errata.ALL}.jinja": inline_errata.AllErrataPage,
+        f"{inline_errata.ALL_ERRATA}.jinja": inline_errata.AllErrataPage,
         f"{glossary.PAGE}.jinja": glossary.GlossaryPage,
     },
     filters={

@@ -46,16 +46,16 @@ def with_errata_linked(device: Device, page: str, page_text: str) -> str:
     if not device.errata:
         return page_text
     folder = "" if page.startswith(f"{device.name}/") else f"{device.name}/"
-    name = f"(?:{'|'.join(sorted((erratum.name for erratum in device.errata), key=len, reverse=True))})\\b"
+    longest_first = sorted((erratum.name for erratum in device.errata), key=len, reverse=True)
+    name = f"(?:{'|'.join(longest_first)})\\b"
 
-    def linked(mention: re.Match[str]) -> str:
-        return re.sub(
-            name,
-            lambda named_erratum: link(code(named_erratum[0]), f"{folder}{ERRATA}#erratum-{named_erratum[0]}"),
-            mention[0],
-        )
+    def name_link(erratum_name: re.Match[str]) -> str:
+        return link(code(erratum_name[0]), f"{folder}{ERRATA}#erratum-{erratum_name[0]}")
 
-    return re.sub(rf"\berrat(?:um|a)\s(?:{name}(?:, (?={name}))?)+", linked, page_text)
+    def with_names_linked(mention: re.Match[str]) -> str:
+        return re.sub(name, name_link, mention[0])
+
+    return re.sub(rf"\berrat(?:um|a)\s(?:{name}(?:, (?={name}))?)+", with_names_linked, page_text)
 
 
 def to_steps(folder: str, names: Iterable[str]) -> list[str]:
@@ -63,11 +63,13 @@ def to_steps(folder: str, names: Iterable[str]) -> list[str]:
     return [link(text(f"Steps: {heading(name)}"), f"{folder}hardware.md#by-hand-{name}") for name in names]
 
 
-def style_beside(device: Device) -> Style:
+def style_in_folder(device: Device) -> Style:
     """Return the style for a page in the folder of the family, where registers are on their interface page."""
 
-    def written(ref: Ref) -> str:
-        register = next((register for register in device.registers if ref.anchor == f"register-{register.name}"), None)
-        return reference(ref) if register is None else link(code(ref.name), f"{register.interface}.md#{ref.anchor}")
+    def reference_text(ref: Ref) -> str:
+        for register in device.registers:
+            if ref.anchor == f"register-{register.name}":
+                return link(code(ref.name), f"{register.interface}.md#{ref.anchor}")
+        return reference(ref)
 
-    return replace(STYLE, ref=written)
+    return replace(STYLE, ref=reference_text)

@@ -11,18 +11,20 @@ from ...say.mentions import Subject, mentions
 from ...say.text import BY_NAME, listed, said
 
 
-def unstated(family: Device, interface: Interface, subjects: Mapping[str, Subject]) -> Iterator[str]:
+def unstated_facts(family: Device, interface: Interface, subjects: Mapping[str, Subject]) -> Iterator[str]:
     """Yield a sentence about the facts that the manual does not state, and links for those that a text may have.
 
     ``family`` has the texts about all order codes, because a text about others may be valid for this one too.
     """
-    silent = [label for label, subject in subjects.items() if not mentions(family, interface, subject)]
-    if silent:
-        yield f"{_capitalized(silent)}: the {document(family)} does not say."
-    mentioned = [label for label in subjects if label not in silent]
+    unmentioned = [label for label, subject in subjects.items() if not mentions(family, interface, subject)]
+    if unmentioned:
+        yield f"{_capitalized(unmentioned)}: the {document(family)} does not say."
+    mentioned = [label for label in subjects if label not in unmentioned]
     if mentioned:
-        places = [link("times", "#timings"), link("characteristics", "hardware.md#characteristics")]
-        yield f"{_capitalized(mentioned)}: see {' and '.join(places if family.characteristics else places[:1])}."
+        places = [link("times", "#timings")]
+        if family.characteristics:
+            places.append(link("characteristics", "hardware.md#characteristics"))
+        yield f"{_capitalized(mentioned)}: see {' and '.join(places)}."
 
 
 def no_leds(family: Device, device: Device, interface: Interface) -> str:
