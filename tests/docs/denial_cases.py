@@ -576,9 +576,9 @@ def an_erratum(**changes: Any) -> Erratum:
 
 
 def summary(*errata: Erratum) -> str:
-    badges = inline_errata.Badges(replace(tv62(), errata=errata))
+    badges = inline_errata.ErrataLinks(replace(tv62(), errata=errata))
     badges("registers.bank")
-    return badges.summary()
+    return badges.count_by_status()
 
 
 def errata_page(*errata: Erratum) -> str:

@@ -64,7 +64,7 @@ def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout
     if lengths:
         durations = _durations(clocked_lengths, example_hz)
         with_start_bits = ", with the start bit and the CDS bit" if start_bits else ""
-        facts.append(f"{_either(map(str, lengths))} bits at {hertz(example_hz)}: {durations}{with_start_bits}.")
+        facts.append(f"{_joined_by_or(map(str, lengths))} bits at {hertz(example_hz)}: {durations}{with_start_bits}.")
     facts += _pauses(family, interface)
     table = cable_table(device, interface)
     rows: list[Row] = []
@@ -116,12 +116,12 @@ def _frame_lengths(device: Device, layout: Layout) -> list[int]:
     return sorted({layout.sent_bits.value(sets) for _, sets in choices(device.alternatives_of(layout))})
 
 
-def _either(alternatives: Iterable[str]) -> str:
+def _joined_by_or(alternatives: Iterable[str]) -> str:
     return " or ".join(alternatives)
 
 
 def _durations(lengths: Iterable[int], hz: int) -> str:
-    return _either(_duration(bits, hz) for bits in lengths)
+    return _joined_by_or(_duration(bits, hz) for bits in lengths)
 
 
 def _duration(bits: int, hz: int) -> str:

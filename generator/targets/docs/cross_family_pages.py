@@ -17,7 +17,7 @@ from ...say.parameter import value
 from ...say.place import addresses
 from ...say.words import volts
 from .order_code_patterns import patterns
-from .page_links import to_alarm, to_layout, to_register, to_steps
+from .page_links import link_to_alarm, link_to_layout, link_to_register, links_to_steps
 
 #: File names of the pages, which no family can have.
 WHICH_ENCODER, REGISTERS, ALARMS = (
@@ -85,7 +85,7 @@ def _supply_range(supply: Supply) -> str:
 def _identity_rows(device: Device) -> Iterator[Row]:
     """Yield rows of the registers whose content is the same for the whole family or is determined by the order code."""
     for register, field in device.identity:
-        where = to_register(device, register, addresses(register))
+        where = link_to_register(device, register, addresses(register))
         name = title(register) + (f", {words(field.name)}" if len(register.layout.fields) > 1 else "")
         yield (
             _family_link(device),
@@ -128,7 +128,7 @@ def _position_frame_rows(device: Device) -> Iterator[Row]:
             yield (
                 interface.title,
                 _family_link(device),
-                to_layout(device, layout, code(layout.name)),
+                link_to_layout(device, layout, code(layout.name)),
                 _range_of_lengths(device, interface, layout),
                 layout.byte_order.replace("_", " ") if layout.in_bytes else "most significant bit first",
                 text(f"{crc.polynomial}, {sent(crc)}") if crc is not None else "none",
@@ -167,7 +167,7 @@ def _byte_order_rows(device: Device) -> Iterator[Row]:
 
 
 def _register_link(device: Device, register: Register) -> str:
-    return to_register(device, register, f"{addresses(register)} {text(title(register))}")
+    return link_to_register(device, register, f"{addresses(register)} {text(title(register))}")
 
 
 def registers_page_values(devices: Sequence[Device]) -> RegistersPage:
@@ -186,7 +186,7 @@ def _register_row(register: Register, device: Device) -> Row:
     return (
         addresses(register),
         "" if register.bank is None else f"{register.bank}",
-        to_register(device, register, code(register.name)),
+        link_to_register(device, register, code(register.name)),
         _family_link(device),
         say_register.access(register),
         code(data.hex(" ").upper()) if data is not None else "",
@@ -211,7 +211,7 @@ def _led_rows(device: Device) -> Iterator[Row]:
                 text(led.title),
                 text(state.state),
                 _family_link(device),
-                joined([text(state.meaning), *to_steps(f"{device.name}/", state.by_hand)]),
+                joined([text(state.meaning), *links_to_steps(f"{device.name}/", state.by_hand)]),
                 code(state.only),
                 cited(led.source),
             )
@@ -232,7 +232,7 @@ def _title_and_family(explained_alarm: tuple[Alarm, Device, Interface]) -> tuple
 
 
 def _alarm_row(alarm: Alarm, device: Device, interface: Interface) -> Row:
-    name = to_alarm(device, interface, alarm, text(title(alarm)))
+    name = link_to_alarm(device, interface, alarm, text(title(alarm)))
     meaning = text(alarm.meaning) if alarm.implemented else "not implemented in this encoder"
-    remedy = joined([text(alarm.remedy), *to_steps(f"{device.name}/", alarm.by_hand)])
+    remedy = joined([text(alarm.remedy), *links_to_steps(f"{device.name}/", alarm.by_hand)])
     return name, _family_link(device), meaning, remedy, code(alarm.only), cited(alarm.source)

@@ -162,7 +162,7 @@ def _value_text(value: int | str | bool, scale: Scale | None) -> str:
     return number(value) + (f" ({text(quantity(scale, value))})" if scale is not None else "")
 
 
-def printed_and_used(erratum: Erratum) -> Iterator[tuple[str, str]]:
+def printed_and_used_rows(erratum: Erratum) -> Iterator[tuple[str, str]]:
     """Yield the printed text and the value used, or the parts of a change by an overlay or edition."""
     if erratum.overlay:
         yield "Overlay", code(erratum.overlay)

@@ -15,7 +15,7 @@ from ...say.origin import edition_test, origin, other_editions
 from ...say.text import Said
 from ...say.words import counted, language
 from . import changes_page, fact_tables, inline_errata, order_code_tables, page_links, verdict_page
-from .hardware_steps import ManualProcedure, by_hand
+from .hardware_steps import ManualProcedure, manual_procedures
 from .order_code_page import OrderCodes
 from .order_code_patterns import patterns
 
@@ -63,7 +63,7 @@ def index_values(family: OrderCodes, has_masters: bool) -> FamilyPage:
         "origin": [*origin(device), *other_editions(device)],
         "manual": f"{text(device.manual.title)}, revision {revision_and_date(device.manual)}",
         "evidence": grade(device),
-        "errata_at": inline_errata.OnPage(device, f"{device.name}/"),
+        "errata_at": inline_errata.ErrataLines(device, f"{device.name}/"),
         "errata_count": f"{len(device.errata)}",
         "wish_rows": list(_task_rows(device, has_masters)),
         "interface_rows": [_interface_row(device, interface) for interface in device.interfaces],
@@ -81,7 +81,7 @@ def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
     order_codes = [variant.code for variant in device.variants_over(interface.name)]
     first_settings = list(settings(device, interface))[:1]
     return (
-        link(interface.title, page_links.interface_page(device, interface)),
+        link(interface.title, page_links.interface_page_path(device, interface)),
         ", ".join(map(code, patterns(device, order_codes))) if order_codes else "",
         "; ".join(map(STYLE.phrase, first_settings)),
     )
@@ -106,8 +106,8 @@ def _task_rows(device: Device, has_masters: bool) -> Iterator[tuple[str, str]]:
         if section_links := list(_section_links(device, section)):
             yield task, ", ".join(section_links)
     for procedure in device.procedures:
-        yield text(procedure.title), page_links.to_procedure(device, procedure)
-    for manual_procedure in by_hand(device):
+        yield text(procedure.title), page_links.link_to_procedure(device, procedure)
+    for manual_procedure in manual_procedures(device):
         anchor = f"by-hand-{manual_procedure.characteristic.name}"
         yield text(manual_procedure.title), link("by hand", f"{device.name}/hardware.md#{anchor}")
     if device.characteristics:
@@ -122,7 +122,7 @@ def _position_frame_links(device: Device) -> Iterator[str]:
         layouts = [layout for layout in interface.layouts if device.tells_position(interface.name, layout)]
         for layout in layouts:
             name = f" {code(layout.name)}" if len(layouts) > 1 else ""
-            yield page_links.to_layout(device, layout, interface.title + name)
+            yield page_links.link_to_layout(device, layout, interface.title + name)
 
 
 #: Sections of an interface page, with the task that each one covers.
@@ -139,27 +139,27 @@ def _section_links(device: Device, section: str) -> Iterator[str]:
         page_device = for_interface(device, interface.name)
         contents = {"wiring": page_device.connectors, "leds": page_device.leds, "alarms": page_device.alarms}
         if contents[section]:
-            yield link(interface.title, f"{page_links.interface_page(device, interface)}#{section}")
+            yield link(interface.title, f"{page_links.interface_page_path(device, interface)}#{section}")
 
 
 def hardware_values(device: Device) -> HardwarePage:
-    errata_at = inline_errata.OnPage(device)
+    errata_at = inline_errata.ErrataLines(device)
     return {
         "device": device,
         "errata_at": errata_at,
-        "by_hand": by_hand(device),
+        "by_hand": manual_procedures(device),
         "characteristic_rows": list(_characteristic_rows(device, errata_at)),
     }
 
 
-def _characteristic_rows(device: Device, errata_at: inline_errata.OnPage) -> Iterator[tuple[str, ...]]:
+def _characteristic_rows(device: Device, errata_at: inline_errata.ErrataLines) -> Iterator[tuple[str, ...]]:
     """Yield rows of name, value or link to the steps, order codes, source."""
-    names_with_steps = {procedure.characteristic.name for procedure in by_hand(device)}
+    names_with_steps = {procedure.characteristic.name for procedure in manual_procedures(device)}
     for characteristic in device.characteristics:
         name = characteristic.name
         has_steps = name in names_with_steps
         value = link("step by step", f"#by-hand-{name}") if has_steps else text(characteristic.value)
-        value_and_errata = joined([value, errata_at.named(f"characteristics.{name}")])
+        value_and_errata = joined([value, errata_at.links_in_cell(f"characteristics.{name}")])
         yield code(name), value_and_errata, code(characteristic.only), cited(characteristic.source)
 
 
@@ -193,7 +193,7 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
     yield "Revision", revision_and_date(manual)
     yield "Language", text(language(manual.language))
     yield "Publisher", text(manual.publisher)
-    yield "Transcribed", _times_read(device.times_read)
+    yield "Transcribed", _second_reading_text(device.times_read)
     for evidence in (grade(device), *basis(device)):
         yield evidence.label, STYLE.phrase(replace(evidence, label=""))
     yield "Manufacturer", text(device.manufacturer.title)
@@ -203,7 +203,7 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
     yield "Version", f"{text(device.manufacturer.version)}, {link('changes', f'../{changes_page.file_name(device)}')}"
 
 
-def _times_read(counts: TimesRead | None) -> str:
+def _second_reading_text(counts: TimesRead | None) -> str:
     """Return the text about facts confirmed by a second reading, or an empty string without one."""
     if counts is None:
         return ""

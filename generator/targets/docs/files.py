@@ -72,7 +72,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     files = licence_in("docs")
     for part in parts:
         files |= part["files"]
-    return files | _rendered(pages, library)
+    return files | _render_pages(pages, library)
 
 
 class _FamilyPart(TypedDict):
@@ -89,17 +89,17 @@ def _family_part(device: Device, library: Library, options: Options) -> _FamilyP
         raise TargetError(str(error)) from None
     codes = order_code_page.OrderCodes(device)
     files = {f"docs/{device.name}/{name}": picture for name, picture in _pictures(codes)}
-    pages = _rendered(dict(_pages(codes, masters)), library)
+    pages = _render_pages(dict(_pages(codes, masters)), library)
     for path, page_text in pages.items():
         files[path] = page_links.with_errata_linked(device, path.removeprefix("docs/"), page_text)
     return {"files": files, "order_codes": list(_order_code_sections(codes))}
 
 
-def _rendered(pages: Mapping[str, tuple[str, Mapping[str, Any]]], library: Library) -> dict[str, str]:
+def _render_pages(pages: Mapping[str, tuple[str, Mapping[str, Any]]], library: Library) -> dict[str, str]:
     """Return the text of each page, by path. ``pages`` has the template and the values of each page, by name."""
     texts: dict[str, str] = {}
     for name, (template, values) in pages.items():
-        texts[f"docs/{name}"] = _tidy(TEMPLATES.render(template, values, library.own_templates))
+        texts[f"docs/{name}"] = _without_surplus_spaces(TEMPLATES.render(template, values, library.own_templates))
     return texts
 
 
@@ -142,7 +142,7 @@ def _pictures(codes: order_code_page.OrderCodes) -> Iterator[tuple[str, str]]:
             yield f"timing-{interface.name}.svg", timing_pictures.diagram_picture(diagram)
 
 
-def _tidy(page_text: str) -> str:
+def _without_surplus_spaces(page_text: str) -> str:
     """Remove trailing spaces and repeated empty lines, and end the file with a single line end."""
     lines: list[str] = []
     for line in page_text.splitlines():

@@ -44,7 +44,7 @@ def position_frame(family: Device, interface: Interface) -> Layout | None:
     return max((layout for layout in interface.layouts if layout.name in names), key=information, default=None)
 
 
-def questions(device: Device, layout: Layout) -> Iterator[str]:
+def open_questions(device: Device, layout: Layout) -> Iterator[str]:
     """Yield a sentence for each question about a frame that the manual leaves open, with a link to it."""
     for alternative in device.alternatives_of(layout):
         question = link("open question", f"#alternative-{alternative.name}")

@@ -11,7 +11,7 @@ from ...order_codes.narrowing import for_interface
 from ...say.markdown import link, text
 from ...say.name import Titled
 from ...say.terms import TERMS, Term
-from .page_links import interface_page
+from .page_links import interface_page_path
 
 #: File name of the page, which no family can have.
 PAGE = "glossary-of-terms.md"
@@ -49,7 +49,7 @@ def _links(term: Term, pages: Sequence[_InterfacePage]) -> str:
         anchor = _anchor_of_term(term, page)
         if anchor:
             title = f"{page.device.name.upper()} {page.interface.short}"
-            links.append(link(text(title), f"{interface_page(page.device, page.interface)}#{anchor}"))
+            links.append(link(text(title), f"{interface_page_path(page.device, page.interface)}#{anchor}"))
     return ", ".join(links)
 
 

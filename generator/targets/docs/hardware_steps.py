@@ -18,11 +18,11 @@ class ManualProcedure:
     steps: tuple[str, ...]
 
 
-def by_hand(device: Device) -> list[ManualProcedure]:
+def manual_procedures(device: Device) -> list[ManualProcedure]:
     """Return the procedures that a person carries out for a family, in the order of its spec."""
-    return [_procedure(fact) for fact in device.characteristics if has_steps(fact.value)]
+    return [_manual_procedure(fact) for fact in device.characteristics if has_steps(fact.value)]
 
 
-def _procedure(characteristic: Characteristic) -> ManualProcedure:
+def _manual_procedure(characteristic: Characteristic) -> ManualProcedure:
     before, *steps = steps_of(characteristic.value)
     return ManualProcedure(characteristic, heading(characteristic.name), before, tuple(steps))

@@ -13,7 +13,7 @@ from ...say.markdown import STYLE, anchor, cited, code, link, text
 from ...say.name import heading
 from ...say.words import sentence
 from . import fact_tables
-from .page_links import ERRATA, to_erratum
+from .page_links import ERRATA, link_to_erratum
 
 #: File name of the page about all families, which no family can have.
 ALL_ERRATA = "all-errata.md"
@@ -33,7 +33,7 @@ class AllErrataPage(TypedDict):
     standings: Annotated[list[dict[str, Any]], "open errata, then settled ones: title, anchor, rows"]
 
 
-class OnPage:
+class ErrataLines:
     """Errata on one page: a line at the first fact that an erratum affects, then links to it."""
 
     def __init__(self, device: Device, folder: str = "") -> None:
@@ -51,14 +51,14 @@ class OnPage:
             links = ", ".join(self._link(erratum, text(heading(erratum.name))) for erratum in wording_errata)
             lines.append(f"- Wording {mistakes} in the manual: {links}")
         if differences:
-            edition_links = (self._link(difference, text(_edition(difference))) for difference in differences)
+            edition_links = (self._link(difference, text(_edition_phrase(difference))) for difference in differences)
             lines.append(f"- Other editions differ: {', '.join(dict.fromkeys(edition_links))}")
         return "\n".join(lines)
 
-    def named(self, *paths: str) -> str:
+    def links_in_cell(self, *paths: str) -> str:
         """Return the errata about these paths as links for a table cell."""
         affecting_errata = errata(self._device, *paths, wording=True)
-        links = [f"{badge(erratum)} {self._link(erratum, code(erratum.name))}" for erratum in affecting_errata]
+        links = [f"{status_badge(erratum)} {self._link(erratum, code(erratum.name))}" for erratum in affecting_errata]
         return ", ".join(links)
 
     def _link(self, erratum: Erratum, label: str) -> str:
@@ -66,12 +66,13 @@ class OnPage:
 
     def _line(self, erratum: Erratum) -> str:
         if erratum.name in self._names_on_page:
-            return f"- {badge(erratum)} {link(text(heading(erratum.name)), f'#erratum-{erratum.name}')}, see above"
+            first_mention = link(text(heading(erratum.name)), f"#erratum-{erratum.name}")
+            return f"- {status_badge(erratum)} {first_mention}, see above"
         self._names_on_page.add(erratum.name)
-        return f"- {anchor(f'erratum-{erratum.name}')}{in_one_line(erratum, self._page)}"
+        return f"- {anchor(f'erratum-{erratum.name}')}{erratum_line(erratum, self._page)}"
 
 
-class Badges:
+class ErrataLinks:
     """Errata on the page of an order code: links at the facts that they affect, and a list of one line each."""
 
     def __init__(self, device: Device) -> None:
@@ -84,14 +85,14 @@ class Badges:
         """Return links to the errata about these paths in the spec or about anything inside them, in one line."""
         manual_errata, differences = _by_origin(self._device, *paths, exactly=exactly)
         self._differences |= {difference.name: difference for difference in differences}
-        return self._linked([erratum for erratum in manual_errata if erratum.severity != "wording"])
+        return self._links_by_status([erratum for erratum in manual_errata if erratum.severity != "wording"])
 
-    def of_bytes(self, *paths: str, exactly: Collection[str] = ()) -> str:
+    def links_about_bytes(self, *paths: str, exactly: Collection[str] = ()) -> str:
         """Return links to those errata about these paths that change bytes on the wire."""
         manual_errata, _ = _by_origin(self._device, *paths, exactly=exactly)
-        return self._linked([erratum for erratum in manual_errata if erratum.severity == "wrong_data"])
+        return self._links_by_status([erratum for erratum in manual_errata if erratum.severity == "wrong_data"])
 
-    def _linked(self, linked_errata: Sequence[Erratum]) -> str:
+    def _links_by_status(self, linked_errata: Sequence[Erratum]) -> str:
         self._errata |= {erratum.name: erratum for erratum in linked_errata}
         parts = []
         for status, mark in _MARKS.items():
@@ -101,21 +102,21 @@ class Badges:
                 parts.append(f"{mark} {status}: {links}")
         return " ".join(parts)
 
-    def summary(self) -> str:
+    def count_by_status(self) -> str:
         """Return the number of errata on the page so far, by status."""
         counts = Counter(erratum.status for erratum in self._errata.values())
         no_errata = "none that change these facts" if self._device.errata else "none known"
         return ", ".join(f"{counts[status]} {status}" for status in _MARKS if counts[status]) or no_errata
 
-    def listed(self) -> str:
+    def list_of_errata(self) -> str:
         """Return the errata on the page so far, open ones first, and links to the differences in other editions."""
         open_first = sorted(self._errata.values(), key=lambda erratum: erratum.status != "open")
-        lines = [f"- {anchor(f'erratum-{erratum.name}')}{in_one_line(erratum, ERRATA)}" for erratum in open_first]
+        lines = [f"- {anchor(f'erratum-{erratum.name}')}{erratum_line(erratum, ERRATA)}" for erratum in open_first]
         pages_by_edition: dict[str, list[str]] = {}
         for difference in self._device.errata:
             if difference.name in self._differences:
                 page = f"{ERRATA}#erratum-{difference.name}"
-                pages_by_edition.setdefault(_edition(difference), []).append(page)
+                pages_by_edition.setdefault(_edition_phrase(difference), []).append(page)
         if pages_by_edition:
             editions = "; ".join(_numbered_links(label, pages) for label, pages in pages_by_edition.items())
             lines.append(f"- Other editions differ: {editions}")
@@ -139,7 +140,7 @@ def _by_origin(device: Device, *paths: str, exactly: Collection[str]) -> tuple[l
     return [erratum for erratum in affecting_errata if erratum not in edition_errata], edition_errata
 
 
-def _edition(difference: Erratum) -> str:
+def _edition_phrase(difference: Erratum) -> str:
     """Return the edition of a difference as a phrase: ``before edition 1.4``."""
     label = erratum_statement(difference).label
     return f"{label[0].lower()}{label[1:]}"
@@ -152,13 +153,13 @@ def _title(titled_erratum: Erratum) -> str:
     return f"{erratum_statement(titled_erratum).label}, difference {titled_erratum.name.rpartition('_')[2]}"
 
 
-def in_one_line(listed_erratum: Erratum, page: str) -> str:
+def erratum_line(listed_erratum: Erratum, page: str) -> str:
     """Return the status and title of an erratum, and the value used. The link leads to the full text.
 
     A change by an overlay has its reason and source, because the user of a special model needs them.
     """
     name = listed_erratum.name
-    head = f"{badge(listed_erratum)} {link(text(heading(name)), f'{page}#erratum-{name}')}"
+    head = f"{status_badge(listed_erratum)} {link(text(heading(name)), f'{page}#erratum-{name}')}"
     if listed_erratum.overlay:
         reasons = map(STYLE.sentence, erratum_statement(listed_erratum).below)
         return " ".join([f"{head} {STYLE.cited(listed_erratum.source)}:", *reasons])
@@ -174,7 +175,7 @@ def _shortened(sentences: str) -> str:
     return f"{start.rpartition(separator)[0]} …"
 
 
-def badge(erratum: Erratum) -> str:
+def status_badge(erratum: Erratum) -> str:
     """Return a visible mark for the status."""
     return "⚠ **open**" if erratum.status == "open" else "✓ settled"
 
@@ -198,9 +199,9 @@ def page_values(device: Device) -> ErrataPage:
 
 def _erratum_section(erratum: Erratum) -> dict[str, Any]:
     rows = [
-        *fact_tables.printed_and_used(erratum),
+        *fact_tables.printed_and_used_rows(erratum),
         ("Why", text(erratum.why)),
-        ("Status", badge(erratum)),
+        ("Status", status_badge(erratum)),
         ("Impact", fact_tables.severity_text(erratum.severity)),
         ("Affects", ", ".join(map(code, erratum.affects))),
         ("Source", cited(erratum.source)),
@@ -241,13 +242,13 @@ def all_values(devices: Sequence[Device]) -> AllErrataPage:
     titles = {"open": "Open: only hardware or the manufacturer can decide", "settled": "Settled"}
     sections = []
     for status, title in titles.items():
-        rows = list(_rows(devices, status))
+        rows = list(_rows_of_all_families(devices, status))
         if rows:
             sections.append({"title": title, "anchor": status, "rows": rows})
     return {"standings": sections}
 
 
-def _rows(devices: Sequence[Device], status: str) -> Iterator[tuple[str, ...]]:
+def _rows_of_all_families(devices: Sequence[Device], status: str) -> Iterator[tuple[str, ...]]:
     """Yield rows of impact, family, name, printed text and value used. Wrong bytes come before wording."""
     for severity in fact_tables.SEVERITIES:
         for device in devices:
@@ -256,7 +257,7 @@ def _rows(devices: Sequence[Device], status: str) -> Iterator[tuple[str, ...]]:
                     yield (
                         text(fact_tables.severity_text(severity)),
                         link(text(device.name.upper()), f"{device.name}.md"),
-                        to_erratum(device, erratum.name),
+                        link_to_erratum(device, erratum.name),
                         text(erratum.printed),
                         text(erratum.used),
                     )

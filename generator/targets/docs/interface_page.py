@@ -14,7 +14,7 @@ from ...say.name import Named, title
 from ...say.parameter import initial
 from ...say.words import volts
 from . import fact_tables, order_code_tables
-from .interface_sections import Rows, Section, Sections, sections
+from .interface_sections import Rows, Section, Sections, page_sections
 from .order_code_patterns import order_codes, patterns
 from .page_pictures import Pictures
 from .timing_pictures import TimingDiagram, timing_diagram
@@ -51,7 +51,7 @@ def interface_values(
     return {
         "interface": interface,
         "has_masters": has_masters,
-        "short_rows": list(_short_rows(device, interface, variants)),
+        "short_rows": list(_overview_rows(device, interface, variants)),
         "pictures": pictures,
         "timing": timing_diagram(device, interface),
         "delivered": [layout.name for layout in layouts if follows_registers(family, layout)],
@@ -67,7 +67,7 @@ def page_values(
     variants = device.variants_over(kind)
     codes = [variant.code for variant in variants]
     return {
-        **sections(interface_device),
+        **page_sections(interface_device),
         **interface_values(device, interface_device, variants, has_masters, pictures),
         "patterns": patterns(device, codes) if codes else [],
         "code_table": order_code_tables.code_table(device, device.interface(kind), links),
@@ -77,7 +77,7 @@ def page_values(
     }
 
 
-def _short_rows(device: Device, interface: Interface, variants: Sequence[Variant]) -> Iterator[Row]:
+def _overview_rows(device: Device, interface: Interface, variants: Sequence[Variant]) -> Iterator[Row]:
     """Yield the unit of the position, the supply, and the facts of the interface."""
     position_measurement = device.measurement_of(interface.name)
     if position_measurement is not None:

@@ -39,7 +39,7 @@ from ...say.place import addresses
 from ...say.text import Code, Said, said
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
 from .layout_tables import has_value_table
-from .page_links import to_steps
+from .page_links import links_to_steps
 
 #: Rows of a table, with Markdown cells.
 Rows = list[tuple[str, ...]]
@@ -69,14 +69,14 @@ class Sections(TypedDict):
     examples: Annotated[list[Section], "the worked examples: example, rows"]
 
 
-def sections(device: Device) -> Sections:
+def page_sections(device: Device) -> Sections:
     return {
         "device": device,
         "document": document(device),
         "origin": [*origin(device), *other_editions(device)],
         "usable_page": verdict_page.PAGE,
-        "errata_at": inline_errata.OnPage(device),
-        "alternatives": order_code_tables.alternatives(device),
+        "errata_at": inline_errata.ErrataLines(device),
+        "alternatives": order_code_tables.alternative_sections(device),
         "interfaces": [_interface_section(device, interface) for interface in device.interfaces],
         "crcs": [{"crc": crc, "rows": fact_tables.crc_rows(device, crc)} for crc in device.crcs],
         "registers": [_register_section(device, register) for register in device.registers],
@@ -106,7 +106,7 @@ def _led_rows(led: Led) -> Iterator[tuple[str, ...]]:
     """Yield a row for each state of an LED. The first row has the name and the source of the LED."""
     for index, state in enumerate(led.states):
         name, source = (text(led.title), cited(led.source)) if index == 0 else ("", "")
-        meaning = joined([text(state.meaning), *to_steps("", state.by_hand)])
+        meaning = joined([text(state.meaning), *links_to_steps("", state.by_hand)])
         yield name, text(state.state), meaning, code(state.only), source
 
 
@@ -151,7 +151,7 @@ def _group_section(device: Device, interface: Interface, group: FieldGroup) -> S
     return {
         "group": group,
         "title": _group_title(group),
-        "frames": layout_tables.frames_with(interface, group.name),
+        "frames": layout_tables.links_to_frames_with(interface, group.name),
         "rows": layout_tables.group_rows(device, group.name),
     }
 

@@ -82,7 +82,7 @@ class _Run:
             active_low=self.active_low,
         )
 
-    def part(self, byte_low: int, origin: int = 0) -> str:
+    def bits_in_byte(self, byte_low: int, origin: int = 0) -> str:
         """Return the bit numbers in the byte that begins at ``byte_low``, counted from ``origin``."""
         return bit_range(min(self.high, byte_low + 7) - origin, max(self.low, byte_low) - origin)
 
@@ -98,7 +98,7 @@ def bit_stack(caption: str, placed: PlacedLayout) -> Stack:
 def register_stack(caption: str, placed: PlacedLayout, address: int, low_byte_first: bool) -> Stack:
     """Return a register in order of address. Bit numbers refer to the whole register."""
     runs = runs_of(placed)
-    lows = _lows(placed.bits, low_byte_first)
+    lows = _lowest_bits(placed.bits, low_byte_first)
     labels = [f"{address + index:02X}h" for index in range(len(lows))]
     order = "low byte first" if low_byte_first else "high byte first"
     first_byte = f"{labels[0]}, {order}" if len(lows) > 1 else labels[0]
@@ -113,7 +113,7 @@ def byte_stack(caption: str, placed: PlacedLayout) -> Stack:
     """
     runs = _runs_with_groups_merged(placed)
     rows, descriptions = [], []
-    for index, byte_low in enumerate(_lows(placed.bits, placed.layout.byte_order == "low_byte_first")):
+    for index, byte_low in enumerate(_lowest_bits(placed.bits, placed.layout.byte_order == "low_byte_first")):
         boxes = tuple(_box_in_byte(run, byte_low) for run in runs if run.is_in_byte(byte_low))
         rows.append(Byte(f"byte {index}", boxes))
         box_texts = [_box_text(box.name, box.place, box.active_low) for box in boxes]
@@ -126,12 +126,12 @@ def _box_in_byte(run: _Run, byte_low: int) -> Box:
     is_within = run.high < byte_low + 8 and run.low >= byte_low
     if is_within and run.high - run.low == 7:
         return run.box(byte_low, "")
-    return run.box(byte_low, run.part(byte_low, byte_low if is_within else run.low))
+    return run.box(byte_low, run.bits_in_byte(byte_low, byte_low if is_within else run.low))
 
 
 def group_stack(caption: str, fields: Sequence[tuple[Field, int, int]], bits: int) -> Stack:
     """Return a group of fields, each given with its highest and lowest bit within the group."""
-    runs = [_run(field, high, low) for field, high, low in fields]
+    runs = [_run_of_field(field, high, low) for field, high, low in fields]
     lows = range((bits - 1) // 8 * 8, -1, -8)
     return Stack(caption, _rows(runs, lows, [""] * len(lows)), _runs_text(runs))
 
@@ -156,7 +156,7 @@ def _stack_text(stack: Stack) -> str:
     return f"{stack.caption}: {stack.text.removeprefix(f'{bits}: ')}"
 
 
-def _lows(bits: int, low_byte_first: bool) -> range:
+def _lowest_bits(bits: int, low_byte_first: bool) -> range:
     """Return the lowest bit of each byte, in byte order."""
     return range(0, bits, 8) if low_byte_first else range(bits - 8, -1, -8)
 
@@ -165,7 +165,7 @@ def _rows(runs: Sequence[_Run], lows: Sequence[int], labels: Sequence[str]) -> t
     """Return rows whose boxes have bit numbers in the whole layout."""
     rows = []
     for low, row_label in zip(lows, labels, strict=True):
-        boxes = tuple(run.box(low, run.part(low)) for run in runs if run.is_in_byte(low))
+        boxes = tuple(run.box(low, run.bits_in_byte(low)) for run in runs if run.is_in_byte(low))
         rows.append(Byte(row_label, boxes))
     return tuple(rows)
 
@@ -181,7 +181,7 @@ def _box_text(name: str, place: str, active_low: bool) -> str:
 
 def runs_of(placed: PlacedLayout) -> list[_Run]:
     """Return the fields, and the bits that belong to no field, highest first."""
-    runs = [_run(placed_field.field, placed_field.high, placed_field.low) for placed_field in placed.fields]
+    runs = [_run_of_field(placed_field.field, placed_field.high, placed_field.low) for placed_field in placed.fields]
     runs += [_Run(high, low, "no field", _NOTHING) for high, low in _gaps(placed)]
     return sorted(runs, key=lambda run: -run.high)
 
@@ -202,11 +202,11 @@ def _runs_with_groups_merged(placed: PlacedLayout) -> list[_Run]:
         if owner in group_names:
             runs.append(_Run(high, low, as_words(owner), _GROUP))
         else:
-            runs.append(_run(placed.layout.field(owner), high, low))
+            runs.append(_run_of_field(placed.layout.field(owner), high, low))
     return sorted(runs, key=lambda run: -run.high)
 
 
-def _run(field: Field, high: int, low: int) -> _Run:
+def _run_of_field(field: Field, high: int, low: int) -> _Run:
     return _Run(high, low, label(field), colour(field), meaning_of(field) == Active(low=True))
 
 
@@ -226,7 +226,7 @@ def _gaps(placed: PlacedLayout) -> list[tuple[int, int]]:
 # -- drawing
 
 
-def draw(title: str, stacks: Sequence[Stack]) -> str:
+def stacks_picture(title: str, stacks: Sequence[Stack]) -> str:
     """Return a picture of the stacks, one below the other."""
     body: list[str] = []
     top = _MARGIN

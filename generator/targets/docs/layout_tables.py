@@ -214,7 +214,7 @@ def group_places(
             yield field, joined(f"{place} ({answers})" for place, answers in answers_by_place.items())
 
 
-def frames_with(interface: Interface, group: str) -> list[str]:
+def links_to_frames_with(interface: Interface, group: str) -> list[str]:
     """Return links to the frames that contain a group of fields."""
     layouts = [layout for layout in interface.layouts if _has_group(layout, group)]
     return [link(code(layout.name), f"#layout-{layout.name}") for layout in layouts]

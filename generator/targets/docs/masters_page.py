@@ -16,7 +16,7 @@ from ...model import Device, Interface
 from ...say.markdown import code, joined, text
 from .fact_tables import document_rows
 from .order_code_patterns import order_codes
-from .page_links import to_erratum
+from .page_links import link_to_erratum
 
 Row = tuple[str, ...]
 Table = dict[str, Any]
@@ -59,7 +59,7 @@ def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
 def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, Any]:
     interface, groups = group_sheets.interface, group_sheets.groups
     common_rows, tables = _common_rows_and_tables([(group, _fact_rows(group)) for group in groups])
-    order_code_rows = [] if tables else [("Order codes", _label(groups))]
+    order_code_rows = [] if tables else [("Order codes", _codes_label(groups))]
     master_sections = []
     unsupporting_masters = []
     for master, sheets in group_sheets.sheets:
@@ -72,7 +72,7 @@ def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, A
         "anchor": interface.name,
         "facts": [*order_code_rows, *((text(name), value) for name, value in common_rows)],
         "tables": tables,
-        "cable_errata": ", ".join(to_erratum(device, name) for name in groups[0].record.cables.errata),
+        "cable_errata": ", ".join(link_to_erratum(device, name) for name in groups[0].record.cables.errata),
         "notes": list(dict.fromkeys(text(note) for group in groups for note in group.record.notes)),
         "masters": master_sections,
         "silent": unsupporting_masters,
@@ -100,7 +100,8 @@ def _common_rows_and_tables(columns: Columns) -> tuple[list[Row], list[Table]]:
             supply_keys.append(key)
         else:
             differing_keys.append(key)
-    return common_rows, [_table(table_keys, columns) for table_keys in (differing_keys, supply_keys) if table_keys]
+    tables = [_table_of_differences(keys, columns) for keys in (differing_keys, supply_keys) if keys]
+    return common_rows, tables
 
 
 def _follows_supply(key: Any, columns: Columns) -> bool:
@@ -112,7 +113,7 @@ def _follows_supply(key: Any, columns: Columns) -> bool:
     return all(len(rows) == 1 for rows in rows_by_supply.values())
 
 
-def _table(keys: Sequence[Any], columns: Columns) -> Table:
+def _table_of_differences(keys: Sequence[Any], columns: Columns) -> Table:
     """Return the column heads, and one row for all groups that have the same values."""
     heads = [_row_name(key, columns) for key in keys]
     groups_by_cells: dict[Row, list[Group]] = {}
@@ -121,7 +122,7 @@ def _table(keys: Sequence[Any], columns: Columns) -> Table:
         groups_by_cells.setdefault(cells, []).append(group)
     return {
         "head": ["Order codes", *heads],
-        "rows": [[_label(groups), *cells] for cells, groups in groups_by_cells.items()],
+        "rows": [[_codes_label(groups), *cells] for cells, groups in groups_by_cells.items()],
     }
 
 
@@ -133,7 +134,7 @@ def _value_cell(key: Any, rows: Mapping[Any, Row]) -> str:
     return rows[key][1] if key in rows else "–"
 
 
-def _label(groups: Sequence[Group]) -> str:
+def _codes_label(groups: Sequence[Group]) -> str:
     """Return the order codes of all groups, with the answers unless every choice is included."""
     device = groups[0].device
     codes_by_answers: dict[tuple[tuple[str, str], ...], list[str]] = {}
@@ -162,7 +163,7 @@ def _master_section(master: Master, sheets: GroupSettings) -> dict[str, Any]:
         "settings": common_rows,
         "tables": tables,
         "row_notes": _row_notes(columns, {row[0] for row in common_rows}),
-        "refused": list(_refusals(sheets)),
+        "refused": list(_refusal_lines(sheets)),
         "places": list(_place_rows(accepted_sheets)),
         "notes": list(_further_notes(accepted_sheets)),
         "documents": document_rows(master.documents),
@@ -194,8 +195,8 @@ def _place_rows(group_sheets: GroupSettings) -> Iterator[Row]:
         for rule in sheet.writing:
             for write in (*rule.needs, *rule.then):
                 setting_places.setdefault((write.title, ""), (write.places, write.text, devices))
-    for (name, _), (places, value, devices) in setting_places.items():
-        for words in place_words(places, value, devices):
+    for (name, _), (places, value, master_devices) in setting_places.items():
+        for words in place_words(places, value, master_devices):
             location = ": ".join(filter(None, (words.devices, words.location or "not given")))
             unit = {"": "unit not given", "none": ""}.get(words.unit, words.unit)
             data = ", ".join(filter(None, (words.type or "type not given", unit, words.range)))
@@ -229,10 +230,10 @@ def _further_notes(group_sheets: GroupSettings) -> Iterator[str]:
         for note in (*(condition(rule) for rule in sheet.shared_writing), *sheet.notes):
             groups_by_note.setdefault(text(note), []).append(group)
     for note, groups in groups_by_note.items():
-        yield note if len(groups) == len(group_sheets) else f"{_label(groups)}: {note}"
+        yield note if len(groups) == len(group_sheets) else f"{_codes_label(groups)}: {note}"
 
 
-def _refusals(sheets: GroupSettings) -> Iterator[str]:
+def _refusal_lines(sheets: GroupSettings) -> Iterator[str]:
     """Yield the order codes that the master cannot use, with the reasons."""
     groups_by_reasons: dict[str, list[Group]] = {}
     for group, sheet in sheets:
@@ -240,4 +241,4 @@ def _refusals(sheets: GroupSettings) -> Iterator[str]:
             reasons = " ".join(map(_refusal_text, sheet.refusals))
             groups_by_reasons.setdefault(reasons, []).append(group)
     for reasons, groups in groups_by_reasons.items():
-        yield f"{_label(groups)}: {reasons}"
+        yield f"{_codes_label(groups)}: {reasons}"

@@ -22,12 +22,12 @@ from ...say.text import Said, said
 from ...say.words import counted, sentence, with_unit
 from ..file_names import names_of_codes
 from . import bytes_to_send, clock_and_cable, frame_facts, pin_tables, short_tables, wide_pictures
-from .hardware_steps import ManualProcedure, by_hand
-from .inline_errata import Badges
+from .hardware_steps import ManualProcedure, manual_procedures
+from .inline_errata import ErrataLinks
 from .interface_page import InterfaceValues, interface_values
-from .interface_sections import Section, Sections, sections
+from .interface_sections import Section, Sections, page_sections
 from .order_code_patterns import patterns
-from .own_widths import own_meaning, with_own_widths
+from .own_widths import meaning_without_range, with_widths_of_order_code
 from .page_pictures import Pictures, pictures_of_family, pictures_of_order_codes
 from .unstated import no_leds, no_supply
 
@@ -121,7 +121,7 @@ class OrderCodes:
             family=self.device,
             variants=variants,
             narrowed_family=narrowed_family,
-            device=with_own_widths(self.device, with_numbers, variants[0]),
+            device=with_widths_of_order_code(self.device, with_numbers, variants[0]),
             name=name,
         )
 
@@ -156,7 +156,7 @@ class OrderCodes:
         return links
 
 
-def _position(device: Device, interface: Interface) -> str:
+def _position_text(device: Device, interface: Interface) -> str:
     """Return the unit and range of the position, and the ranges that single frames have."""
     position_measurement = device.measurement_of(interface.name)
     if position_measurement is None:
@@ -172,40 +172,42 @@ def _range_in_frame(name: str, frame_range: LayoutRange) -> str:
 
 def page_values(alike: AlikeCodes, has_masters: bool, pictures: Pictures) -> CodePage:
     """Return the values of the page. ``pictures`` are those of the family, of which the page may replace some."""
-    device, interface, badges = alike.device, alike.interface, Badges(alike.device)
-    page_sections = sections(device)
+    device, interface, errata_links = alike.device, alike.interface, ErrataLinks(alike.device)
+    interface_sections = page_sections(device)
     variant, frame = alike.variants[0], alike.frame
     return {
-        **page_sections,
+        **interface_sections,
         **interface_values(alike.family, device, alike.variants, has_masters, alike.pictures),
-        "errata_at": badges,
+        "errata_at": errata_links,
         "codes": alike.codes,
         # The notes on SSI and RS-485 begin with the line, those on BiSS with limits that users must keep.
-        "lead": lead(interface.note) if isinstance(interface, Biss) else "",
-        "position": _position(device, interface),
+        "lead": lead_sentences(interface.note) if isinstance(interface, Biss) else "",
+        "position": _position_text(device, interface),
         "evidence": grade(device),
         "wiring": pin_tables.wiring(device),
-        "supply": pin_tables.supply(device, alike.variants),
+        "supply": pin_tables.supply_lines(device, alike.variants),
         "speed": clock_and_cable.speed_section(alike.family, device, interface, frame),
         "frame": _frame_section(alike, frame, {**pictures, **alike.pictures}) if frame is not None else None,
-        "sending": bytes_to_send.sending_section(alike.family, device, interface, variant, badges.of_bytes),
+        "sending": bytes_to_send.sending_section(
+            alike.family, device, interface, variant, errata_links.links_about_bytes
+        ),
         "led_rows": list(short_tables.led_rows(device)),
         "no_leds": no_leds(alike.family, device, interface),
         "no_supply": no_supply(alike.family, interface),
-        "interfaces": [_with_short_rows(device, section) for section in page_sections["interfaces"]],
-        "registers": [_register_section(device, section) for section in page_sections["registers"]],
+        "interfaces": [_with_short_rows(device, section) for section in interface_sections["interfaces"]],
+        "registers": [_register_section(device, section) for section in interface_sections["registers"]],
         "register_rows": list(short_tables.register_rows(device)),
-        "procedures": [_procedure_section(device, section) for section in page_sections["procedures"]],
+        "procedures": [_procedure_section(device, section) for section in interface_sections["procedures"]],
         "procedures_summary": f"{counted(len(device.procedures), 'procedure')}, step by step",
         "setting_lines": list(short_tables.setting_lines(device, interface)),
         "frames_summary": counted(len(interface.layouts), "frame") + (" with CRC" if device.crcs else ""),
         "registers_summary": _registers_summary(device),
         "time_rows": list(short_tables.time_rows(interface.timings + device.timings)),
-        "by_hand": by_hand(device),
+        "by_hand": manual_procedures(device),
         "example_rows": list(short_tables.example_rows(device, _examples_of_order_codes(device))),
         "quantity_rows": list(_quantity_rows(alike)),
-        "errata_summary": badges.summary,
-        "errata_list": badges.listed,
+        "errata_summary": errata_links.count_by_status,
+        "errata_list": errata_links.list_of_errata,
     }
 
 
@@ -217,7 +219,7 @@ def _register_section(device: Device, section: Section) -> Section:
 
 
 def _procedure_section(device: Device, section: Section) -> Section:
-    return {**section, "steps": list(short_tables.steps(device, section["procedure"]))}
+    return {**section, "steps": list(short_tables.step_sentences(device, section["procedure"]))}
 
 
 def _examples_of_order_codes(device: Device) -> list[Example]:
@@ -225,7 +227,7 @@ def _examples_of_order_codes(device: Device) -> list[Example]:
     return [example for example in device.examples if getattr(example, "order_code", "")]
 
 
-def lead(note: str) -> str:
+def lead_sentences(note: str) -> str:
     """Return the first sentences of a text, up to the length that is shown at the top of a page."""
     if not note:
         return ""
@@ -249,7 +251,7 @@ def _frame_section(alike: AlikeCodes, layout: Layout, pictures: Pictures) -> Sec
         "wide": pictures[f"wide-{layout.name}"],
         "narrow": pictures[f"layout-{layout.name}"],
         "narrower": wide_pictures.SCREEN - 1,
-        "questions": list(frame_facts.questions(alike.device, layout)),
+        "questions": list(frame_facts.open_questions(alike.device, layout)),
         "facts": list(frame_facts.frame_facts(alike.family, layout, alike.variants[0], choices)),
         "crc_path": [f"crcs.{crc.name}"] if crc is not None else [],
     }
@@ -289,7 +291,7 @@ def _quantity_rows(alike: AlikeCodes) -> Iterator[Row]:
 
 def _quantity_row(alike: AlikeCodes, parameter: Parameter, is_set_by_registers: bool) -> Row:
     quantity = value(parameter, alike.variants[0].parameters[parameter.name])
-    meaning = text(sentence(own_meaning(alike.family, parameter)))
+    meaning = text(sentence(meaning_without_range(alike.family, parameter)))
     origin = _origin_of_quantity(alike.family, parameter, is_set_by_registers)
     about = f"{meaning}{origin} <small>{code(parameter.name)}</small> <small>{cited(parameter.source)}</small>"
     return with_unit(quantity, text(parameter.unit)), about

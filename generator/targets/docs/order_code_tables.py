@@ -84,12 +84,12 @@ def run_time_rows(device: Device, interface_name: str) -> Iterator[tuple[str, ..
                 code(parameter.name),
                 joined([text(parameter.meaning), unit]),
                 style_in_folder(device).paragraph(origin(device, parameter)),
-                _delivered_value(device, parameter),
+                _factory_default(device, parameter),
                 cited(parameter.source),
             )
 
 
-def _delivered_value(device: Device, parameter: Parameter) -> str:
+def _factory_default(device: Device, parameter: Parameter) -> str:
     """Return the factory default of a parameter that registers hold, or that it depends on the order code."""
     if parameter.read_from and device.register(parameter.register).default is None:
         return "by order code"
@@ -111,7 +111,7 @@ def code_table(device: Device, interface: Interface, links: Mapping[str, str]) -
     return {"head": ["Order code", *(code(parameter.name) for parameter in parameters)], "rows": rows}
 
 
-def alternatives(device: Device) -> list[dict[str, Any]]:
+def alternative_sections(device: Device) -> list[dict[str, Any]]:
     """Return each question that the manual leaves open, its answers, and the frames that need one."""
     return [_alternative_section(device, alternative) for alternative in device.alternatives]
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 from ...model import Device, Interface, Layout, Parameter, Variant
 
 
-def range_of(family: Device, parameter: Parameter) -> str:
+def range_of_widths(family: Device, parameter: Parameter) -> str:
     """Return the widths that the order codes of a family set, as in ``17 to 39``, or nothing if there is only one."""
     if parameter.unit != "bits":
         return ""
@@ -17,16 +17,16 @@ def range_of(family: Device, parameter: Parameter) -> str:
     return f"{min(widths)} to {max(widths)}" if len(widths) > 1 else ""
 
 
-def own_meaning(family: Device, parameter: Parameter) -> str:
+def meaning_without_range(family: Device, parameter: Parameter) -> str:
     """Return the meaning of a quantity without its range, for a row that begins with its value."""
-    family_range = range_of(family, parameter)
+    family_range = range_of_widths(family, parameter)
     return parameter.meaning.replace(f", {family_range} bits", "") if family_range else parameter.meaning
 
 
-def with_own_widths(family: Device, device: Device, variant: Variant) -> Device:
+def with_widths_of_order_code(family: Device, device: Device, variant: Variant) -> Device:
     """Return the device with the width of the order code in the notes of its frames, in place of the range."""
     parameters = [parameter for parameter in family.parameters if parameter.name in variant.parameters]
-    ranges = [range_of(family, parameter) for parameter in parameters]
+    ranges = [range_of_widths(family, parameter) for parameter in parameters]
     widths: dict[str, str] = {}
     for parameter, family_range in zip(parameters, ranges, strict=True):
         # In a text, two quantities with the same range look alike.

@@ -15,29 +15,29 @@ from ...say.text import Ref, Style
 ERRATA = "errata.md"
 
 
-def interface_page(device: Device, interface: Interface) -> str:
+def interface_page_path(device: Device, interface: Interface) -> str:
     return f"{device.name}/{interface.name}.md"
 
 
-def to_register(device: Device, register: Register, label: str) -> str:
-    return link(label, f"{interface_page(device, device.interface(register.interface))}#register-{register.name}")
+def link_to_register(device: Device, register: Register, label: str) -> str:
+    return link(label, f"{interface_page_path(device, device.interface(register.interface))}#register-{register.name}")
 
 
-def to_layout(device: Device, layout: Layout, label: str) -> str:
+def link_to_layout(device: Device, layout: Layout, label: str) -> str:
     interface = next(interface for interface, device_layout in device.layouts() if device_layout.name == layout.name)
-    return link(label, f"{interface_page(device, interface)}#layout-{layout.name}")
+    return link(label, f"{interface_page_path(device, interface)}#layout-{layout.name}")
 
 
-def to_alarm(device: Device, interface: Interface, alarm: Alarm, label: str) -> str:
-    return link(label, f"{interface_page(device, interface)}#alarm-{alarm.name}")
+def link_to_alarm(device: Device, interface: Interface, alarm: Alarm, label: str) -> str:
+    return link(label, f"{interface_page_path(device, interface)}#alarm-{alarm.name}")
 
 
-def to_procedure(device: Device, procedure: Procedure) -> str:
+def link_to_procedure(device: Device, procedure: Procedure) -> str:
     interface = device.interface(procedure.interface)
-    return link(interface.title, f"{interface_page(device, interface)}#procedure-{procedure.name}")
+    return link(interface.title, f"{interface_page_path(device, interface)}#procedure-{procedure.name}")
 
 
-def to_erratum(device: Device, name: str) -> str:
+def link_to_erratum(device: Device, name: str) -> str:
     return link(code(name), f"{device.name}/{ERRATA}#erratum-{name}")
 
 
@@ -58,7 +58,7 @@ def with_errata_linked(device: Device, page: str, page_text: str) -> str:
     return re.sub(rf"\berrat(?:um|a)\s(?:{name}(?:, (?={name}))?)+", with_names_linked, page_text)
 
 
-def to_steps(folder: str, names: Iterable[str]) -> list[str]:
+def links_to_steps(folder: str, names: Iterable[str]) -> list[str]:
     """Return links to manual steps. ``folder`` is the path to the folder of the family."""
     return [link(text(f"Steps: {heading(name)}"), f"{folder}hardware.md#by-hand-{name}") for name in names]
 

@@ -10,7 +10,7 @@ from ...model.record import dataclass
 from ...say.name import Titled, title
 from . import layout_tables
 from .connector_pictures import connector_picture, connector_text
-from .layout_pictures import Stack, draw, text_alternative
+from .layout_pictures import Stack, stacks_picture, text_alternative
 from .wide_pictures import wide_picture
 
 
@@ -82,7 +82,7 @@ def _register_key(register: Register) -> str:
 
 
 def _picture(name: str, titled: Titled, stacks: Sequence[Stack]) -> Picture:
-    return Picture(name, text_alternative(stacks), draw(title(titled), stacks))
+    return Picture(name, text_alternative(stacks), stacks_picture(title(titled), stacks))
 
 
 def _uncaptioned(stacks: Sequence[Stack]) -> list[Stack]:

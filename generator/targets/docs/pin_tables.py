@@ -37,7 +37,7 @@ def wiring(device: Device) -> Wiring:
     """Return one table with the contacts of every connector and cable for each signal."""
     columns = _columns(device.connectors)
     heads = _heads(columns)
-    signals = dict.fromkeys(_signal(contact) for connector in device.connectors for contact in connector.contacts)
+    signals = dict.fromkeys(_signal_name(contact) for connector in device.connectors for contact in connector.contacts)
     about = []
     for head, column in zip(heads, columns, strict=True):
         about.append(f"{head}: {', or '.join(map(_anchored_title, column))}")
@@ -65,7 +65,7 @@ def _word_for_contact(connector: Connector) -> str:
 
 
 def _row(columns: Sequence[Sequence[Connector]], signal: str) -> Row:
-    return (*(_contacts(column, signal) for column in columns), text(signal))
+    return (*(_contacts_cell(column, signal) for column in columns), text(signal))
 
 
 def _common_sentences(connectors: Sequence[Connector]) -> list[str]:
@@ -99,16 +99,16 @@ def _have_similar_contacts(connector: Connector, other: Connector) -> bool:
 def _contacts_by_signal(connector: Connector) -> dict[str, list[str]]:
     contacts_by_signal: dict[str, list[str]] = {}
     for contact in connector.contacts:
-        contacts_by_signal.setdefault(_signal(contact), []).append(contact.contact)
+        contacts_by_signal.setdefault(_signal_name(contact), []).append(contact.contact)
     return contacts_by_signal
 
 
-def _signal(contact: Contact) -> str:
+def _signal_name(contact: Contact) -> str:
     """Return the signal of a contact, with the order codes that have it unless these are all."""
     return f"{contact.signal} (only {contact.only})" if contact.only else contact.signal
 
 
-def _contacts(column: Sequence[Connector], signal: str) -> str:
+def _contacts_cell(column: Sequence[Connector], signal: str) -> str:
     """Return the contacts of a signal, marked with the name of their connector if they differ."""
     contacts_of_connectors = [_contact_list(_contacts_by_signal(connector).get(signal, [])) for connector in column]
     names = _short_names([connector.title for connector in column])
@@ -141,7 +141,7 @@ def _anchored_title(connector: Connector) -> str:
     return f"{anchor(f'connector-{connector.name}')}{text(connector.title)}"
 
 
-def supply(device: Device, variants: Sequence[Variant]) -> list[str]:
+def supply_lines(device: Device, variants: Sequence[Variant]) -> list[str]:
     """Return the supply of each order code, or of all if it is the same, with its source."""
     codes_by_supply: dict[str, list[str]] = {}
     for variant in variants:

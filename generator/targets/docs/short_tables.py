@@ -90,7 +90,7 @@ def register_rows(device: Device) -> Iterator[Row]:
         yield bank, addresses(register), about
 
 
-def steps(device: Device, procedure: Procedure) -> Iterator[str]:
+def step_sentences(device: Device, procedure: Procedure) -> Iterator[str]:
     """Yield the steps as sentences, each with its reason."""
     for procedure_step in procedure.steps:
         reason = f" ({text(procedure_step.meaning)})" if procedure_step.meaning else ""

@@ -15,7 +15,7 @@ from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import own_names
 from ...say.report import advice, alarm_of, by_hand, conditions, deciding, meaning, source
 from ...say.text import Code, listed, said
-from .page_links import to_erratum, to_layout, to_steps
+from .page_links import link_to_erratum, link_to_layout, links_to_steps
 
 #: File name of the page, which no family can have.
 PAGE = "usable-or-not.md"
@@ -163,7 +163,7 @@ def _report_rows(device: Device) -> Iterator[Row]:
     for report in reports_of(device):
         alarm = alarm_of(device, report.field)
         name = joined([code(report.name), text(own_names(report.field))])
-        steps = to_steps(f"{device.name}/", by_hand(report.field, alarm))
+        steps = links_to_steps(f"{device.name}/", by_hand(report.field, alarm))
         advice_and_steps = joined([text(advice(report.field, alarm)), *steps])
         remedy = advice_and_steps or _clearing_procedures(device, alarm) or f"The {document(device)} gives no remedy"
         yield name, text(meaning(report.field, alarm)), remedy, cited(source(report.field, alarm))
@@ -189,7 +189,7 @@ def _source_cell(device: Device, field: Field) -> str:
 
 
 def _layout_links(device: Device, layouts: Sequence[Layout]) -> str:
-    return ", ".join(to_layout(device, layout, code(layout.name)) for layout in layouts)
+    return ", ".join(link_to_layout(device, layout, code(layout.name)) for layout in layouts)
 
 
 def _errata_links(device: Device, interface: Interface, layout: Layout, field: Field, sign: Sign | None) -> str:
@@ -205,4 +205,4 @@ def _errata_links(device: Device, interface: Interface, layout: Layout, field: F
             paths.add(f"field_groups.{deciding_field.group}")
     errata = [erratum for erratum in device.errata if not erratum.edition and erratum.severity != "wording"]
     affecting_errata = [erratum for erratum in errata if not paths.isdisjoint(erratum.affects)]
-    return ", ".join(to_erratum(device, erratum.name) for erratum in affecting_errata)
+    return ", ".join(link_to_erratum(device, erratum.name) for erratum in affecting_errata)
