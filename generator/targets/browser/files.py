@@ -26,7 +26,7 @@ from ...why.in_bits import SLIPS
 from .. import NO_OPTIONS, Library, Options, Target
 from ..licence import licence_in
 from ..runtime import our_runtime
-from .family import family
+from .family import family_data
 from .plain import Data, script_json
 
 #: Error messages, with placeholders for numbers and names: ``{0} is {1}``.
@@ -120,7 +120,7 @@ def table(library: Library) -> Data:
 
 
 def _family(device: Device, library: Library, options: Options) -> Data:
-    return family(device)
+    return family_data(device)
 
 
 def sha256(part: str) -> str:
