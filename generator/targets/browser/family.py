@@ -99,19 +99,17 @@ def _crc_parameters(crc: Crc) -> Data:
 
 
 def _interface_data(device: Device, interface: Interface, shared: SharedParts) -> Data:
-    reportings_by_frame = {reporting.codec.layout.name: reporting for reporting in reportings(device)}
-    frames = []
-    for layout in interface.layouts:
-        frames.append(shared.with_indexes(frame_data(device, layout, reportings_by_frame.get(layout.name))))
-    registers = device.registers_over(interface.name)
+    reportings_by_name = {reporting.codec.layout.name: reporting for reporting in reportings(device)}
+    frames = [frame_data(device, layout, reportings_by_name.get(layout.name)) for layout in interface.layouts]
+    registers = [register_data(device, register) for register in device.registers_over(interface.name)]
     return without_empty(
         name=interface.name,
         title=interface.title,
         measure=_position_unit(device, interface),
         exact=[sender for sender in ("encoder", "master") if have_lengths(interface.layouts, sender)],
-        frames=frames,
+        frames=list(map(shared.with_indexes, frames)),
         told=[_dispatch_data(interface, dispatch) for dispatch in dispatches(interface.layouts)],
-        registers=[shared.with_indexes(register_data(device, memory_register)) for memory_register in registers],
+        registers=list(map(shared.with_indexes, registers)),
     )
 
 
