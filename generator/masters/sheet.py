@@ -560,5 +560,10 @@ def _field_texts(rule: Raw, name: str, record: Record) -> Iterator[str]:
 def _with_whole_position(record: Record) -> tuple[Part, ...]:
     """Return the parts of the frame with multiturn and singleturn merged."""
     position = Part("position", "position", record.numbers["position_bits"] or 0)
-    parts = {"singleturn": position}
-    return tuple(parts.get(part.role, part) for part in record.parts if part.role != "multiturn")
+    parts: list[Part] = []
+    for part in record.parts:
+        if part.role == "singleturn":
+            parts.append(position)
+        elif part.role != "multiturn":
+            parts.append(part)
+    return tuple(parts)

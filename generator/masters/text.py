@@ -135,7 +135,8 @@ def legend(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool
     """Return the meaning of the marks, and the settings tested on hardware."""
     standings = {master.standing for master in masters}
     for sheet in sheets:
-        standings |= {rule.standing for rule in (*sheet.settings, *sheet.writing, *sheet.refusals)}
+        rules: tuple[Setting | Writing | Refusal, ...] = (*sheet.settings, *sheet.writing, *sheet.refusals)
+        standings |= {rule.standing for rule in rules}
         if with_places:
             standings |= {place.standing for setting in sheet.settings for place in setting.places}
     inferred = " * = derived, not stated there." if "inferred" in standings else ""

@@ -168,7 +168,9 @@ def _order_code_sections(codes: order_code_page.OrderCodes) -> Iterator[Section]
 
 def _index(library: Library, order_codes: list[Section]) -> Index:
     rows = [_index_row(device) for device in library.devices]
-    trademarks = list(dict.fromkeys(note for maker, _ in library.by_manufacturer() for note in maker.trademarks))
+    trademarks = list(
+        dict.fromkeys(note for manufacturer, _ in library.by_manufacturer() for note in manufacturer.trademarks)
+    )
     return {"rows": rows, "usable_page": verdict_page.PAGE, "order_codes": order_codes, "trademarks": trademarks}
 
 
