@@ -30,7 +30,7 @@ from ..say.words import hertz
 from ..typed import members_fit
 from .places import Device, Place, devices_of, places_of, reason_for_misfit
 from .record import Part, Record
-from .writing import Writing, writing_of
+from .writing import WriteCondition, writing_of
 
 Raw = Mapping[str, Any]
 
@@ -102,7 +102,7 @@ class Sheet:
     refusals: tuple[Refusal, ...]
     settings: tuple[Setting, ...]
     notes: tuple[str, ...]
-    writing: tuple[Writing, ...] = ()
+    writing: tuple[WriteCondition, ...] = ()
     is_described: bool = True
     unusable_devices: frozenset[str] = frozenset()
 
@@ -111,12 +111,12 @@ class Sheet:
         names = [device.name for device in self.master.devices if device.name not in self.unusable_devices]
         return [name for name in names if name in file.get("on", names)]
 
-    def writing_of(self, setting: Setting) -> tuple[Writing, ...]:
+    def writing_of(self, setting: Setting) -> tuple[WriteCondition, ...]:
         """Return the conditions that apply only to this setting."""
         return tuple(rule for rule in self.writing if rule.of == (setting.name,))
 
     @property
-    def shared_writing(self) -> tuple[Writing, ...]:
+    def shared_writing(self) -> tuple[WriteCondition, ...]:
         """Conditions for several or all settings."""
         return tuple(rule for rule in self.writing if len(rule.of) != 1)
 
@@ -263,7 +263,7 @@ def _settings_and_device_refusals(
         if not _applies(rule, record):
             continue
         try:
-            settings.append(_setting(rule, master, record))
+            settings.append(_setting_of_rule(rule, master, record))
         except _UnsupportedFeature as reason:
             refusal = Refusal(f"{reason}.", rule.get("standing", master.standing), rule["source"])
             device_refusals.append((refusal, _devices_of(rule, master)))
@@ -334,6 +334,7 @@ def _filled_names(names: Sequence[str], record: Record) -> list[str]:
 
 
 def _applies(rule: Raw, record: Record) -> bool:
+    """Return whether all conditions in ``when`` of a rule are known to hold."""
     return all(_condition_holds(condition, record) for condition in rule.get("when", ()))
 
 
@@ -365,7 +366,7 @@ def _actual_value(name: str, record: Record) -> str:
     return f"{name.replace('_', ' ')} {printed_number}"
 
 
-def _setting(rule: Raw, master: Master, record: Record) -> Setting:
+def _setting_of_rule(rule: Raw, master: Master, record: Record) -> Setting:
     try:
         value, text, bound = _value_of_setting(rule, record)
     except _UnknownValue as reason:
@@ -425,6 +426,7 @@ def _value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | Non
 
 
 def _evaluated(value: int | str, name: str, record: Record) -> int:
+    """Return the number that an expression has for a record. ``name`` is the name of the setting."""
     expression = Expression.parse(value)
     for parameter in expression.parameters:
         if record.numbers[parameter] is None:
@@ -532,6 +534,7 @@ def _filled_if_known(text: str, record: Record) -> str:
 
 
 def _filled(text: str, record: Record) -> str:
+    """Return the text with the items in braces filled in, with ``unknown`` for those without a value."""
     values = {**record.words, **record.numbers} if "{" in text else {}
     if record.step is not None:
         text = text.replace("{step_um}", decimal(record.step))

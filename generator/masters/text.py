@@ -20,7 +20,7 @@ from ..say.words import counted, hertz, microseconds, volts
 from .places import place_lines
 from .record import Record
 from .sheet import Master, Refusal, Setting, Sheet
-from .writing import Writing, write_order
+from .writing import WriteCondition, write_order
 
 VERSION = 1
 
@@ -135,7 +135,7 @@ def legend(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool
     """Return the meaning of the marks, and the settings tested on hardware."""
     standings = {master.standing for master in masters}
     for sheet in sheets:
-        rules: tuple[Setting | Writing | Refusal, ...] = (*sheet.settings, *sheet.writing, *sheet.refusals)
+        rules: tuple[Setting | WriteCondition | Refusal, ...] = (*sheet.settings, *sheet.writing, *sheet.refusals)
         standings |= {rule.standing for rule in rules}
         if with_places:
             standings |= {place.standing for setting in sheet.settings for place in setting.places}
@@ -146,18 +146,18 @@ def legend(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool
     return f"Settings from the documentation of each master.{inferred} {tried}"
 
 
-def refusal(reason: Refusal) -> str:
+def refusal_text(reason: Refusal) -> str:
     """Return a refusal with its mark and source."""
     source = f" [{cited(reason.source)}]" if reason.source else ""
-    return f"{reason.reason}{mark(reason)}{source}"
+    return f"{reason.reason}{standing_mark(reason)}{source}"
 
 
-def bound(setting: Setting) -> str:
+def bound_in_words(setting: Setting) -> str:
     """Return ``at least ``, ``at most ``, ``below ``, ``start with `` or an empty string."""
     return f"{setting.bound.replace('_', ' ')} " if setting.bound else ""
 
 
-def mark(rule: Setting | Refusal | Writing) -> str:
+def standing_mark(rule: Setting | Refusal | WriteCondition) -> str:
     """Return the mark that the legend explains, after a space so that the value can be copied."""
     return _MARKS[rule.standing]
 
@@ -168,20 +168,20 @@ def cited(source: str) -> str:
     return ", ".join(sorted(re.split(r";\s*", source.strip()), key=lambda piece: ":" in piece))
 
 
-def condition(rule: Writing) -> str:
+def condition_text(rule: WriteCondition) -> str:
     """Return a condition for writing as a sentence with its mark and source."""
-    return f"{rule.text}{mark(rule)} [{cited(rule.source)}]"
+    return f"{rule.text}{standing_mark(rule)} [{cited(rule.source)}]"
 
 
-def conditions(setting: Setting, sheet: Sheet) -> Iterator[str]:
+def condition_texts(setting: Setting, sheet: Sheet) -> Iterator[str]:
     """Yield the conditions only for this setting, after the advice to leave a protected factory default unchanged."""
     writing_rules = sheet.writing_of(setting)
     if setting.is_default and any(rule.needs for rule in writing_rules):
         yield f"{setting.text} is the factory default. Write it only if the setting was changed."
-    yield from (condition(rule) for rule in writing_rules)
+    yield from (condition_text(rule) for rule in writing_rules)
 
 
-def _lines_of_needed_values(rule: Writing, master: Master, indent: str) -> list[str]:
+def _lines_of_needed_values(rule: WriteCondition, master: Master, indent: str) -> list[str]:
     """Return the places of the values that a condition needs."""
     lines: list[str] = []
     for write in (*rule.needs, *rule.then):
@@ -191,7 +191,7 @@ def _lines_of_needed_values(rule: Writing, master: Master, indent: str) -> list[
 
 
 def _setting_text(setting: Setting) -> str:
-    return f"{bound(setting)}{setting.text}{mark(setting)}"
+    return f"{bound_in_words(setting)}{setting.text}{standing_mark(setting)}"
 
 
 def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sheet]) -> str:
@@ -206,7 +206,7 @@ def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sh
         lines += ["", wrapped(f"According to their documentation, these cannot use {record.code}:", WIDTH)]
     for sheet in refusing_sheets:
         lines.append(wrapped(f"{sheet.master.title} ({sheet.master.name})", WIDTH, "    ", "  "))
-        lines += [wrapped(refusal(reason), WIDTH, "      ", "    ") for reason in sheet.refusals]
+        lines += [wrapped(refusal_text(reason), WIDTH, "      ", "    ") for reason in sheet.refusals]
     undescribed_titles = [sheet.master.title for sheet in sheets if not sheet.is_described]
     if undescribed_titles:
         title = INTERFACES[record.words["interface"]].title
@@ -243,7 +243,7 @@ def _sheet_lines(sheet: Sheet, with_documents: bool) -> list[str]:
         if with_documents:
             lines += _lines_of_places(setting, sheet)
     for rule in sheet.shared_writing:
-        lines.append(wrapped(condition(rule), WIDTH, "    ", "  - "))
+        lines.append(wrapped(condition_text(rule), WIDTH, "    ", "  - "))
         lines += _lines_of_needed_values(rule, sheet.master, "    ") if with_documents else []
     lines += [wrapped(note, WIDTH, "    ", "  - ") for note in sheet.notes]
     if with_documents:
@@ -260,7 +260,7 @@ def _setting_lines(setting: Setting, sheet: Sheet, name_width: int, value_width:
         lines = [wrapped(name_and_place, WIDTH, "      ", "  "), wrapped(_setting_text(setting), WIDTH, "      ")]
     if setting.note:
         lines.append(wrapped(setting.note, WIDTH, "      "))
-    lines += [wrapped(sentence, WIDTH, "      ") for sentence in conditions(setting, sheet)]
+    lines += [wrapped(sentence, WIDTH, "      ") for sentence in condition_texts(setting, sheet)]
     return lines
 
 

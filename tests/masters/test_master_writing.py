@@ -9,16 +9,16 @@ from typing import Any
 import pytest
 from codewheel.commands.cli import main
 from codewheel.masters.sheet import Sheet
-from codewheel.masters.writing import Effect, Writing
+from codewheel.masters.writing import Effect, WriteCondition
 
 SheetOf = Callable[[str, str], Sheet]
 
 
-def about(found: Sheet, name: str) -> list[Writing]:
+def about(found: Sheet, name: str) -> list[WriteCondition]:
     return [item for item in found.writing if name in item.of]
 
 
-def effects(rules: list[Writing]) -> list[Effect]:
+def effects(rules: list[WriteCondition]) -> list[Effect]:
     return [item.takes_effect for item in rules if item.takes_effect is not None]
 
 

@@ -42,7 +42,7 @@ Row = tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Sending:
+class SendingSection:
     """Requests and commands with their bytes. ``other_value`` says how to write a position other than 0."""
 
     facts: tuple[str, ...]
@@ -53,7 +53,7 @@ class Sending:
 
 def sending_section(
     family: Device, device: Device, interface: Interface, variant: Variant, errata_at: Callable[..., str]
-) -> Sending:
+) -> SendingSection:
     """Return the bytes to send for an order code. ``errata_at`` returns links to errata that change bytes."""
     # In this order, because ``errata_at`` lists the errata in the order of its calls.
     requests = tuple(_request_rows(device, interface, errata_at))
@@ -67,7 +67,7 @@ def sending_section(
     other_value = ""
     if preset is not None:
         other_value = _how_to_write_other_positions(family.register(preset.name), variant)
-    return Sending(facts=tuple(facts), requests=requests, commands=commands, other_value=other_value)
+    return SendingSection(facts=tuple(facts), requests=requests, commands=commands, other_value=other_value)
 
 
 def _introduction(

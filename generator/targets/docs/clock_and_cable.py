@@ -31,7 +31,7 @@ _BISS_START_BITS = 2
 
 
 @dataclass(frozen=True, slots=True)
-class Speed:
+class SpeedSection:
     """Clock or baud rate: specified values, and a table of clock and frame duration by cable length."""
 
     title: str
@@ -40,20 +40,20 @@ class Speed:
     rows: tuple[Row, ...] = ()
 
 
-def speed_section(family: Device, device: Device, interface: Interface, layout: Layout | None) -> Speed:
+def speed_section(family: Device, device: Device, interface: Interface, layout: Layout | None) -> SpeedSection:
     match interface:
         case Ssi() | Biss():
             return _clock_section(family, device, interface, layout)
         case Spi():
             setting_sentences = map(STYLE.sentence, settings(device, interface))
-            return Speed("Clock and words", tuple(setting_sentences))
+            return SpeedSection("Clock and words", tuple(setting_sentences))
         case Rs485():
             return _baud_section(family, device, interface)
         case _:
             assert_never(interface)
 
 
-def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout: Layout | None) -> Speed:
+def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout: Layout | None) -> SpeedSection:
     clock = interface.clock
     lengths = _frame_lengths(device, layout) if layout is not None else []
     start_bits = _BISS_START_BITS if isinstance(interface, Biss) else 0
@@ -76,7 +76,7 @@ def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout
         facts.append(f"Clock for each cable length: from {text(table.origin)}{_limit_of_used_clocks(clock)}.")
     is_below = any(row.is_below for row in table.rows)
     head = ("Cable below", "Clock below", "Frame above") if is_below else ("Cable up to", "Clock up to", "Frame")
-    return Speed("Clock and cable", tuple(facts), head, tuple(rows))
+    return SpeedSection("Clock and cable", tuple(facts), head, tuple(rows))
 
 
 def _limit_of_used_clocks(clock: Clock) -> str:
@@ -97,7 +97,7 @@ def _pauses(family: Device, interface: Ssi | Biss) -> Iterator[str]:
             yield from unstated_facts(family, interface, {"reply time (acknowledge)": Subject.REPLY_TIME})
 
 
-def _baud_section(family: Device, device: Device, interface: Rs485) -> Speed:
+def _baud_section(family: Device, device: Device, interface: Rs485) -> SpeedSection:
     port = interface.port
     bits_per_byte = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
     sizes = sorted({layout.widest // 8 for layout in interface.layouts if layout.sender == "encoder"})
@@ -108,7 +108,7 @@ def _baud_section(family: Device, device: Device, interface: Rs485) -> Speed:
         f"Duration on the line, with {bits_per_byte} bits per byte: {times}.",
         *unstated_facts(family, interface, {"reply time": Subject.REPLY_TIME, "cable length": Subject.CABLE}),
     )
-    return Speed("Baud rate and times", facts)
+    return SpeedSection("Baud rate and times", facts)
 
 
 def _frame_lengths(device: Device, layout: Layout) -> list[int]:

@@ -41,7 +41,7 @@ class Box:
 
 
 @dataclass(frozen=True)
-class Byte:
+class ByteRow:
     """Row of boxes, with the highest bit on the left. ``label`` is the name of the byte."""
 
     label: str
@@ -53,12 +53,12 @@ class Stack:
     """Bytes, one below the other, under a caption. ``text`` is the text alternative."""
 
     caption: str
-    rows: tuple[Byte, ...]
+    rows: tuple[ByteRow, ...]
     text: str
 
 
 @dataclass(frozen=True)
-class _Run:
+class _BitRun:
     """Bits that belong together: a field, a group of fields, or bits that belong to no field."""
 
     high: int
@@ -115,13 +115,13 @@ def byte_stack(caption: str, placed: PlacedLayout) -> Stack:
     rows, descriptions = [], []
     for index, byte_low in enumerate(_lowest_bits(placed.bits, placed.layout.byte_order == "low_byte_first")):
         boxes = tuple(_box_in_byte(run, byte_low) for run in runs if run.is_in_byte(byte_low))
-        rows.append(Byte(f"byte {index}", boxes))
+        rows.append(ByteRow(f"byte {index}", boxes))
         box_texts = [_box_text(box.name, box.place, box.active_low) for box in boxes]
         descriptions.append(f"byte {index}: {', '.join(box_texts)}")
     return Stack(caption, tuple(rows), "; ".join(descriptions))
 
 
-def _box_in_byte(run: _Run, byte_low: int) -> Box:
+def _box_in_byte(run: _BitRun, byte_low: int) -> Box:
     """Return the box of a run in one byte of a frame. It has no bit numbers if the run is this byte."""
     is_within = run.high < byte_low + 8 and run.low >= byte_low
     if is_within and run.high - run.low == 7:
@@ -161,16 +161,16 @@ def _lowest_bits(bits: int, low_byte_first: bool) -> range:
     return range(0, bits, 8) if low_byte_first else range(bits - 8, -1, -8)
 
 
-def _rows(runs: Sequence[_Run], lows: Sequence[int], labels: Sequence[str]) -> tuple[Byte, ...]:
+def _rows(runs: Sequence[_BitRun], lows: Sequence[int], labels: Sequence[str]) -> tuple[ByteRow, ...]:
     """Return rows whose boxes have bit numbers in the whole layout."""
     rows = []
     for low, row_label in zip(lows, labels, strict=True):
         boxes = tuple(run.box(low, run.bits_in_byte(low)) for run in runs if run.is_in_byte(low))
-        rows.append(Byte(row_label, boxes))
+        rows.append(ByteRow(row_label, boxes))
     return tuple(rows)
 
 
-def _runs_text(runs: Sequence[_Run]) -> str:
+def _runs_text(runs: Sequence[_BitRun]) -> str:
     return ", ".join(_box_text(run.name, bit_range(run.high, run.low), run.active_low) for run in runs)
 
 
@@ -179,14 +179,14 @@ def _box_text(name: str, place: str, active_low: bool) -> str:
     return " ".join(filter(None, (spoken_name, place, "(0 = active)" if active_low else "")))
 
 
-def runs_of(placed: PlacedLayout) -> list[_Run]:
+def runs_of(placed: PlacedLayout) -> list[_BitRun]:
     """Return the fields, and the bits that belong to no field, highest first."""
     runs = [_run_of_field(placed_field.field, placed_field.high, placed_field.low) for placed_field in placed.fields]
-    runs += [_Run(high, low, "no field", _NOTHING) for high, low in _gaps(placed)]
+    runs += [_BitRun(high, low, "no field", _NOTHING) for high, low in _gaps(placed)]
     return sorted(runs, key=lambda run: -run.high)
 
 
-def _runs_with_groups_merged(placed: PlacedLayout) -> list[_Run]:
+def _runs_with_groups_merged(placed: PlacedLayout) -> list[_BitRun]:
     """Return the runs, with a group of fields, or a field with its padding, as one run."""
     field_names = {placed_field.name for placed_field in placed.fields}
     group_names = {placed_field.field.group for placed_field in placed.fields} - {""}
@@ -200,14 +200,14 @@ def _runs_with_groups_merged(placed: PlacedLayout) -> list[_Run]:
         low = min(field.low for field in fields)
         high = max(field.high for field in fields)
         if owner in group_names:
-            runs.append(_Run(high, low, as_words(owner), _GROUP))
+            runs.append(_BitRun(high, low, as_words(owner), _GROUP))
         else:
             runs.append(_run_of_field(placed.layout.field(owner), high, low))
     return sorted(runs, key=lambda run: -run.high)
 
 
-def _run_of_field(field: Field, high: int, low: int) -> _Run:
-    return _Run(high, low, label(field), colour(field), meaning_of(field) == Active(low=True))
+def _run_of_field(field: Field, high: int, low: int) -> _BitRun:
+    return _BitRun(high, low, label(field), colour(field), meaning_of(field) == Active(low=True))
 
 
 def _gaps(placed: PlacedLayout) -> list[tuple[int, int]]:
@@ -248,7 +248,7 @@ def stacks_picture(title: str, stacks: Sequence[Stack]) -> str:
     return card(title, body, WIDE, top - _GAP + _MARGIN, text_alternative(stacks))
 
 
-def _row_elements(row: Byte, top: float) -> Iterator[str]:
+def _row_elements(row: ByteRow, top: float) -> Iterator[str]:
     if row.label:
         yield text(_MARGIN, top + _BOX / 2 + 4, row.label, _SMALL, "start", faint=True)
     for box in row.boxes:
@@ -275,7 +275,7 @@ def _lines_inside(box: Box) -> list[str]:
     return lines if fits else []
 
 
-def _lines_below(row: Byte) -> list[tuple[str, str]]:
+def _lines_below(row: ByteRow) -> list[tuple[str, str]]:
     """Return the lines below a row. The first line of each name has its colour class."""
     lines = []
     for box in row.boxes:

@@ -27,7 +27,7 @@ from ...say.markdown import STYLE, cited, code, joined, link, table, text
 from ...say.name import Named
 from ...say.place import bit_range, bits, field_place, frame_bytes, hexadecimal
 from ...say.text import Code, Said, listed, parted, said, told
-from .layout_pictures import Byte, Stack, bit_stack, byte_stack, group_stack, register_stack
+from .layout_pictures import ByteRow, Stack, bit_stack, byte_stack, group_stack, register_stack
 from .order_code_patterns import order_codes
 
 #: Highest number of named values in a cell. If there are more, they have their own table.
@@ -279,7 +279,7 @@ def _depends_on_order_code(field: Field, set_by_answers: Container[str]) -> bool
 
 def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[Stack]:
     """Return the bytes of each shape of a layout, once for each choice that moves a field in the picture."""
-    stacks_by_rows: dict[tuple[Byte, ...], Stack] = {}
+    stacks_by_rows: dict[tuple[ByteRow, ...], Stack] = {}
     for answers, parameters in choices(device.alternatives_of(layout)):
         for stack in _stacks_of_shapes(layout, placements(device, layout, interface.name, parameters)):
             captioned_stack = replace(stack, caption=_caption_with_answers(answers, stack.caption))

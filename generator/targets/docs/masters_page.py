@@ -11,7 +11,7 @@ from ...masters.groups import Group, GroupSheets, records_of, sheets_of
 from ...masters.places import Device as MasterDevice
 from ...masters.places import Place, place_words
 from ...masters.sheet import Master, Refusal, Setting, Sheet
-from ...masters.text import bound, cited, condition, conditions, facts, legend, mark
+from ...masters.text import bound_in_words, cited, condition_text, condition_texts, facts, legend, standing_mark
 from ...model import Device, Interface
 from ...say.markdown import code, joined, text
 from .fact_tables import document_rows
@@ -180,8 +180,8 @@ def _setting_row(setting: Setting, sheet: Sheet) -> Row:
     name = text(setting.name) + (f" ({text(setting.at)})" if setting.at else "")
     value = text(setting.text)
     if setting.value is not None:
-        value = f"{bound(setting)}{code(setting.text)}{_spaced_mark(setting)}"
-    note = " ".join(filter(None, [setting.note, *conditions(setting, sheet)]))
+        value = f"{bound_in_words(setting)}{code(setting.text)}{_spaced_mark(setting)}"
+    note = " ".join(filter(None, [setting.note, *condition_texts(setting, sheet)]))
     return name, value, text(note), text(cited(setting.source))
 
 
@@ -211,7 +211,7 @@ def _refusal_text(refusal: Refusal) -> str:
 
 def _spaced_mark(rule: Setting | Refusal) -> str:
     """Return the mark of a rule, which is outside the text to copy."""
-    rule_mark = text(mark(rule))
+    rule_mark = text(standing_mark(rule))
     return f" {rule_mark}" if rule_mark else ""
 
 
@@ -227,7 +227,7 @@ def _further_notes(group_sheets: GroupSettings) -> Iterator[str]:
     """Yield further notes, with the order codes unless a note applies to all of them."""
     groups_by_note: dict[str, list[Group]] = {}
     for group, sheet in group_sheets:
-        for note in (*(condition(rule) for rule in sheet.shared_writing), *sheet.notes):
+        for note in (*(condition_text(rule) for rule in sheet.shared_writing), *sheet.notes):
             groups_by_note.setdefault(text(note), []).append(group)
     for note, groups in groups_by_note.items():
         yield note if len(groups) == len(group_sheets) else f"{_codes_label(groups)}: {note}"

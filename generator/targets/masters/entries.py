@@ -9,7 +9,7 @@ from typing import Any
 from ...language.master_items import FILE_FORMATS, PLACE_KINDS, FileFormat
 from ...masters.places import Place
 from ...masters.sheet import Setting, Sheet
-from ...masters.text import condition
+from ...masters.text import condition_text
 from ...masters.writing import Write, write_order
 from ...model.record import dataclass
 
@@ -117,7 +117,7 @@ def content(sheet: Sheet, rule: Raw, device: str) -> Content:
                 omissions.append(f"{_name(setting_or_write)} = {setting_or_write.text}: {reason}.")
             else:
                 file_values += _file_values(setting_or_write, rule, device)
-    return Content(_channels(sheet, device, file_values), tuple(omissions), tuple(map(condition, sheet.writing)))
+    return Content(_channels(sheet, device, file_values), tuple(omissions), tuple(map(condition_text, sheet.writing)))
 
 
 def _settings_in_write_order(sheet: Sheet) -> Iterator[tuple[Setting, list[Write], list[Write]]]:

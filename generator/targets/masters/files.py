@@ -15,7 +15,7 @@ from ...masters.groups import GroupSheets, sheets_of
 from ...masters.places import Place
 from ...masters.record import Record
 from ...masters.sheet import Master, Sheet, shipped_masters
-from ...masters.text import cited, condition
+from ...masters.text import cited, condition_text
 from ...model import Device
 from ...render import Templates, our_templates
 from ...say.lines import plain, wrapped
@@ -264,7 +264,7 @@ def _joined_blocks(
         f"{master_device} with the order codes of {device.title}. For {format_.title}.",
         *_paragraphs_on_origin(device, sheet, rule, master_device),
     ]
-    head += dict.fromkeys(condition(writing_rule) for writing_rule in sheet.writing)
+    head += dict.fromkeys(condition_text(writing_rule) for writing_rule in sheet.writing)
     head.append(
         "Each block is for the first channel. A file that codewheel prints for one order code has all channels."
     )
