@@ -141,7 +141,7 @@ class Encoders(Domain):
         return {
             f"{_PAGES}/{device.name}/{alike.name}": tuple(alike.codes)
             for device in self._families
-            for alike in OrderCodes(device).alike
+            for alike in OrderCodes(device).groups
         }
 
     def code_of(self, page: str) -> str:

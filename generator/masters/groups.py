@@ -80,7 +80,8 @@ def _records_by_answers(device: Device, variant: Variant) -> Iterator[Record]:
     try:
         yield record(device, variant)
     except Undecided as error:
-        deciding = device.alternatives_of(error.layout)
-        for answers, _ in choices(deciding):
-            chosen = {alternative.name: answer.name for alternative, answer in zip(deciding, answers, strict=True)}
-            yield record(device, variant, answers=chosen)
+        deciding_alternatives = device.alternatives_of(error.layout)
+        for answers, _ in choices(deciding_alternatives):
+            pairs = zip(deciding_alternatives, answers, strict=True)
+            chosen_answers = {alternative.name: answer.name for alternative, answer in pairs}
+            yield record(device, variant, answers=chosen_answers)

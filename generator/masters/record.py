@@ -112,7 +112,7 @@ class _PositionFrame:
     device: Device
     variant: Variant
     interface: Biss | Ssi
-    placed: PlacedLayout
+    placed_layout: PlacedLayout
     measurement: Measurement
 
 
@@ -138,15 +138,15 @@ def record(
             for this cable length.
     """
     frame = _position_frame(device, variant, answers)
-    deciding = device.alternatives_of(frame.placed.layout)
-    parts = tuple(_parts(frame.placed, frame.measurement, variant))
+    deciding_alternatives = device.alternatives_of(frame.placed_layout.layout)
+    parts = tuple(_parts(frame.placed_layout, frame.measurement, variant))
     numbers = _numbers(frame, parts)
     cables = cable_table(device, frame.interface, variant.code)
-    needed_answers = {alternative.name: answers[alternative.name] for alternative in deciding}
+    needed_answers = {alternative.name: answers[alternative.name] for alternative in deciding_alternatives}
     notes = (
-        *_answer_notes(deciding, needed_answers),
+        *_answer_notes(deciding_alternatives, needed_answers),
         *_clock_notes(numbers, cables, cable_m),
-        *_frame_notes(device, frame.measurement.of, frame.placed, parts, as_delivered),
+        *_frame_notes(device, frame.measurement.of, frame.placed_layout, parts, as_delivered),
     )
     unlimited = _record(frame, parts, numbers, cables, notes, needed_answers)
     return unlimited if cable_m is None else _with_cable(unlimited, cable_m)
@@ -158,17 +158,17 @@ def _position_frame(device: Device, variant: Variant, answers: Mapping[str, str]
         only = f"there are masters for {Ssi.title} and {Biss.title} only"
         raise NoRecord(f"{variant.code} has the interface {interface.title}; {only}")
     measurement = device.measurement_of(variant.interface) or _WITHOUT_UNIT
-    placed = _frame_with_position(interface, measurement, with_answers(device, variant, answers))
-    deciding = device.alternatives_of(placed.layout)
-    missing = [alternative.name for alternative in deciding if alternative.name not in answers]
+    placed_layout = _frame_with_position(interface, measurement, with_answers(device, variant, answers))
+    deciding_alternatives = device.alternatives_of(placed_layout.layout)
+    missing = [alternative.name for alternative in deciding_alternatives if alternative.name not in answers]
     if missing:
-        raise Undecided(placed.layout, missing)
+        raise Undecided(placed_layout.layout, missing)
     return _PositionFrame(
         device=device,
         variant=variant,
         interface=interface,
-        placed=placed,
-        measurement=measurement.within(placed.layout.position_range),
+        placed_layout=placed_layout,
+        measurement=measurement.within(placed_layout.layout.position_range),
     )
 
 
@@ -203,7 +203,7 @@ def _record(
 def _numbers(frame: _PositionFrame, parts: Sequence[Part]) -> dict[str, int | None]:
     """Return the numbers of a record, in their order there."""
     variant = frame.variant
-    crc = _crc_for_masters(frame.device, frame.placed)
+    crc = _crc_for_masters(frame.device, frame.placed_layout)
     widths = _bit_counts(parts)
     numbers = (
         widths
@@ -220,9 +220,9 @@ def _words(frame: _PositionFrame, parts: Sequence[Part], numbers: Mapping[str, i
     return {
         "interface": frame.variant.interface,
         "movement": movement,
-        "coding": _coding(frame.placed, frame.measurement, parts),
+        "coding": _coding(frame.placed_layout, frame.measurement, parts),
         "status_active": _status_active(parts),
-        "parity": _parity_of_frame(frame.placed, parts),
+        "parity": _parity_of_frame(frame.placed_layout, parts),
         "singleturn_codes": _singleturn_codes(movement, numbers["singleturn_bits"], numbers["counts_per_turn"]),
     }
 
@@ -262,11 +262,11 @@ def _frame_with_position(interface: Interface, measurement: Measurement, variant
     """Return the frame that carries the position. With several BiSS channels, this is the first."""
     layouts = sorted(interface.layouts, key=lambda layout: layout.channel or 0)
     for layout in layouts:
-        placed = layout.place(variant.parameters)
-        if placed.place_of(measurement.of)[1]:
+        placed_layout = layout.place(variant.parameters)
+        if placed_layout.place_of(measurement.of)[1]:
             if layout.in_bytes:
                 raise NoRecord(f"'{layout.name}' is carried as bytes, and the rules for masters cover frames of bits")
-            return placed
+            return placed_layout
     raise NoRecord(f"no frame of {interface.title} carries '{measurement.of}'")
 
 
@@ -274,16 +274,16 @@ def _frame_with_position(interface: Interface, measurement: Measurement, variant
 _ROLES_AS_SENT = ("before", "position", "after", "status", "crc")
 
 
-def _parts(placed: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[Part]:
+def _parts(placed_layout: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[Part]:
     """Yield the parts of the frame in the order sent. What the common frame does not have there is ``other``."""
-    layout = placed.layout
+    layout = placed_layout.layout
     position_field_names = layout.names_in(measurement.of)
-    stage, top = "before", placed.bits
-    for field in placed.fields:
+    stage, top = "before", placed_layout.bits
+    for field in placed_layout.fields:
         if field.high + 1 != top:
             raise NoRecord(f"the bits of '{layout.name}' above '{field.name}' have no meaning in the spec")
         top = field.low
-        role = _role(field, placed, position_field_names, stage)
+        role = _role(field, placed_layout, position_field_names, stage)
         if role in _ROLES_AS_SENT:
             stage = role
         elif stage in ("position", "after"):
@@ -298,18 +298,18 @@ def _parts(placed: PlacedLayout, measurement: Measurement, variant: Variant) -> 
         raise NoRecord(f"the last bits of '{layout.name}' have no meaning in the spec")
 
 
-def _role(field: PlacedField, placed: PlacedLayout, position_field_names: Sequence[str], stage: str) -> str:
+def _role(field: PlacedField, placed_layout: PlacedLayout, position_field_names: Sequence[str], stage: str) -> str:
     """Return the role of a field, with ``before`` and ``after`` for zero bits. ``stage`` is the last one reached."""
     if field.name in position_field_names:
         if stage not in ("before", "position"):
             raise NoRecord(f"the position is not in one piece: other bits are sent before '{field.name}'")
         return "position"
-    if stage == "position" and field.low > placed.place_of(position_field_names[-1])[0]:
+    if stage == "position" and field.low > placed_layout.place_of(position_field_names[-1])[0]:
         raise NoRecord(f"the position is not in one piece: '{field.name}' is sent within it")
     role = _expected_role(field, stage)
     if role in _ROLES_AS_SENT[_ROLES_AS_SENT.index(stage) :] and (stage != "before" or role == "before"):
         return role
-    return "parity" if _is_parity_of_frame(field, placed) else "other"
+    return "parity" if _is_parity_of_frame(field, placed_layout) else "other"
 
 
 def _expected_role(field: PlacedField, stage: str) -> str:
@@ -322,13 +322,13 @@ def _expected_role(field: PlacedField, stage: str) -> str:
     return "status" if field.width == 1 and isinstance(kind, (Flag, Constant, Unused)) else "other"
 
 
-def _is_parity_of_frame(field: PlacedField, placed: PlacedLayout) -> bool:
+def _is_parity_of_frame(field: PlacedField, placed_layout: PlacedLayout) -> bool:
     """Return whether a field is the last one, and a parity bit over all other bits that are not always 0."""
     kind = field.field.kind
     if not isinstance(kind, Parity) or kind.over or field.low:
         return False
-    covered_names = {name for of in kind.of for name in placed.layout.names_in(of)} | {*kind.constants}
-    other_fields = [other for other in placed.fields if other is not field]
+    covered_names = {name for of in kind.of for name in placed_layout.layout.names_in(of)} | {*kind.constants}
+    other_fields = [other for other in placed_layout.fields if other is not field]
     return all(other.name in covered_names or _is_always_zero(other) for other in other_fields)
 
 
@@ -359,8 +359,8 @@ def _active_level(field: Field) -> str:
     return "low" if field.kind.active_low else "high"
 
 
-def _crc_for_masters(device: Device, placed: PlacedLayout) -> Crc | None:
-    crc = device.crc_of(placed.layout)
+def _crc_for_masters(device: Device, placed_layout: PlacedLayout) -> Crc | None:
+    crc = device.crc_of(placed_layout.layout)
     if crc is None:
         return None
     if device.reflects_input(crc) or crc.refout or crc.xorout not in (0, crc.mask) or not crc.poly & 1:
@@ -368,18 +368,18 @@ def _crc_for_masters(device: Device, placed: PlacedLayout) -> Crc | None:
     return crc
 
 
-def _parity_of_frame(placed: PlacedLayout, parts: Sequence[Part]) -> str:
+def _parity_of_frame(placed_layout: PlacedLayout, parts: Sequence[Part]) -> str:
     """Return the parity of a frame that ends in a parity bit over the whole of it, or ``none``."""
-    kind = placed.fields[-1].field.kind
+    kind = placed_layout.fields[-1].field.kind
     if parts[-1].role != "parity" or not isinstance(kind, Parity):
         return "none"
     return "odd" if kind.odd else "even"
 
 
-def _coding(placed: PlacedLayout, measurement: Measurement, parts: Sequence[Part]) -> str:
+def _coding(placed_layout: PlacedLayout, measurement: Measurement, parts: Sequence[Part]) -> str:
     """Return the code of the position, with ``gray_with_status`` if the code includes all status bits after it."""
-    layout: Layout = placed.layout
-    if not layout.gray_of or (layout.gray_when and not placed.gray):
+    layout: Layout = placed_layout.layout
+    if not layout.gray_of or (layout.gray_when and not placed_layout.gray):
         return "binary"
     if layout.gray_of == measurement.of:
         return "gray"
@@ -513,13 +513,13 @@ def _register_in_words(device: Device, name: str) -> str:
 
 
 def _frame_notes(
-    device: Device, position_name: str, placed: PlacedLayout, parts: Sequence[Part], as_delivered: bool
+    device: Device, position_name: str, placed_layout: PlacedLayout, parts: Sequence[Part], as_delivered: bool
 ) -> Iterator[str]:
-    yield from _register_notes(device, "widths depend", set(placed.layout.bits.parameters), as_delivered)
-    yield from _register_notes(device, "code depends", {placed.layout.gray_when} - {""}, as_delivered)
-    position = placed.field(position_name)
+    yield from _register_notes(device, "widths depend", set(placed_layout.layout.bits.parameters), as_delivered)
+    yield from _register_notes(device, "code depends", {placed_layout.layout.gray_when} - {""}, as_delivered)
+    position = placed_layout.field(position_name)
     if position is not None and position.field.number.signed:
-        lowest, highest = device.signed_range(position, placed)
+        lowest, highest = device.signed_range(position, placed_layout)
         yield (
             f"The position is signed, in two's complement: {lowest} to {highest}. A master that reads it as unsigned "
             f"shows -1 as {(1 << position.width) - 1}."

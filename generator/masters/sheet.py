@@ -464,26 +464,26 @@ def _clock_limits(record: Record) -> tuple[int, int]:
 
 
 def _listed_clock(rule: Raw, record: Record) -> tuple[int | str, str, str]:
-    best = _best_listed_clock(rule, record)
-    frequency, value = hertz(best["hz"]), best["set"]
+    best_clock = _best_listed_clock(rule, record)
+    frequency, value = hertz(best_clock["hz"]), best_clock["set"]
     text = frequency if str(value) == frequency else f"{value} ({frequency})"
     return value, text, "" if _is_highest_clock_known(record) else _START_WITH
 
 
 def _best_listed_clock(rule: Raw, record: Record) -> Raw:
     """Return the fastest of the master's clocks that the encoder supports, or that is in use if this is not known."""
-    in_use = [clock for clock in rule["clocks"] if clock["hz"] in record.used_hz]
-    if in_use:
-        return _fastest_of(in_use)
+    used_clocks = [clock for clock in rule["clocks"] if clock["hz"] in record.used_hz]
+    if used_clocks:
+        return _fastest_of(used_clocks)
     slowest, fastest = _clock_limits(record)
-    fitting = [clock for clock in rule["clocks"] if slowest <= clock["hz"] <= fastest]
-    if not fitting:
+    fitting_clocks = [clock for clock in rule["clocks"] if slowest <= clock["hz"] <= fastest]
+    if not fitting_clocks:
         with_cable = f" with a cable of {record.cable_m} m" if record.cable_m is not None else ""
         highest = _fastest_clock_text(record)
         raise _UnsupportedFeature(
             f"{rule['name']}: no clock is between {hertz(slowest)} and {highest}, the limits of the encoder{with_cable}"
         )
-    return _fastest_of(fitting)
+    return _fastest_of(fitting_clocks)
 
 
 def _fastest_of(clocks: Sequence[Raw]) -> Raw:
@@ -497,31 +497,31 @@ def _fastest_clock_text(record: Record) -> str:
 
 
 def _selectable_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
-    best, unit = _best_selectable_clock(clock, record), clock["unit"]
+    best_clock, unit = _best_selectable_clock(clock, record), clock["unit"]
     bound = "at_most" if _is_highest_clock_known(record) else _START_WITH
     row = record.cable_row
-    if row is not None and row.is_below and best == row.highest_hz:
-        best, bound = row.hz, "below"
+    if row is not None and row.is_below and best_clock == row.highest_hz:
+        best_clock, bound = row.hz, "below"
     if unit not in _UNITS:
-        return best, hertz(best), bound
-    number = f"{best / _UNITS[unit]:g}" if best % _UNITS[unit] else str(best // _UNITS[unit])
-    text = f"{number} Hz ({hertz(best)})" if unit == "Hz" else f"{number} {unit}"
+        return best_clock, hertz(best_clock), bound
+    number = f"{best_clock / _UNITS[unit]:g}" if best_clock % _UNITS[unit] else str(best_clock // _UNITS[unit])
+    text = f"{number} Hz ({hertz(best_clock)})" if unit == "Hz" else f"{number} {unit}"
     return (int(number) if number.isdigit() else number), text, bound
 
 
 def _best_selectable_clock(clock: Raw, record: Record) -> int:
     """Return the fastest clock that the encoder and the master support, for a master with freely selectable clocks."""
     lowest, highest = clock.get("at_least_hz", 0), clock.get("at_most_hz", math.inf)
-    in_use = [hz for hz in record.used_hz if lowest <= hz <= highest]
-    if in_use:
-        return max(in_use)
+    used_clocks = [hz for hz in record.used_hz if lowest <= hz <= highest]
+    if used_clocks:
+        return max(used_clocks)
     slowest, fastest = _clock_limits(record)
-    best = min(fastest, int(clock.get("at_most_hz", fastest)))
-    if best < max(slowest, lowest):
+    best_clock = min(fastest, int(clock.get("at_most_hz", fastest)))
+    if best_clock < max(slowest, lowest):
         supported = f"at most {hertz(highest)}" if highest < slowest else f"at least {hertz(lowest)}"
         needed = f"{hertz(slowest)} to {_fastest_clock_text(record)}"
         raise _UnsupportedFeature(f"The master supports clocks of {supported}, but the encoder needs {needed}")
-    return best
+    return best_clock
 
 
 def _filled_if_known(text: str, record: Record) -> str:

@@ -80,8 +80,8 @@ def _contact_elements(contact: Contact, top: float) -> Iterator[str]:
         return
     words = _BETWEEN_COLOURS.split(contact.contact.lower())
     if all(word in _WIRE_COLOURS for word in words):
-        wide = 28.0 / len(words)
+        colour_width = 28.0 / len(words)
         for index, word in enumerate(words):
-            yield swatch(_MARGIN + wide * index, top + 5, wide, 18, _WIRE_COLOURS[word])
+            yield swatch(_MARGIN + colour_width * index, top + 5, colour_width, 18, _WIRE_COLOURS[word])
     for line in wrapped(contact.contact, _SIGNAL_AFTER_WIRES - _NAME - 6, _SIZE)[:1]:
         yield text(_NAME, top + 18, line, _SIZE, "start")

@@ -120,10 +120,10 @@ def _pages(
             pictures=codes.pictures,
         )
         yield f"{folder}/{kind}.md", ("interface.md.jinja", values)
-    for alike in codes.alike:
-        has_masters = alike.interface.name in kinds_with_masters
-        code_values = order_code_page.page_values(alike, has_masters, codes.pictures)
-        yield f"{folder}/{alike.name}.md", ("code.md.jinja", code_values)
+    for group in codes.groups:
+        has_masters = group.interface.name in kinds_with_masters
+        code_values = order_code_page.page_values(group, has_masters, codes.pictures)
+        yield f"{folder}/{group.name}.md", ("code.md.jinja", code_values)
     yield f"{folder}/hardware.md", ("hardware.md.jinja", family_pages.hardware_values(device))
     yield f"{folder}/{page_links.ERRATA}", ("errata.md.jinja", inline_errata.page_values(device))
     yield f"{folder}/manual.md", ("manual.md.jinja", family_pages.manual_values(device))
@@ -134,7 +134,7 @@ def _pages(
 
 def _pictures(codes: order_code_page.OrderCodes) -> Iterator[tuple[str, str]]:
     """Yield each picture with its file name."""
-    for pictures in (codes.pictures, *(alike.pictures for alike in codes.alike)):
+    for pictures in (codes.pictures, *(group.pictures for group in codes.groups)):
         yield from ((picture.name, picture.svg) for picture in pictures.values())
     for interface in codes.device.interfaces:
         diagram = timing_pictures.timing_diagram(codes.device, interface)

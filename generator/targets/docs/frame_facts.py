@@ -64,20 +64,20 @@ def frame_facts(
     # The layout of a page has other notes, and the range of a position is known for that of the family.
     family_layouts = family.interface(variant.interface).layouts
     family_layout = next(candidate for candidate in family_layouts if candidate.name == layout.name)
-    placed = family_layout.place(variant.parameters)
-    yield from _flag_facts(placed)
-    for placed_field in placed.fields:
+    placed_layout = family_layout.place(variant.parameters)
+    yield from _flag_facts(placed_layout)
+    for placed_field in placed_layout.fields:
         if isinstance(meaning_of(placed_field.field), TwosComplement):
-            yield "Signed", _range_of_signed_number(family, placed_field, placed)
+            yield "Signed", _range_of_signed_number(family, placed_field, placed_layout)
     yield from _verdict_facts(family, family_layout, variant, choices, has_crc=crc is not None)
 
 
-def _flag_facts(placed: PlacedLayout) -> Iterator[tuple[str, str]]:
+def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
     """Yield the flags by the level at which they are active, and those that the encoder does not use."""
-    layout = placed.layout
+    layout = placed_layout.layout
     flags_by_label: dict[str, list[tuple[str, str]]] = {}
-    for placed_field in placed.fields:
-        byte = frame_bytes(layout, placed.bits, placed_field.high, placed_field.low) if layout.in_bytes else ""
+    for placed_field in placed_layout.fields:
+        byte = frame_bytes(layout, placed_layout.bits, placed_field.high, placed_field.low) if layout.in_bytes else ""
         flag = (code(placed_field.name), byte or bits(placed_field.high, placed_field.low))
         level = deciding(placed_field.field)
         if isinstance(meaning_of(placed_field.field), Active):
@@ -108,9 +108,9 @@ def _verdict_facts(
                 yield f"Position, with {code(answer.name)}", f"{other_line} {about}"
 
 
-def _range_of_signed_number(family: Device, placed_field: PlacedField, placed: PlacedLayout) -> str:
+def _range_of_signed_number(family: Device, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
     """Return the notation and range of a signed number."""
-    lowest, highest = family.signed_range(placed_field, placed)
+    lowest, highest = family.signed_range(placed_field, placed_layout)
     return f"{code(placed_field.name)}, in two's complement, {number(lowest)} to {number(highest)}"
 
 

@@ -87,33 +87,35 @@ class _BitRun:
         return bit_range(min(self.high, byte_low + 7) - origin, max(self.low, byte_low) - origin)
 
 
-def bit_stack(caption: str, placed: PlacedLayout) -> Stack:
+def bit_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
     """Return a frame that is one number, with one byte of the number per row, highest bits first."""
-    runs = runs_of(placed)
-    lows = range((placed.bits - 1) // 8 * 8, -1, -8)
-    labels = [bit_range(min(low + 7, placed.bits - 1), low) for low in lows]
-    return Stack(caption, _rows(runs, lows, labels), f"{placed.bits} bits: {_runs_text(runs)}")
+    runs = runs_of(placed_layout)
+    lows = range((placed_layout.bits - 1) // 8 * 8, -1, -8)
+    labels = [bit_range(min(low + 7, placed_layout.bits - 1), low) for low in lows]
+    return Stack(caption, _rows(runs, lows, labels), f"{placed_layout.bits} bits: {_runs_text(runs)}")
 
 
-def register_stack(caption: str, placed: PlacedLayout, address: int, low_byte_first: bool) -> Stack:
+def register_stack(caption: str, placed_layout: PlacedLayout, address: int, low_byte_first: bool) -> Stack:
     """Return a register in order of address. Bit numbers refer to the whole register."""
-    runs = runs_of(placed)
-    lows = _lowest_bits(placed.bits, low_byte_first)
+    runs = runs_of(placed_layout)
+    lows = _lowest_bits(placed_layout.bits, low_byte_first)
     labels = [f"{address + index:02X}h" for index in range(len(lows))]
     order = "low byte first" if low_byte_first else "high byte first"
     first_byte = f"{labels[0]}, {order}" if len(lows) > 1 else labels[0]
     return Stack(caption, _rows(runs, lows, labels), f"{first_byte}: {_runs_text(runs)}")
 
 
-def byte_stack(caption: str, placed: PlacedLayout) -> Stack:
+def byte_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
     """Return a frame of bytes in transmission order.
 
     A group of fields, or a field with its padding, is one run. If a run spans several bytes, its bit numbers are those
     of the number formed by these bytes.
     """
-    runs = _runs_with_groups_merged(placed)
+    runs = _runs_with_groups_merged(placed_layout)
     rows, descriptions = [], []
-    for index, byte_low in enumerate(_lowest_bits(placed.bits, placed.layout.byte_order == "low_byte_first")):
+    for index, byte_low in enumerate(
+        _lowest_bits(placed_layout.bits, placed_layout.layout.byte_order == "low_byte_first")
+    ):
         boxes = tuple(_box_in_byte(run, byte_low) for run in runs if run.is_in_byte(byte_low))
         rows.append(ByteRow(f"byte {index}", boxes))
         box_texts = [_box_text(box.name, box.place, box.active_low) for box in boxes]
@@ -179,19 +181,20 @@ def _box_text(name: str, place: str, active_low: bool) -> str:
     return " ".join(filter(None, (spoken_name, place, "(0 = active)" if active_low else "")))
 
 
-def runs_of(placed: PlacedLayout) -> list[_BitRun]:
+def runs_of(placed_layout: PlacedLayout) -> list[_BitRun]:
     """Return the fields, and the bits that belong to no field, highest first."""
-    runs = [_run_of_field(placed_field.field, placed_field.high, placed_field.low) for placed_field in placed.fields]
-    runs += [_BitRun(high, low, "no field", _NOTHING) for high, low in _gaps(placed)]
+    fields = placed_layout.fields
+    runs = [_run_of_field(placed_field.field, placed_field.high, placed_field.low) for placed_field in fields]
+    runs += [_BitRun(high, low, "no field", _NOTHING) for high, low in _gaps(placed_layout)]
     return sorted(runs, key=lambda run: -run.high)
 
 
-def _runs_with_groups_merged(placed: PlacedLayout) -> list[_BitRun]:
+def _runs_with_groups_merged(placed_layout: PlacedLayout) -> list[_BitRun]:
     """Return the runs, with a group of fields, or a field with its padding, as one run."""
-    field_names = {placed_field.name for placed_field in placed.fields}
-    group_names = {placed_field.field.group for placed_field in placed.fields} - {""}
+    field_names = {placed_field.name for placed_field in placed_layout.fields}
+    group_names = {placed_field.field.group for placed_field in placed_layout.fields} - {""}
     fields_by_owner: dict[str, list[PlacedField]] = {}
-    for placed_field in placed.fields:
+    for placed_field in placed_layout.fields:
         padded = placed_field.field.padding_of if placed_field.field.padding_of in field_names else ""
         owner = placed_field.field.group or padded or placed_field.name
         fields_by_owner.setdefault(owner, []).append(placed_field)
@@ -202,7 +205,7 @@ def _runs_with_groups_merged(placed: PlacedLayout) -> list[_BitRun]:
         if owner in group_names:
             runs.append(_BitRun(high, low, as_words(owner), _GROUP))
         else:
-            runs.append(_run_of_field(placed.layout.field(owner), high, low))
+            runs.append(_run_of_field(placed_layout.layout.field(owner), high, low))
     return sorted(runs, key=lambda run: -run.high)
 
 
@@ -210,11 +213,11 @@ def _run_of_field(field: Field, high: int, low: int) -> _BitRun:
     return _BitRun(high, low, label(field), colour(field), meaning_of(field) == Active(low=True))
 
 
-def _gaps(placed: PlacedLayout) -> list[tuple[int, int]]:
+def _gaps(placed_layout: PlacedLayout) -> list[tuple[int, int]]:
     """Return the highest and lowest bit of each run of bits that belong to no field, highest run first."""
     gaps: list[tuple[int, int]] = []
-    top = placed.bits
-    for placed_field in sorted(placed.fields, key=lambda field: -field.high):
+    top = placed_layout.bits
+    for placed_field in sorted(placed_layout.fields, key=lambda field: -field.high):
         if placed_field.high + 1 < top:
             gaps.append((top - 1, placed_field.high + 1))
         top = min(top, placed_field.low)

@@ -44,29 +44,30 @@ class Placement:
     """Layout with the positions that apply to some order codes."""
 
     codes: tuple[str, ...]
-    placed: PlacedLayout
+    placed_layout: PlacedLayout
 
 
 def placements(
-    device: Device, layout: Layout, interface_name: str, sets: Mapping[str, int] = _NO_PARAMETERS
+    device: Device, layout: Layout, interface_name: str, parameters: Mapping[str, int] = _NO_PARAMETERS
 ) -> tuple[Placement, ...]:
     """Return the different shapes that the layout has for the order codes of an interface, shortest first.
 
-    ``sets`` are the parameters set by answers to alternatives, if those are not the first answers.
+    ``parameters`` are those set by answers to alternatives, if those are not the first answers.
     """
     codes_by_shape: dict[_Shape, list[str]] = {}
-    placed_by_shape: dict[_Shape, PlacedLayout] = {}
+    layouts_by_shape: dict[_Shape, PlacedLayout] = {}
     for variant in device.variants_over(interface_name):
-        placed = layout.place({**variant.parameters, **sets})
-        shape = _shape(placed)
-        placed_by_shape.setdefault(shape, placed)
+        placed_layout = layout.place({**variant.parameters, **parameters})
+        shape = _shape(placed_layout)
+        layouts_by_shape.setdefault(shape, placed_layout)
         codes_by_shape.setdefault(shape, []).append(variant.code)
-    different = [Placement(tuple(codes_by_shape[shape]), placed) for shape, placed in placed_by_shape.items()]
-    return tuple(sorted(different, key=lambda placement: placement.placed.bits))
+    shapes = layouts_by_shape.keys()
+    different_placements = [Placement(tuple(codes_by_shape[shape]), layouts_by_shape[shape]) for shape in shapes]
+    return tuple(sorted(different_placements, key=lambda placement: placement.placed_layout.bits))
 
 
-def _shape(placed: PlacedLayout) -> _Shape:
-    return tuple((field.name, field.low, field.width) for field in placed.fields)
+def _shape(placed_layout: PlacedLayout) -> _Shape:
+    return tuple((field.name, field.low, field.width) for field in placed_layout.fields)
 
 
 def name_cell(named_part: Named) -> str:
@@ -152,11 +153,11 @@ def field_place_cell(layout: Layout, field: Field, alternatives: Sequence[Altern
 
 
 def _first_answers(device: Device) -> Mapping[str, int]:
-    return next(sets for _, sets in choices(device.alternatives))
+    return next(parameters for _, parameters in choices(device.alternatives))
 
 
-def _first_bit(fields: Iterable[Field], sets: Mapping[str, int]) -> int:
-    return min(field.low.value(sets) for field in fields)
+def _first_bit(fields: Iterable[Field], parameters: Mapping[str, int]) -> int:
+    return min(field.low.value(parameters) for field in fields)
 
 
 def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], GroupFields]]:
@@ -164,9 +165,9 @@ def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], Gr
     layout = next(layout for _, layout in device.layouts() if _has_group(layout, name))
     fields = [field for field in layout.fields if field.group == name]
     alternatives = device.alternatives_of(layout)
-    deciding = [alternative for alternative in alternatives if _decides_place_of_any(fields, alternative)]
+    deciding_alternatives = [alternative for alternative in alternatives if _decides_place_of_any(fields, alternative)]
     shapes = []
-    for answers, parameters in choices(deciding):
+    for answers, parameters in choices(deciding_alternatives):
         group_low = _first_bit(fields, parameters)
         group_fields: GroupFields = []
         for field in fields:
@@ -242,9 +243,9 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
     containers = {field.name: field_place_cell(layout, field) for field in container_fields}
     rows = []
     for answers, shape in shapes:
-        length = "" if layout.bits.is_constant else f"{shape.placed.bits}"
+        length = "" if layout.bits.is_constant else f"{shape.placed_layout.bits}"
         answer_cells = [code(answer.name) for answer in answers]
-        bit_cells = [_bits_cell(shape.placed.field(field.name), field.name in containers) for field in fields]
+        bit_cells = [_bits_cell(shape.placed_layout.field(field.name), field.name in containers) for field in fields]
         rows.append([order_codes(device, shape.codes), *answer_cells, length, *bit_cells])
     question_links = [link(code(question.name), f"#alternative-{question.name}") for question in questions]
     field_heads = [_field_head(field, containers) for field in fields]
@@ -291,10 +292,10 @@ def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[
 def _stacks_of_shapes(layout: Layout, shapes: Sequence[Placement]) -> Iterator[Stack]:
     """Yield the stack of each shape. For a frame of bytes, the longest shape stands for all."""
     if layout.in_bytes:
-        yield byte_stack("", shapes[-1].placed)
+        yield byte_stack("", shapes[-1].placed_layout)
         return
     for shape in shapes:
-        yield bit_stack(f"{_codes_caption(shape)}: {shape.placed.bits} bits", shape.placed)
+        yield bit_stack(f"{_codes_caption(shape)}: {shape.placed_layout.bits} bits", shape.placed_layout)
 
 
 def captioned_shapes(device: Device, interface: Interface, layout: Layout) -> list[tuple[str, PlacedLayout]]:
@@ -305,11 +306,11 @@ def captioned_shapes(device: Device, interface: Interface, layout: Layout) -> li
     shapes: dict[_Shape, tuple[str, PlacedLayout]] = {}
     for answers, parameters in choices(device.alternatives_of(layout)):
         for placement in placements(device, layout, interface.name, parameters):
-            caption = _caption_with_answers(answers, f"{placement.placed.bits} bits")
-            shapes.setdefault(_shape(placement.placed), (caption, placement.placed))
+            caption = _caption_with_answers(answers, f"{placement.placed_layout.bits} bits")
+            shapes.setdefault(_shape(placement.placed_layout), (caption, placement.placed_layout))
     if len(shapes) > 1:
         return list(shapes.values())
-    return [("", placed) for _, placed in shapes.values()]
+    return [("", placed_layout) for _, placed_layout in shapes.values()]
 
 
 def _caption_with_answers(answers: Sequence[Answer], caption: str) -> str:
@@ -339,5 +340,5 @@ def register_stacks(device: Device, register: Register) -> list[Stack]:
     stacks = []
     for shape in shapes:
         caption = _codes_caption(shape) if len(shapes) > 1 else ""
-        stacks.append(register_stack(caption, shape.placed, register.address, low_byte_first))
+        stacks.append(register_stack(caption, shape.placed_layout, register.address, low_byte_first))
     return stacks

@@ -65,7 +65,7 @@ class CodePage(Sections, InterfaceValues):
 
 
 @dataclass(frozen=True)
-class AlikeCodes:
+class CodeGroup:
     """Order codes that are identical for software. ``name`` is the name of their common page.
 
     ``narrowed_family`` has only these order codes, and ``device`` is that with the quantities that they set.
@@ -104,7 +104,7 @@ class OrderCodes:
     device: Device
 
     @cached_property
-    def alike(self) -> tuple[AlikeCodes, ...]:
+    def groups(self) -> tuple[CodeGroup, ...]:
         """Order codes that have the same interface and set the same quantities."""
         variants_by_quantities: dict[tuple[str, tuple[tuple[str, int], ...]], list[Variant]] = {}
         for variant in self.device.variants:
@@ -112,12 +112,12 @@ class OrderCodes:
             variants_by_quantities.setdefault((variant.interface, quantities), []).append(variant)
         groups = variants_by_quantities.values()
         names = names_of_codes((variants[0].code for variants in groups), RESERVED_NAMES)
-        return tuple(self._alike_codes(tuple(variants), name) for variants, name in zip(groups, names, strict=True))
+        return tuple(self._code_group(tuple(variants), name) for variants, name in zip(groups, names, strict=True))
 
-    def _alike_codes(self, variants: tuple[Variant, ...], name: str) -> AlikeCodes:
+    def _code_group(self, variants: tuple[Variant, ...], name: str) -> CodeGroup:
         narrowed_family = for_codes(self.device, [variant.code for variant in variants])
         with_numbers = with_quantities(narrowed_family, variants[0])
-        return AlikeCodes(
+        return CodeGroup(
             family=self.device,
             variants=variants,
             narrowed_family=narrowed_family,
@@ -143,16 +143,16 @@ class OrderCodes:
     def page_links(self, interface_name: str) -> list[str]:
         """Return links to the order code pages of an interface, labelled with patterns, for pages next to it."""
         links = []
-        for alike in self.alike:
-            if alike.interface.name == interface_name:
-                label = ", ".join(map(code, patterns(self.device, alike.codes)))
-                links.append(link(label, f"{self.device.name}/{alike.name}.md"))
+        for group in self.groups:
+            if group.interface.name == interface_name:
+                label = ", ".join(map(code, patterns(self.device, group.codes)))
+                links.append(link(label, f"{self.device.name}/{group.name}.md"))
         return links
 
     def _links(self, folder: str) -> dict[str, str]:
         links: dict[str, str] = {}
-        for alike in self.alike:
-            links |= {order_code: link(code(order_code), f"{folder}{alike.name}.md") for order_code in alike.codes}
+        for group in self.groups:
+            links |= {order_code: link(code(order_code), f"{folder}{group.name}.md") for order_code in group.codes}
         return links
 
 
@@ -170,30 +170,30 @@ def _range_in_frame(name: str, frame_range: LayoutRange) -> str:
     return f"in {code(name)}{separator} {STYLE.phrase(position_range(frame_range))}"
 
 
-def page_values(alike: AlikeCodes, has_masters: bool, pictures: Pictures) -> CodePage:
+def page_values(group: CodeGroup, has_masters: bool, pictures: Pictures) -> CodePage:
     """Return the values of the page. ``pictures`` are those of the family, of which the page may replace some."""
-    device, interface, errata_links = alike.device, alike.interface, ErrataLinks(alike.device)
+    device, interface, errata_links = group.device, group.interface, ErrataLinks(group.device)
     interface_sections = page_sections(device)
-    variant, frame = alike.variants[0], alike.frame
+    variant, frame = group.variants[0], group.frame
     return {
         **interface_sections,
-        **interface_values(alike.family, device, alike.variants, has_masters, alike.pictures),
+        **interface_values(group.family, device, group.variants, has_masters, group.pictures),
         "errata_at": errata_links,
-        "codes": alike.codes,
+        "codes": group.codes,
         # The notes on SSI and RS-485 begin with the line, those on BiSS with limits that users must keep.
         "lead": lead_sentences(interface.note) if isinstance(interface, Biss) else "",
         "position": _position_text(device, interface),
         "evidence": grade(device),
         "wiring": pin_tables.wiring(device),
-        "supply": pin_tables.supply_lines(device, alike.variants),
-        "speed": clock_and_cable.speed_section(alike.family, device, interface, frame),
-        "frame": _frame_section(alike, frame, {**pictures, **alike.pictures}) if frame is not None else None,
+        "supply": pin_tables.supply_lines(device, group.variants),
+        "speed": clock_and_cable.speed_section(group.family, device, interface, frame),
+        "frame": _frame_section(group, frame, {**pictures, **group.pictures}) if frame is not None else None,
         "sending": bytes_to_send.sending_section(
-            alike.family, device, interface, variant, errata_links.links_about_bytes
+            group.family, device, interface, variant, errata_links.links_about_bytes
         ),
         "led_rows": list(short_tables.led_rows(device)),
-        "no_leds": no_leds(alike.family, device, interface),
-        "no_supply": no_supply(alike.family, interface),
+        "no_leds": no_leds(group.family, device, interface),
+        "no_supply": no_supply(group.family, interface),
         "interfaces": [_with_short_rows(device, section) for section in interface_sections["interfaces"]],
         "registers": [_register_section(device, section) for section in interface_sections["registers"]],
         "register_rows": list(short_tables.register_rows(device)),
@@ -205,7 +205,7 @@ def page_values(alike: AlikeCodes, has_masters: bool, pictures: Pictures) -> Cod
         "time_rows": list(short_tables.time_rows(interface.timings + device.timings)),
         "by_hand": manual_procedures(device),
         "example_rows": list(short_tables.example_rows(device, _examples_of_order_codes(device))),
-        "quantity_rows": list(_quantity_rows(alike)),
+        "quantity_rows": list(_quantity_rows(group)),
         "errata_summary": errata_links.count_by_status,
         "errata_list": errata_links.list_of_errata,
     }
@@ -241,18 +241,18 @@ def lead_sentences(note: str) -> str:
     return sentence(sentences)
 
 
-def _frame_section(alike: AlikeCodes, layout: Layout, pictures: Pictures) -> Section:
-    crc = alike.family.crc_of(layout)
-    choices = [alternative.name for alternative in alike.device.alternatives]
+def _frame_section(group: CodeGroup, layout: Layout, pictures: Pictures) -> Section:
+    crc = group.family.crc_of(layout)
+    choices = [alternative.name for alternative in group.device.alternatives]
     return {
         "title": title(layout),
         "name": layout.name,
-        "size": STYLE.phrase(said(*size(layout, alike.device.alternatives))),
+        "size": STYLE.phrase(said(*size(layout, group.device.alternatives))),
         "wide": pictures[f"wide-{layout.name}"],
         "narrow": pictures[f"layout-{layout.name}"],
         "narrower": wide_pictures.SCREEN - 1,
-        "questions": list(frame_facts.open_questions(alike.device, layout)),
-        "facts": list(frame_facts.frame_facts(alike.family, layout, alike.variants[0], choices)),
+        "questions": list(frame_facts.open_questions(group.device, layout)),
+        "facts": list(frame_facts.frame_facts(group.family, layout, group.variants[0], choices)),
         "crc_path": [f"crcs.{crc.name}"] if crc is not None else [],
     }
 
@@ -281,18 +281,18 @@ def _registers_summary(device: Device) -> str:
     return f"{counted(len(device.registers), 'register')} from {hexadecimal(lowest)} to {hexadecimal(highest)}"
 
 
-def _quantity_rows(alike: AlikeCodes) -> Iterator[Row]:
+def _quantity_rows(group: CodeGroup) -> Iterator[Row]:
     """Yield the quantities set by the order code, and the factory defaults of those that registers hold."""
-    run_time_parameters = run_time_names(alike.family)
-    for parameter in parameters_of(alike.family, alike.interface.name):
-        if not parameter.alternative and alike.variants[0].parameters[parameter.name] != 0:
-            yield _quantity_row(alike, parameter, is_set_by_registers=parameter.name in run_time_parameters)
+    run_time_parameters = run_time_names(group.family)
+    for parameter in parameters_of(group.family, group.interface.name):
+        if not parameter.alternative and group.variants[0].parameters[parameter.name] != 0:
+            yield _quantity_row(group, parameter, is_set_by_registers=parameter.name in run_time_parameters)
 
 
-def _quantity_row(alike: AlikeCodes, parameter: Parameter, is_set_by_registers: bool) -> Row:
-    quantity = value(parameter, alike.variants[0].parameters[parameter.name])
-    meaning = text(sentence(meaning_without_range(alike.family, parameter)))
-    origin = _origin_of_quantity(alike.family, parameter, is_set_by_registers)
+def _quantity_row(group: CodeGroup, parameter: Parameter, is_set_by_registers: bool) -> Row:
+    quantity = value(parameter, group.variants[0].parameters[parameter.name])
+    meaning = text(sentence(meaning_without_range(group.family, parameter)))
+    origin = _origin_of_quantity(group.family, parameter, is_set_by_registers)
     about = f"{meaning}{origin} <small>{code(parameter.name)}</small> <small>{cited(parameter.source)}</small>"
     return with_unit(quantity, text(parameter.unit)), about
 

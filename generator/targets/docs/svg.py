@@ -55,15 +55,15 @@ def _escaped(words: str) -> str:
     return html.escape(plain(words), quote=False)
 
 
-def rect(x: float, top: float, wide: float, high: float, fill: str) -> str:
+def rect(x: float, top: float, box_width: float, box_height: float, fill: str) -> str:
     """Return a box. ``fill`` is its colour class."""
-    size = f'width="{number(wide)}" height="{number(high)}"'
+    size = f'width="{number(box_width)}" height="{number(box_height)}"'
     return f'<rect x="{number(x)}" y="{number(top)}" {size} class="{fill}"/>'
 
 
-def swatch(x: float, top: float, wide: float, high: float, colour: str) -> str:
+def swatch(x: float, top: float, box_width: float, box_height: float, colour: str) -> str:
     """Return a box in a colour that is the same in both colour schemes, such as that of a wire."""
-    size = f'width="{number(wide)}" height="{number(high)}"'
+    size = f'width="{number(box_width)}" height="{number(box_height)}"'
     return f'<rect x="{number(x)}" y="{number(top)}" {size} fill="{colour}"/>'
 
 

@@ -46,29 +46,31 @@ def wide_picture(title: str, shapes: Sequence[tuple[str, PlacedLayout]]) -> str:
     """Return the picture of a frame, with its first bit or byte on the left, once for each shape with its caption."""
     body: list[str] = []
     stacks, top = [], _MARGIN
-    for caption, placed in shapes:
-        stack = byte_stack(caption, placed) if placed.layout.in_bytes else bit_stack(caption, placed)
+    for caption, placed_layout in shapes:
+        stack = (
+            byte_stack(caption, placed_layout) if placed_layout.layout.in_bytes else bit_stack(caption, placed_layout)
+        )
         stacks.append(stack)
         if caption:
             body.append(text(_MARGIN, top + 13, caption, _SIZE, "start", bold=True))
             top += _LINE
-        elements, top = _frame_elements(placed, stack, top)
+        elements, top = _frame_elements(placed_layout, stack, top)
         body += elements
     return card(title, body, WIDE, top, text_alternative(stacks))
 
 
-def _frame_elements(placed: PlacedLayout, stack: Stack, top: float) -> tuple[list[str], float]:
+def _frame_elements(placed_layout: PlacedLayout, stack: Stack, top: float) -> tuple[list[str], float]:
     """Return the elements of one frame below ``top``, and the top of the next one."""
     box_top = top + _RULER
-    if placed.layout.in_bytes:
+    if placed_layout.layout.in_bytes:
         cells, marks = list(_byte_cells(stack)), list(_byte_marks(stack))
     else:
-        cells, marks = list(_bit_cells(placed)), list(_bit_marks(placed))
+        cells, marks = list(_bit_cells(placed_layout)), list(_bit_marks(placed_layout))
     body = [text(x, top + 12, words, _SIZE, anchor, faint=True) for x, words, anchor in marks]
     for cell in cells:
         body += _cell_elements(cell, box_top)
-    if not placed.layout.in_bytes:
-        body.append(f'<path d="{_ticks(placed.bits, box_top)}" class="line"/>')
+    if not placed_layout.layout.in_bytes:
+        body.append(f'<path d="{_ticks(placed_layout.bits, box_top)}" class="line"/>')
     bottom = box_top + _BOX
     for line_bottom, element in _names_below(cells, bottom + 4):
         body.append(element)
@@ -86,11 +88,11 @@ def _cell_elements(cell: _Cell, top: float) -> Iterator[str]:
         yield text((cell.left + cell.right) / 2, baseline, line, _SIZE, "middle", faint=is_place)
 
 
-def _bit_cells(placed: PlacedLayout) -> Iterator[_Cell]:
+def _bit_cells(placed_layout: PlacedLayout) -> Iterator[_Cell]:
     """Yield the box of each field of a frame that is one number."""
-    bit_width = _bit_width(placed.bits)
-    for run in runs_of(placed):
-        left = _MARGIN + (placed.bits - 1 - run.high) * bit_width
+    bit_width = _bit_width(placed_layout.bits)
+    for run in runs_of(placed_layout):
+        left = _MARGIN + (placed_layout.bits - 1 - run.high) * bit_width
         place = f"bit{'s' * (run.high > run.low)} {bit_range(run.high, run.low)}"
         level = ", 0 = active" if run.active_low else ""
         yield _Cell(
@@ -128,12 +130,12 @@ def _byte_width(stack: Stack) -> float:
     return (WIDE - 2 * _MARGIN) / len(stack.rows)
 
 
-def _bit_marks(placed: PlacedLayout) -> Iterator[tuple[float, str, str]]:
+def _bit_marks(placed_layout: PlacedLayout) -> Iterator[tuple[float, str, str]]:
     """Yield the place, text and anchor of the numbers of the first and the last bit of each box."""
-    bit_width = _bit_width(placed.bits)
-    for run in runs_of(placed):
-        left = _MARGIN + (placed.bits - 1 - run.high) * bit_width
-        right = _MARGIN + (placed.bits - run.low) * bit_width
+    bit_width = _bit_width(placed_layout.bits)
+    for run in runs_of(placed_layout):
+        left = _MARGIN + (placed_layout.bits - 1 - run.high) * bit_width
+        right = _MARGIN + (placed_layout.bits - run.low) * bit_width
         if run.high == run.low:
             yield (left + right) / 2, f"{run.high}", "middle"
         else:
