@@ -39,10 +39,15 @@ def field_rows(device: Device, layout: Layout) -> Iterator[Row]:
         if isinstance(field_or_group, FieldGroup):
             yield group_place(device, layout, field_or_group), _group_cell(layout, field_or_group)
         else:
-            place = field_place_cell(layout, field_or_group, device.alternatives_of(layout))
-            size = counted(STYLE.number(field_or_group.width), "bit") if field_or_group.container else ""
             description = _description_cell(device, field_or_group, layout.source, in_register=not layout.sender)
-            yield joined([place, size]), description
+            yield _place_cell(device, layout, field_or_group), description
+
+
+def _place_cell(device: Device, layout: Layout, field: Field) -> str:
+    """Return the place of a field. If it is that of a field with its padding, the width of the field follows."""
+    place = field_place_cell(layout, field, device.alternatives_of(layout))
+    width = counted(STYLE.number(field.width), "bit") if field.container else ""
+    return joined([place, width])
 
 
 def _group_cell(layout: Layout, group: FieldGroup) -> str:
