@@ -408,7 +408,8 @@ def _value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | Non
     if "value" in rule:
         number = _evaluated(rule["value"], rule["name"], record)
         if rule.get("as") == "boolean":
-            return bool(number), "TRUE" if number else "FALSE", ""
+            text = "TRUE" if number else "FALSE"
+            return bool(number), text, ""
         text = f"0x{number:02X}" if rule.get("as") == "hex" else str(number)
         return number, text, rule.get("bound", "")
     if "choice" in rule:
@@ -467,7 +468,8 @@ def _listed_clock(rule: Raw, record: Record) -> tuple[int | str, str, str]:
     best_clock = _best_listed_clock(rule, record)
     frequency, value = hertz(best_clock["hz"]), best_clock["set"]
     text = frequency if str(value) == frequency else f"{value} ({frequency})"
-    return value, text, "" if _is_highest_clock_known(record) else _START_WITH
+    bound = "" if _is_highest_clock_known(record) else _START_WITH
+    return value, text, bound
 
 
 def _best_listed_clock(rule: Raw, record: Record) -> Raw:
@@ -506,7 +508,8 @@ def _selectable_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
         return best_clock, hertz(best_clock), bound
     number = f"{best_clock / _UNITS[unit]:g}" if best_clock % _UNITS[unit] else str(best_clock // _UNITS[unit])
     text = f"{number} Hz ({hertz(best_clock)})" if unit == "Hz" else f"{number} {unit}"
-    return (int(number) if number.isdigit() else number), text, bound
+    value = int(number) if number.isdigit() else number
+    return value, text, bound
 
 
 def _best_selectable_clock(clock: Raw, record: Record) -> int:

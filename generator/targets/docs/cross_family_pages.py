@@ -125,12 +125,13 @@ def _position_frame_rows(device: Device) -> Iterator[Row]:
     for interface, layout in device.layouts():
         if device.tells_position(interface.name, layout):
             crc = device.crc_of(layout)
+            byte_order = layout.byte_order.replace("_", " ")
             yield (
                 interface.title,
                 _family_link(device),
                 link_to_layout(device, layout, code(layout.name)),
                 _range_of_lengths(device, interface, layout),
-                layout.byte_order.replace("_", " ") if layout.in_bytes else "most significant bit first",
+                byte_order if layout.in_bytes else "most significant bit first",
                 text(f"{crc.polynomial}, {sent(crc)}") if crc is not None else "none",
             )
 
@@ -178,7 +179,8 @@ def registers_page_values(devices: Sequence[Device]) -> RegistersPage:
 
 def _address_and_family(register_of_device: tuple[Register, Device]) -> tuple[int, int, str]:
     register, device = register_of_device
-    return register.address, -1 if register.bank is None else register.bank, device.name
+    bank = -1 if register.bank is None else register.bank
+    return register.address, bank, device.name
 
 
 def _register_row(register: Register, device: Device) -> Row:

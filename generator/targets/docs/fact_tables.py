@@ -112,7 +112,8 @@ def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]
     """Yield the facts of an example with their values. A value is empty if the example does not have it."""
     match example:
         case FrameExample():
-            yield "Frame", link(code(example.layout), f"#layout-{example.layout}") if example.layout else ""
+            if example.layout:
+                yield "Frame", link(code(example.layout), f"#layout-{example.layout}")
             yield "Order code", code(example.order_code)
             yield "Sent by", f"the {example.sender}"
             for name, answer in example.alternatives.items():
@@ -121,7 +122,8 @@ def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]
             yield "Bits", code(example.bits)
             layouts = [layout for _, layout in device.layouts() if layout.name == example.layout]
             yield _values_fact(example.values, layouts)
-            yield "Rejected", f"because of its {text(example.refused)}" if example.refused else ""
+            if example.refused:
+                yield "Rejected", f"because of its {text(example.refused)}"
         case RegisterExample():
             yield "Register", link(code(example.register), f"#register-{example.register}")
             yield "Order code", code(example.order_code)
@@ -135,7 +137,8 @@ def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]
             yield "Procedure", link(code(example.procedure), f"#procedure-{example.procedure}")
             yield "Order code", code(example.order_code)
             for name, value in example.arguments.items():
-                yield f"Argument {code(name)}", number(value) + (f" ({hexadecimal(value)})" if value > 9 else "")
+                in_hexadecimal = f" ({hexadecimal(value)})" if value > 9 else ""
+                yield f"Argument {code(name)}", f"{number(value)}{in_hexadecimal}"
             yield "Writes", ", ".join(f"`{write.address:02X}h: {write.value:02X}`" for write in example.writes)
         case MeasureExample():
             yield "Order code", code(example.order_code)
@@ -145,7 +148,8 @@ def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]
 
 
 def _bytes_fact(data: bytes) -> tuple[str, str]:
-    return "Bytes", f"`{data.hex(' ').upper()}`" if data else ""
+    hexadecimal_bytes = f"`{data.hex(' ').upper()}`" if data else ""
+    return "Bytes", hexadecimal_bytes
 
 
 def _values_fact(values: Mapping[str, int | str | bool], layouts: Iterable[Layout]) -> tuple[str, str]:
@@ -190,7 +194,8 @@ def document_rows(documents: Iterable[Document]) -> list[tuple[str, ...]]:
 
 
 def _document_row(document: Document) -> tuple[str, ...]:
-    return code(document.key), text(document.title), f"<{document.url}>" if document.url else ""
+    address = f"<{document.url}>" if document.url else ""
+    return code(document.key), text(document.title), address
 
 
 def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:

@@ -60,7 +60,7 @@ def frame_facts(
     ``choices`` are the names of the alternatives on the page, to which the verdicts link.
     """
     crc = family.crc_of(layout)
-    yield "CRC", crc_line(family, crc) if crc is not None else "none"
+    yield "CRC", "none" if crc is None else crc_line(family, crc)
     # The layout of a page has other notes, and the range of a position is known for that of the family.
     family_layouts = family.interface(variant.interface).layouts
     family_layout = next(candidate for candidate in family_layouts if candidate.name == layout.name)

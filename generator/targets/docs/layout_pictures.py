@@ -112,10 +112,9 @@ def byte_stack(caption: str, placed_layout: PlacedLayout) -> Stack:
     of the number formed by these bytes.
     """
     runs = _runs_with_groups_merged(placed_layout)
+    is_low_byte_first = placed_layout.layout.byte_order == "low_byte_first"
     rows, descriptions = [], []
-    for index, byte_low in enumerate(
-        _lowest_bits(placed_layout.bits, placed_layout.layout.byte_order == "low_byte_first")
-    ):
+    for index, byte_low in enumerate(_lowest_bits(placed_layout.bits, is_low_byte_first)):
         boxes = tuple(_box_in_byte(run, byte_low) for run in runs if run.is_in_byte(byte_low))
         rows.append(ByteRow(f"byte {index}", boxes))
         box_texts = [_box_text(box.name, box.place, box.active_low) for box in boxes]

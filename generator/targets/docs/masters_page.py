@@ -230,7 +230,8 @@ def _further_notes(group_sheets: GroupSettings) -> Iterator[str]:
         for note in (*(condition_text(rule) for rule in sheet.shared_writing), *sheet.notes):
             groups_by_note.setdefault(text(note), []).append(group)
     for note, groups in groups_by_note.items():
-        yield note if len(groups) == len(group_sheets) else f"{_codes_label(groups)}: {note}"
+        applies_to_all = len(groups) == len(group_sheets)
+        yield note if applies_to_all else f"{_codes_label(groups)}: {note}"
 
 
 def _refusal_lines(sheets: GroupSettings) -> Iterator[str]:

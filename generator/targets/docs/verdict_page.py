@@ -41,9 +41,11 @@ def page_values(devices: Sequence[Device]) -> UsablePage:
 
 def _with_family(device: Device, rows: Iterable[Row], anchor_name: str = "") -> Iterator[Row]:
     """Yield the rows, with the family in the first row."""
-    family = (anchor(anchor_name) if anchor_name else "") + link(text(device.title), f"{device.name}.md")
+    family_anchor = anchor(anchor_name) if anchor_name else ""
+    family_cell = family_anchor + link(text(device.title), f"{device.name}.md")
     for index, row in enumerate(rows):
-        yield family if index == 0 else "", *row
+        first_cell = family_cell if index == 0 else ""
+        yield first_cell, *row
 
 
 def _deciding_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Iterator[Row]:
@@ -69,7 +71,8 @@ def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgeme
     deciders = _deciders(layout, judgement)
     for decider in deciders:
         yield _decider_row(device, interface, layout, decider, signs.get(decider.field.name))
-    yield "none of these" if deciders else "no field decides", "", code(judgement.otherwise.value), "", ""
+    last_name = "none of these" if deciders else "no field decides"
+    yield last_name, "", code(judgement.otherwise.value), "", ""
 
 
 @dataclass(frozen=True, slots=True)
