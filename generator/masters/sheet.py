@@ -508,7 +508,7 @@ def _selectable_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
         return best_clock, hertz(best_clock), bound
     number = f"{best_clock / _UNITS[unit]:g}" if best_clock % _UNITS[unit] else str(best_clock // _UNITS[unit])
     text = f"{number} Hz ({hertz(best_clock)})" if unit == "Hz" else f"{number} {unit}"
-    value = int(number) if number.isdigit() else number
+    value: int | str = int(number) if number.isdigit() else number
     return value, text, bound
 
 
