@@ -144,7 +144,7 @@ def test_a_device_without_a_clock_does_not_bar_the_others(
     told = record_of(CODE)
     told = replace(told, numbers={**told.numbers, "clock_min_hz": 1_000_000, "clock_max_hz": 1_000_000})
     found = sheet(masters["beckhoff_el5042"], told)
-    assert (found.refusals, found.barred) == ((), {"EJ5042"})
+    assert (found.refusals, found.unusable_devices) == ((), {"EJ5042"})
     assert found.notes[0].startswith("Not for EJ5042. Clock Frequency, EJ5042: no clock is between 1 MHz and 1 MHz")
     assert found.devices_with({}) == ["EL5042", "EP7041-4032"]
     assert readers.ecmc(written("beckhoff_el5042", "ecmc", found=found))[0x8008, 0x13] == (9, 1)

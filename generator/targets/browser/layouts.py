@@ -186,7 +186,7 @@ def _check_message(layout: Layout, check: Check) -> Data:
         case ZerosAbove(padding=padding):
             message, always, name = "constant", True, padding.name
         case ParityIs():
-            message = "parity"
+            message, always = "parity", True
             covered_names = ", ".join(field.name for field in check.of)
         case IsOneOf(field=field):
             always = field.name == layout.selector
