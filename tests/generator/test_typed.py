@@ -143,8 +143,8 @@ def changed(data: Any, path: tuple[Any, ...], value: Any) -> Any:
 def test_a_forged_master_is_read_again() -> None:
     masters = sheet.shipped_masters()
     data = json.loads(json.dumps([asdict(item) for item in masters]))
-    assert tuple(map(sheet._from_data, data)) == masters
+    assert tuple(map(sheet._master_from_cache, data)) == masters
     for path in paths_in(data[0]):
         for value in (1.5, [{"x": 1.5}]):
             with pytest.raises((KeyError, TypeError)):
-                sheet._from_data(changed(data[0], path, value))
+                sheet._master_from_cache(changed(data[0], path, value))
