@@ -38,7 +38,6 @@ READERS = {
         "loading/library.py",
         "loading/overlays.py",
         "loading/verdicts.py",
-        "targets/docs/files.py",
     },
     "reads the errata of a cable table, which the record has chosen": {
         "masters/text.py",

@@ -16,7 +16,7 @@ from codewheel.loading.library import load_library
 from codewheel.model import Device, Field, Layout
 from codewheel.say.name import title, words
 from codewheel.say.place import addresses, hexadecimal
-from codewheel.targets.docs.order_code_page import Codes
+from codewheel.targets.docs.order_code_page import OrderCodes
 from sphinx.application import Sphinx
 from sphinx.domains import Domain
 from sphinx.util import logging
@@ -143,7 +143,7 @@ class Encoders(Domain):
         """Return the order codes described by each page."""
         pages: dict[str, tuple[str, ...]] = {}
         for device in self._families:
-            pages |= {f"{_PAGES}/{device.name}/{alike.name}": tuple(alike.codes) for alike in Codes(device).alike}
+            pages |= {f"{_PAGES}/{device.name}/{group.name}": tuple(group.codes) for group in OrderCodes(device).groups}
         return pages
 
     def code_of(self, page: str) -> str:

@@ -8,7 +8,7 @@ from ..model.record import dataclass
 from ..say.words import hertz
 
 #: iC-Haus, application note AN15, BiSS C master operation details, revision A3, table 1: clock on MA with RS-422.
-_BISS = (
+_BISS_CLOCKS = (
     (10, 10_000_000),
     (25, 5_000_000),
     (60, 2_000_000),
@@ -17,7 +17,7 @@ _BISS = (
     (500, 200_000),
     (1000, 100_000),
 )
-_MANUAL, _PUBLIC = "the encoder's manual", "AN15 of iC-Haus, revision A3, for RS-422"
+_ORIGIN_MANUAL, _ORIGIN_PUBLIC = "the encoder's manual", "AN15 of iC-Haus, revision A3, for RS-422"
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,7 +40,8 @@ class CableRow:
     def highest_hz(self) -> int:
         return self.hz - 1 if self.is_below else self.hz
 
-    def has(self, metres: int) -> bool:
+    def includes(self, metres: int) -> bool:
+        """Return whether the row is valid for this cable length."""
         return metres < self.metres or (metres == self.metres and not self.is_below)
 
 
@@ -54,19 +55,19 @@ class CableTable:
 
     def row_of(self, metres: int) -> CableRow | None:
         """Return the row with the fastest clock for this cable length, or None if it exceeds the table."""
-        return max((row for row in self.rows if row.has(metres)), key=lambda row: row.hz, default=None)
+        return max((row for row in self.rows if row.includes(metres)), key=lambda row: row.hz, default=None)
 
     def about(self, clock_hz: int) -> str:
         """Return a sentence about the cables that allow a clock, or an empty string without a table."""
         if not self.rows:
             return ""
-        allowing = (row for row in self.rows if clock_hz <= row.highest_hz)
-        longest = max(allowing, key=lambda row: row.metres, default=None)
+        fast_enough_rows = (row for row in self.rows if clock_hz <= row.highest_hz)
+        longest = max(fast_enough_rows, key=lambda row: row.metres, default=None)
         if longest is None:
             fastest = max(self.rows, key=lambda row: row.hz)
-            needed = f"{'below' if fastest.is_below else 'of at most'} {hertz(fastest.hz)}"
-            why = f"a cable {fastest.cable} needs a clock {needed}, and a longer one needs a lower clock"
-            return f"According to the table in {self.origin}, no cable allows this clock: {why}."
+            limit = f"{'below' if fastest.is_below else 'of at most'} {hertz(fastest.hz)}"
+            reason = f"a cable {fastest.cable} needs a clock {limit}, and a longer one needs a lower clock"
+            return f"According to the table in {self.origin}, no cable allows this clock: {reason}."
         return f"For a cable {longest.cable}, according to the table in {self.origin}."
 
 
@@ -75,10 +76,12 @@ def cable_table(device: Device, interface: Ssi | Biss, code: str = "") -> CableT
     match interface:
         case Ssi():
             path = f"interfaces.{interface.name}.cable_lengths"
-            rows = tuple(CableRow(row.shorter_than_m, row.below_hz, True) for row in interface.cable_lengths)
+            rows = [CableRow(row.shorter_than_m, row.below_hz, is_below=True) for row in interface.cable_lengths]
             errata = facts_for_code(device.errata, code) if code else device.errata
-            return CableTable(rows, _MANUAL, tuple(erratum.name for erratum in errata if path in erratum.affects))
+            errata_names = [erratum.name for erratum in errata if path in erratum.affects]
+            return CableTable(tuple(rows), _ORIGIN_MANUAL, tuple(errata_names))
         case Biss():
-            return CableTable(tuple(CableRow(metres, clock, False) for metres, clock in _BISS), _PUBLIC, ())
+            rows = [CableRow(metres, hz, is_below=False) for metres, hz in _BISS_CLOCKS]
+            return CableTable(tuple(rows), _ORIGIN_PUBLIC, ())
         case _:
             assert_never(interface)

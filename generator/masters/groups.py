@@ -23,14 +23,16 @@ class Group:
 
 def groups_of(device: Device, interface: Interface) -> list[Group]:
     """Return the order codes of an interface in groups, each once for each choice on which its frame depends."""
-    groups: dict[str, list[Record]] = {}
+    records_by_facts: dict[str, list[Record]] = {}
     for code_record in records_of(device, interface):
-        groups.setdefault(repr(replace(code_record, code="")), []).append(code_record)
-    return [Group(device, _codes_of(alike), alike[0]) for alike in groups.values()]
+        facts = repr(replace(code_record, code=""))
+        records_by_facts.setdefault(facts, []).append(code_record)
+    return [_group(device, records) for records in records_by_facts.values()]
 
 
-def _codes_of(records: Sequence[Record]) -> tuple[str, ...]:
-    return tuple(code_record.code for code_record in records)
+def _group(device: Device, records: Sequence[Record]) -> Group:
+    codes = tuple(code_record.code for code_record in records)
+    return Group(device, codes, record=records[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,16 +46,18 @@ class GroupSheets:
 
 def sheets_of(device: Device, masters: Sequence[Master]) -> tuple[GroupSheets, ...]:
     """Return the sheets of each interface with an order code for masters. Those of the last family are remembered."""
-    if not _LATEST or _LATEST[0][0] is not device or _LATEST[0][1] != tuple(map(id, masters)):
-        _LATEST[:] = [(device, tuple(map(id, masters)), tuple(_sheets_of(device, masters)))]
-    return _LATEST[0][2]
+    master_ids = tuple(map(id, masters))
+    if not _LATEST or _LATEST[0][0] is not device or _LATEST[0][1] != master_ids:
+        _LATEST[:] = [(device, master_ids, tuple(_computed_sheets(device, masters)))]
+    _, _, interface_sheets = _LATEST[0]
+    return interface_sheets
 
 
 #: Families are compared by identity, because comparing their members takes longer than making the sheets.
 _LATEST: list[tuple[Device, tuple[int, ...], tuple[GroupSheets, ...]]] = []
 
 
-def _sheets_of(device: Device, masters: Sequence[Master]) -> Iterator[GroupSheets]:
+def _computed_sheets(device: Device, masters: Sequence[Master]) -> Iterator[GroupSheets]:
     for interface in device.interfaces:
         if groups := tuple(groups_of(device, interface)):
             master_sheets = tuple((master, _sheets_for(master, groups)) for master in masters)
@@ -76,7 +80,8 @@ def _records_by_answers(device: Device, variant: Variant) -> Iterator[Record]:
     try:
         yield record(device, variant)
     except Undecided as error:
-        deciding = device.alternatives_of(error.layout)
-        for answers, _ in choices(deciding):
-            chosen = {alternative.name: answer.name for alternative, answer in zip(deciding, answers, strict=True)}
-            yield record(device, variant, answers=chosen)
+        deciding_alternatives = device.alternatives_of(error.layout)
+        for answers, _ in choices(deciding_alternatives):
+            pairs = zip(deciding_alternatives, answers, strict=True)
+            chosen_answers = {alternative.name: answer.name for alternative, answer in pairs}
+            yield record(device, variant, answers=chosen_answers)

@@ -68,8 +68,8 @@ class Place:
 
 def devices_of(data: Raw) -> tuple[Device, ...]:
     """Return the devices of a description, or the master itself as the only one."""
-    listed = data.get("devices", ({"name": data["title"]},))
-    return tuple(Device(device["name"], tuple(device.get("channels", ("",)))) for device in listed)
+    devices = data.get("devices", ({"name": data["title"]},))
+    return tuple(Device(device["name"], tuple(device.get("channels", ("",)))) for device in devices)
 
 
 def places_of(
@@ -77,16 +77,16 @@ def places_of(
     value: int | bool | str | None,
     devices: Sequence[Device],
     standing: str,
-    filled: Callable[[str], str],
+    fill_in: Callable[[str], str],
 ) -> tuple[Place, ...]:
     """Return the places of a setting, one for each channel of each device."""
-    named = any("{" in str(rule.get("symbol", "")) for rule in setting["places"])
-    if named:
-        return _uncached_places(setting, value, devices, standing, filled)
+    depends_on_record = any("{" in str(rule.get("symbol", "")) for rule in setting["places"])
+    if depends_on_record:
+        return _computed_places(setting, value, devices, standing, fill_in)
     key = (id(setting), value, standing)
     cached_places = _CACHED_PLACES.get(key)
     if cached_places is None or cached_places[0] is not setting:
-        cached_places = _CACHED_PLACES[key] = (setting, _uncached_places(setting, value, devices, standing, filled))
+        cached_places = _CACHED_PLACES[key] = (setting, _computed_places(setting, value, devices, standing, fill_in))
     return cached_places[1]
 
 
@@ -94,23 +94,25 @@ def places_of(
 _CACHED_PLACES: dict[tuple[int, int | bool | str | None, str], tuple[Raw, tuple[Place, ...]]] = {}
 
 
-def _uncached_places(
+def _computed_places(
     setting: Raw,
     value: int | bool | str | None,
     devices: Sequence[Device],
     standing: str,
-    filled: Callable[[str], str],
+    fill_in: Callable[[str], str],
 ) -> tuple[Place, ...]:
     places: list[Place] = []
     for rule in setting["places"]:
         for device in devices:
             if device.name in rule.get("on", (device.name,)):
-                numbers = range(len(device.channels) if _is_listed(rule) else 1)
-                places += (_place(rule, device, number, value, standing, filled) for number in numbers)
+                channel_count = len(device.channels) if _differs_by_channel(rule) else 1
+                channel_numbers = range(channel_count)
+                places += (_place(rule, device, number, value, standing, fill_in) for number in channel_numbers)
     return tuple(places)
 
 
-def _is_listed(rule: Raw) -> bool:
+def _differs_by_channel(rule: Raw) -> bool:
+    """Return whether a rule lists a location for each channel."""
     return any(isinstance(rule.get(key), list) for key in ("index", "subindex", "symbol", "register", "address"))
 
 
@@ -120,7 +122,7 @@ def _place(
     number: int,
     value: int | bool | str | None,
     standing: str,
-    filled: Callable[[str], str],
+    fill_in: Callable[[str], str],
 ) -> Place:
     def of_channel(key: str, otherwise: Any = None) -> Any:
         content = rule.get(key, otherwise)
@@ -131,10 +133,10 @@ def _place(
     default = None if rule["default"] == NOT_GIVEN else rule["default"]
     return Place(
         device=device.name,
-        channel=device.channels[number] if _is_listed(rule) else "",
+        channel=device.channels[number] if _differs_by_channel(rule) else "",
         index=of_channel("index"),
         subindex=of_channel("subindex"),
-        symbol=filled(of_channel("symbol", "")),
+        symbol=fill_in(of_channel("symbol", "")),
         register=of_channel("register", ""),
         address=of_channel("address"),
         high_bit=high,
@@ -164,19 +166,25 @@ def _bits(text: str) -> tuple[int | None, int | None]:
     return int(high), int(low or high)
 
 
-def misfit(name: str, value: int | bool | str | None, places: Sequence[Place]) -> str:
+def reason_for_misfit(name: str, value: int | bool | str | None, places: Sequence[Place]) -> str:
     """Return the reason that a location cannot hold a value, or an empty string."""
     if not isinstance(value, int):
         return ""
     for place in places:
-        widest = (1 << place.bits) - 1 if place.kind == "unsigned" and place.bits is not None else value
-        highest = min(widest, value if place.maximum is None else place.maximum)
-        lowest = place.minimum
-        if value > highest:
+        highest = _highest_value(place)
+        if highest is not None and value > highest:
             return f"{name} would be {value}, but it is at most {highest}"
-        if lowest is not None and value < lowest:
-            return f"{name} would be {value}, but it is at least {lowest}"
+        if place.minimum is not None and value < place.minimum:
+            return f"{name} would be {value}, but it is at least {place.minimum}"
     return ""
+
+
+def _highest_value(place: Place) -> int | None:
+    """Return the highest value that fits the range and the bits of a location, or None without a limit."""
+    limits = [] if place.maximum is None else [place.maximum]
+    if place.kind == "unsigned" and place.bits is not None:
+        limits.append((1 << place.bits) - 1)
+    return min(limits, default=None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -199,8 +207,8 @@ def place_words(places: Sequence[Place], value: str, devices: Sequence[Device]) 
     devices_by_words: dict[PlaceWords, list[str]] = {}
     in_hex = value.startswith("0x")
     for device, device_places in groupby(places, key=lambda place: place.device):
-        group = list(device_places)
-        devices_by_words.setdefault(_words(group, in_hex), []).append(device)
+        words = _words(list(device_places), in_hex)
+        devices_by_words.setdefault(words, []).append(device)
     for words, names in devices_by_words.items():
         yield replace(words, devices=", ".join(names) if len(names) < len(devices) else "")
 
@@ -210,19 +218,22 @@ def place_lines(places: Sequence[Place], value: str, devices: Sequence[Device]) 
     for words in place_words(places, value, devices):
         unit = f"unit {words.unit}" if words.unit not in ("", "none") else ""
         default = f"factory default {words.default}" if words.default else ""
-        leave = "leave it" if words.is_default else ""
-        facts = list(filter(None, (words.location, words.type, unit, words.range, default, leave)))
-        names = {"place": words.location, "data type": words.type, "unit": words.unit, "factory default": words.default}
-        missing = [name for name, text in names.items() if not text]
-        facts += [f"{listed(missing)} not given"] if missing else []
-        on = f"{words.devices}: " if words.devices else ""
-        yield f"{on}{', '.join(facts)}{words.mark} [{words.source}]"
+        advice = "leave it" if words.is_default else ""
+        facts = list(filter(None, (words.location, words.type, unit, words.range, default, advice)))
+        texts = {"place": words.location, "data type": words.type, "unit": words.unit, "factory default": words.default}
+        missing = [name for name, text in texts.items() if not text]
+        if missing:
+            facts.append(f"{listed(missing)} not given")
+        devices_prefix = f"{words.devices}: " if words.devices else ""
+        yield f"{devices_prefix}{', '.join(facts)}{words.mark} [{words.source}]"
 
 
-def _words(group: Sequence[Place], in_hex: bool) -> PlaceWords:
+def _words(channel_places: Sequence[Place], in_hex: bool) -> PlaceWords:
     """Return the words for the channels of one device, which differ only in their locations."""
-    place = group[0]
-    kind = counted(place.bits or 0, "bit") if place.type == "bits" else place.type.replace("signed_n", "signed n")
+    place = channel_places[0]
+    data_type = place.type.replace("signed_n", "signed n")
+    if place.type == "bits":
+        data_type = counted(place.bits or 0, "bit")
     default = "" if place.default is None else str(place.default)
     if isinstance(place.default, bool):
         default = default.upper()
@@ -231,8 +242,8 @@ def _words(group: Sequence[Place], in_hex: bool) -> PlaceWords:
     has_range = place.minimum is not None or place.maximum is not None
     return PlaceWords(
         devices="",
-        location=", ".join(map(_location_and_channel, group)),
-        type=kind,
+        location=", ".join(map(_location_and_channel, channel_places)),
+        type=data_type,
         unit=place.unit,
         range=_range_in_words(place.minimum, place.maximum) if has_range else "",
         default=default,

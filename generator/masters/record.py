@@ -97,7 +97,7 @@ class Record:
     used_hz: tuple[int, ...] = ()
 
     @property
-    def known(self) -> Mapping[str, int]:
+    def known_numbers(self) -> Mapping[str, int]:
         return {name: value for name, value in self.numbers.items() if value is not None}
 
 
@@ -112,7 +112,7 @@ class _PositionFrame:
     device: Device
     variant: Variant
     interface: Biss | Ssi
-    placed: PlacedLayout
+    placed_layout: PlacedLayout
     measurement: Measurement
 
 
@@ -138,15 +138,15 @@ def record(
             for this cable length.
     """
     frame = _position_frame(device, variant, answers)
-    deciding = device.alternatives_of(frame.placed.layout)
-    parts = tuple(_parts(frame.placed, frame.measurement, variant))
+    deciding_alternatives = device.alternatives_of(frame.placed_layout.layout)
+    parts = tuple(_parts(frame.placed_layout, frame.measurement, variant))
     numbers = _numbers(frame, parts)
     cables = cable_table(device, frame.interface, variant.code)
-    needed_answers = {alternative.name: answers[alternative.name] for alternative in deciding}
+    needed_answers = {alternative.name: answers[alternative.name] for alternative in deciding_alternatives}
     notes = (
-        *_answer_notes(deciding, needed_answers),
+        *_answer_notes(deciding_alternatives, needed_answers),
         *_clock_notes(numbers, cables, cable_m),
-        *_frame_notes(device, frame.measurement.of, frame.placed, parts, as_delivered),
+        *_frame_notes(device, frame.measurement.of, frame.placed_layout, parts, as_delivered),
     )
     unlimited = _record(frame, parts, numbers, cables, notes, needed_answers)
     return unlimited if cable_m is None else _with_cable(unlimited, cable_m)
@@ -158,17 +158,17 @@ def _position_frame(device: Device, variant: Variant, answers: Mapping[str, str]
         only = f"there are masters for {Ssi.title} and {Biss.title} only"
         raise NoRecord(f"{variant.code} has the interface {interface.title}; {only}")
     measurement = device.measurement_of(variant.interface) or _WITHOUT_UNIT
-    placed = _frame_with_position(interface, measurement, with_answers(device, variant, answers))
-    deciding = device.alternatives_of(placed.layout)
-    missing = [alternative.name for alternative in deciding if alternative.name not in answers]
+    placed_layout = _frame_with_position(interface, measurement, with_answers(device, variant, answers))
+    deciding_alternatives = device.alternatives_of(placed_layout.layout)
+    missing = [alternative.name for alternative in deciding_alternatives if alternative.name not in answers]
     if missing:
-        raise Undecided(placed.layout, missing)
+        raise Undecided(placed_layout.layout, missing)
     return _PositionFrame(
         device=device,
         variant=variant,
         interface=interface,
-        placed=placed,
-        measurement=measurement.within(placed.layout.position_range),
+        placed_layout=placed_layout,
+        measurement=measurement.within(placed_layout.layout.position_range),
     )
 
 
@@ -203,8 +203,8 @@ def _record(
 def _numbers(frame: _PositionFrame, parts: Sequence[Part]) -> dict[str, int | None]:
     """Return the numbers of a record, in their order there."""
     variant = frame.variant
-    crc = _checked_crc(frame.device, frame.placed)
-    widths = _widths(parts)
+    crc = _crc_for_masters(frame.device, frame.placed_layout)
+    widths = _bit_counts(parts)
     numbers = (
         widths
         | _crc_numbers(crc)
@@ -220,9 +220,9 @@ def _words(frame: _PositionFrame, parts: Sequence[Part], numbers: Mapping[str, i
     return {
         "interface": frame.variant.interface,
         "movement": movement,
-        "coding": _coding(frame.placed, frame.measurement, parts),
+        "coding": _coding(frame.placed_layout, frame.measurement, parts),
         "status_active": _status_active(parts),
-        "parity": _parity(frame.placed, parts),
+        "parity": _parity_of_frame(frame.placed_layout, parts),
         "singleturn_codes": _singleturn_codes(movement, numbers["singleturn_bits"], numbers["counts_per_turn"]),
     }
 
@@ -262,34 +262,34 @@ def _frame_with_position(interface: Interface, measurement: Measurement, variant
     """Return the frame that carries the position. With several BiSS channels, this is the first."""
     layouts = sorted(interface.layouts, key=lambda layout: layout.channel or 0)
     for layout in layouts:
-        placed = layout.place(variant.parameters)
-        if placed.place_of(measurement.of)[1]:
+        placed_layout = layout.place(variant.parameters)
+        if placed_layout.place_of(measurement.of)[1]:
             if layout.in_bytes:
                 raise NoRecord(f"'{layout.name}' is carried as bytes, and the rules for masters cover frames of bits")
-            return placed
+            return placed_layout
     raise NoRecord(f"no frame of {interface.title} carries '{measurement.of}'")
 
 
 #: Roles in the common frame that masters expect, in the order sent. Zero bits may be on both sides of the position.
-_ORDER = ("before", "position", "after", "status", "crc")
+_ROLES_AS_SENT = ("before", "position", "after", "status", "crc")
 
 
-def _parts(placed: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[Part]:
+def _parts(placed_layout: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[Part]:
     """Yield the parts of the frame in the order sent. What the common frame does not have there is ``other``."""
-    layout = placed.layout
-    of_position = layout.names_in(measurement.of)
-    stage, top = "before", placed.bits
-    for field in placed.fields:
+    layout = placed_layout.layout
+    position_field_names = layout.names_in(measurement.of)
+    stage, top = "before", placed_layout.bits
+    for field in placed_layout.fields:
         if field.high + 1 != top:
             raise NoRecord(f"the bits of '{layout.name}' above '{field.name}' have no meaning in the spec")
         top = field.low
-        role = _role(field, placed, of_position, stage)
-        if role in _ORDER:
+        role = _role(field, placed_layout, position_field_names, stage)
+        if role in _ROLES_AS_SENT:
             stage = role
         elif stage in ("position", "after"):
             stage = "status"  # Zero bits from here on are not next to the position.
         if role == "position":
-            is_last, is_joined = field.name == of_position[-1], len(of_position) > 1
+            is_last, is_joined = field.name == position_field_names[-1], len(position_field_names) > 1
             yield from _position_parts(field, is_last, is_joined, measurement, variant)
         else:
             printed_role = "padding" if role in ("before", "after") else role
@@ -298,18 +298,18 @@ def _parts(placed: PlacedLayout, measurement: Measurement, variant: Variant) -> 
         raise NoRecord(f"the last bits of '{layout.name}' have no meaning in the spec")
 
 
-def _role(field: PlacedField, placed: PlacedLayout, of_position: Sequence[str], stage: str) -> str:
+def _role(field: PlacedField, placed_layout: PlacedLayout, position_field_names: Sequence[str], stage: str) -> str:
     """Return the role of a field, with ``before`` and ``after`` for zero bits. ``stage`` is the last one reached."""
-    if field.name in of_position:
+    if field.name in position_field_names:
         if stage not in ("before", "position"):
             raise NoRecord(f"the position is not in one piece: other bits are sent before '{field.name}'")
         return "position"
-    if stage == "position" and field.low > placed.place_of(of_position[-1])[0]:
+    if stage == "position" and field.low > placed_layout.place_of(position_field_names[-1])[0]:
         raise NoRecord(f"the position is not in one piece: '{field.name}' is sent within it")
     role = _expected_role(field, stage)
-    if role in _ORDER[_ORDER.index(stage) :] and (stage != "before" or role == "before"):
+    if role in _ROLES_AS_SENT[_ROLES_AS_SENT.index(stage) :] and (stage != "before" or role == "before"):
         return role
-    return "parity" if _is_parity_of_frame(field, placed) else "other"
+    return "parity" if _is_parity_of_frame(field, placed_layout) else "other"
 
 
 def _expected_role(field: PlacedField, stage: str) -> str:
@@ -322,16 +322,17 @@ def _expected_role(field: PlacedField, stage: str) -> str:
     return "status" if field.width == 1 and isinstance(kind, (Flag, Constant, Unused)) else "other"
 
 
-def _is_parity_of_frame(field: PlacedField, placed: PlacedLayout) -> bool:
+def _is_parity_of_frame(field: PlacedField, placed_layout: PlacedLayout) -> bool:
     """Return whether a field is the last one, and a parity bit over all other bits that are not always 0."""
     kind = field.field.kind
     if not isinstance(kind, Parity) or kind.over or field.low:
         return False
-    covered = {name for of in kind.of for name in placed.layout.names_in(of)} | {*kind.constants}
-    return all(candidate.name in covered or candidate is field or _is_zero(candidate) for candidate in placed.fields)
+    covered_names = {name for of in kind.of for name in placed_layout.layout.names_in(of)} | {*kind.constants}
+    other_fields = [other for other in placed_layout.fields if other is not field]
+    return all(other.name in covered_names or _is_always_zero(other) for other in other_fields)
 
 
-def _is_zero(field: PlacedField) -> bool:
+def _is_always_zero(field: PlacedField) -> bool:
     return isinstance(field.field.kind, (Constant, Unused)) and field.field.kind.value == 0
 
 
@@ -358,8 +359,8 @@ def _active_level(field: Field) -> str:
     return "low" if field.kind.active_low else "high"
 
 
-def _checked_crc(device: Device, placed: PlacedLayout) -> Crc | None:
-    crc = device.crc_of(placed.layout)
+def _crc_for_masters(device: Device, placed_layout: PlacedLayout) -> Crc | None:
+    crc = device.crc_of(placed_layout.layout)
     if crc is None:
         return None
     if device.reflects_input(crc) or crc.refout or crc.xorout not in (0, crc.mask) or not crc.poly & 1:
@@ -367,38 +368,39 @@ def _checked_crc(device: Device, placed: PlacedLayout) -> Crc | None:
     return crc
 
 
-def _parity(placed: PlacedLayout, parts: Sequence[Part]) -> str:
+def _parity_of_frame(placed_layout: PlacedLayout, parts: Sequence[Part]) -> str:
     """Return the parity of a frame that ends in a parity bit over the whole of it, or ``none``."""
-    kind = placed.fields[-1].field.kind
+    kind = placed_layout.fields[-1].field.kind
     if parts[-1].role != "parity" or not isinstance(kind, Parity):
         return "none"
     return "odd" if kind.odd else "even"
 
 
-def _coding(placed: PlacedLayout, measurement: Measurement, parts: Sequence[Part]) -> str:
+def _coding(placed_layout: PlacedLayout, measurement: Measurement, parts: Sequence[Part]) -> str:
     """Return the code of the position, with ``gray_with_status`` if the code includes all status bits after it."""
-    layout: Layout = placed.layout
-    if not layout.gray_of or (layout.gray_when and not placed.gray):
+    layout: Layout = placed_layout.layout
+    if not layout.gray_of or (layout.gray_when and not placed_layout.gray):
         return "binary"
     if layout.gray_of == measurement.of:
         return "gray"
-    coded, of_position = set(layout.names_in(layout.gray_of)), set(layout.names_in(measurement.of))
-    if coded == of_position | {part.name for part in parts if part.role == "status"}:
+    gray_names, position_names = set(layout.names_in(layout.gray_of)), set(layout.names_in(measurement.of))
+    status_names = {part.name for part in parts if part.role == "status"}
+    if gray_names == position_names | status_names:
         return "gray_with_status"
-    extent = "with more than the position" if of_position < coded else "not the whole position"
+    extent = "with more than the position" if position_names < gray_names else "not the whole position"
     raise NoRecord(f"only '{layout.gray_of}' is in Gray code, {extent}")
 
 
-def _bits_of(parts: Sequence[Part], role: str) -> int:
+def _bits_of_role(parts: Sequence[Part], role: str) -> int:
     return sum(part.bits for part in parts if part.role == role)
 
 
-def _widths(parts: Sequence[Part]) -> dict[str, int | None]:
+def _bit_counts(parts: Sequence[Part]) -> dict[str, int | None]:
     roles = ("multiturn", "singleturn", "padding", "status", "crc", "other", "parity")
-    bits = {role: _bits_of(parts, role) for role in roles}
+    bits = {role: _bits_of_role(parts, role) for role in roles}
     first = next(index for index, part in enumerate(parts) if part.role in ("multiturn", "singleturn"))
-    padding_left = _bits_of(parts[:first], "padding")
-    other_left = _bits_of(parts[:first], "other")
+    padding_left = _bits_of_role(parts[:first], "padding")
+    other_left = _bits_of_role(parts[:first], "other")
     position = bits["multiturn"] + bits["singleturn"]
     data = position + bits["padding"]
     return {
@@ -420,34 +422,38 @@ def _widths(parts: Sequence[Part]) -> dict[str, int | None]:
 
 def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
     """Return the three notations of the polynomial: x^6 + x + 1 is 0x43, 0x03 and 0x21."""
-    whole, poly, start, turned = (crc.poly_with_top_bit, crc.poly, crc.init, crc.xorout) if crc else (0, 0, 0, 0)
     return {
-        "crc_polynomial": whole,
-        "crc_polynomial_without_top_bit": poly,
-        "crc_polynomial_without_last_1": whole >> 1,
-        "crc_start": start,
-        "crc_inverted": int(turned != 0),
+        "crc_polynomial": crc.poly_with_top_bit if crc else 0,
+        "crc_polynomial_without_top_bit": crc.poly if crc else 0,
+        "crc_polynomial_without_last_1": crc.poly_with_top_bit >> 1 if crc else 0,
+        "crc_start": crc.init if crc else 0,
+        "crc_inverted": int(crc.xorout != 0) if crc else 0,
     }
 
 
 def _clock_and_times(interface: Biss | Ssi, code: str) -> dict[str, int | None]:
     """Return clock and times of an order code. A time-out in clock periods is longest at the slowest clock."""
-    timeout = interface.timeout if isinstance(interface, Biss) else None
-    longest = None
-    if timeout is not None and timeout.at_most_ns is not None:
-        longest = -(-timeout.at_most_ns // 1000)
-    elif timeout is not None and timeout.half_clock_periods is not None:
-        slowest = interface.clock.min_hz
-        longest = -(-timeout.half_clock_periods * 500_000 // slowest) if slowest is not None else None
     timings = {timing.name: timing for timing in facts_for_code(interface.timings, code)}
     pause, busy = timings.get("pause"), timings.get("busy")
     return {
         "clock_min_hz": interface.clock.min_hz,
         "clock_max_hz": interface.clock.max_hz,
-        "timeout_us": longest,
+        "timeout_us": _longest_timeout_us(interface) if isinstance(interface, Biss) else None,
         "busy_us": busy.at_most_us if busy is not None else None,
         "pause_us": pause.at_least_us if pause is not None else None,
     }
+
+
+def _longest_timeout_us(interface: Biss) -> int | None:
+    """Return the longest time-out, rounded up, or None if it is not known."""
+    timeout, slowest_hz = interface.timeout, interface.clock.min_hz
+    if timeout is None:
+        return None
+    if timeout.at_most_ns is not None:
+        return -(-timeout.at_most_ns // 1000)
+    if timeout.half_clock_periods is not None and slowest_hz is not None:
+        return -(-timeout.half_clock_periods * 500_000 // slowest_hz)
+    return None
 
 
 def _supply_voltage(device: Device, variant: Variant) -> dict[str, int | None]:
@@ -466,8 +472,8 @@ def _measurement_numbers(measurement: Measurement, variant: Variant, multiturn_b
     return {
         "counts_per_turn": counts.value(variant.parameters) if counts is not None else None,
         "turns": turn_count,
-        "step_um": _in_whole_units(step, 1),
-        "step_pm": _in_whole_units(step, 1_000_000),
+        "step_um": _whole_number(step, 1),
+        "step_pm": _whole_number(step, 1_000_000),
     }
 
 
@@ -480,14 +486,14 @@ def _singleturn_codes(movement: str, singleturn_bits: int | None, counts_per_tur
     return "all" if counts_per_turn == 1 << singleturn_bits else "some"
 
 
-def _in_whole_units(step: Fraction | None, per_um: int) -> int | None:
+def _whole_number(step: Fraction | None, per_um: int) -> int | None:
     """Return a length in micrometres in another unit, or None if it is not a whole number of that unit."""
     return int(step * per_um) if step is not None and (step * per_um).denominator == 1 else None
 
 
-def _answer_notes(deciding: Sequence[Alternative], taken_answers: Mapping[str, str]) -> Iterator[str]:
-    for alternative in deciding:
-        name = taken_answers[alternative.name]
+def _answer_notes(alternatives: Sequence[Alternative], answer_names: Mapping[str, str]) -> Iterator[str]:
+    for alternative in alternatives:
+        name = answer_names[alternative.name]
         answer = next(answer for answer in alternative.answers if answer.name == name)
         yield f"With {alternative.name}={answer.name}: {answer.meaning}."
 
@@ -507,27 +513,27 @@ def _register_in_words(device: Device, name: str) -> str:
 
 
 def _frame_notes(
-    device: Device, position_name: str, placed: PlacedLayout, parts: Sequence[Part], as_delivered: bool
+    device: Device, position_name: str, placed_layout: PlacedLayout, parts: Sequence[Part], as_delivered: bool
 ) -> Iterator[str]:
-    for dependence, names in (
-        ("widths depend", set(placed.layout.bits.parameters)),
-        ("code depends", {placed.layout.gray_when} - {""}),
-    ):
-        needed = device.needed_parameters(names)
-        names_of = (parameter.register for parameter in device.run_time_parameters if parameter.name in needed)
-        deciding = ", ".join(dict.fromkeys(_register_in_words(device, name) for name in names_of))
-        if deciding:
-            values = (
-                f"their {initial(device)}. Other values need other settings" if as_delivered else "the given values"
-            )
-            yield f"The {dependence} on registers: {deciding}. These settings are for {values}."
-    signed = next((field for field in placed.fields if field.name == position_name and field.field.number.signed), None)
-    if signed is not None:
-        lowest, highest = device.signed_range(signed, placed)
+    yield from _register_notes(device, "widths depend", set(placed_layout.layout.bits.parameters), as_delivered)
+    yield from _register_notes(device, "code depends", {placed_layout.layout.gray_when} - {""}, as_delivered)
+    position = placed_layout.find_field(position_name)
+    if position is not None and position.field.number.signed:
+        lowest, highest = device.signed_range(position, placed_layout)
         yield (
             f"The position is signed, in two's complement: {lowest} to {highest}. A master that reads it as unsigned "
-            f"shows -1 as {(1 << signed.width) - 1}."
+            f"shows -1 as {(1 << position.width) - 1}."
         )
     fixed = [part.name for part in parts if part.role == "status" and not part.active]
     if fixed:
         yield f"{' and '.join(fixed)}: always 1, which a master treats as an inactive status bit."
+
+
+def _register_notes(device: Device, dependence: str, parameters: set[str], as_delivered: bool) -> Iterator[str]:
+    """Yield a sentence about the registers that set any of these parameters. ``dependence`` begins it."""
+    needed = device.needed_parameters(parameters)
+    register_names = [parameter.register for parameter in device.run_time_parameters if parameter.name in needed]
+    registers = dict.fromkeys(_register_in_words(device, name) for name in register_names)
+    if registers:
+        values = f"their {initial(device)}. Other values need other settings" if as_delivered else "the given values"
+        yield f"The {dependence} on registers: {', '.join(registers)}. These settings are for {values}."

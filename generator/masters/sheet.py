@@ -23,15 +23,15 @@ from ..model.record import dataclass
 from ..say.interface import clocks_in_use
 from ..say.numbers import decimal
 from ..say.words import hertz
-from .places import Device, Place, devices_of, misfit, places_of
+from .places import Device, Place, devices_of, places_of, reason_for_misfit
 from .record import Part, Record
-from .writing import Writing, writing_of
+from .writing import WriteCondition, writing_of
 
 Raw = Mapping[str, Any]
 
-_RULES = ("limits", "settings", "writing", "notes", "files")
+_RULE_LISTS = ("limits", "settings", "writing", "notes", "files")
 #: Bound of a clock that is in use, while the limits of the encoder are not known.
-_START = "start_with"
+_START_WITH = "start_with"
 _UNITS = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000}
 
 
@@ -89,44 +89,44 @@ class Sheet:
     """Settings of one master for one order code, empty if there are refusals.
 
     ``writing`` are the conditions for writing the settings.
-    ``speaks`` is false if the master is not described for the interface. ``barred`` are devices that cannot use the
-    order code although others can.
+    ``is_described`` is false if the master is not described for the interface. ``unusable_devices`` are devices that
+    cannot use the order code although others can.
     """
 
     master: Master
     refusals: tuple[Refusal, ...]
     settings: tuple[Setting, ...]
     notes: tuple[str, ...]
-    writing: tuple[Writing, ...] = ()
-    speaks: bool = True
-    barred: frozenset[str] = frozenset()
+    writing: tuple[WriteCondition, ...] = ()
+    is_described: bool = True
+    unusable_devices: frozenset[str] = frozenset()
 
     def devices_with(self, file: Raw) -> list[str]:
         """Return the devices of the master to which a file in its description applies."""
-        names = [device.name for device in self.master.devices if device.name not in self.barred]
+        names = [device.name for device in self.master.devices if device.name not in self.unusable_devices]
         return [name for name in names if name in file.get("on", names)]
 
-    def writing_of(self, setting: Setting) -> tuple[Writing, ...]:
+    def writing_of(self, setting: Setting) -> tuple[WriteCondition, ...]:
         """Return the conditions that apply only to this setting."""
         return tuple(rule for rule in self.writing if rule.of == (setting.name,))
 
     @property
-    def shared_writing(self) -> tuple[Writing, ...]:
+    def shared_writing(self) -> tuple[WriteCondition, ...]:
         """Conditions for several or all settings."""
         return tuple(rule for rule in self.writing if len(rule.of) != 1)
 
 
-class _Unknown(Exception):
+class _UnknownValue(Exception):
     """A value depends on a number that the spec does not give."""
 
 
-def _not_in_manual(number: str, step: Fraction | None = None) -> _Unknown:
+def _unknown_number(number: str, step: Fraction | None = None) -> _UnknownValue:
     if number in STEPS and step is not None:
-        return _Unknown(f"one count is {decimal(step)} µm, not a whole number of {STEPS[number]}")
-    return _Unknown(f"not in the encoder's spec ({NUMBERS[number]})")
+        return _UnknownValue(f"one count is {decimal(step)} µm, not a whole number of {STEPS[number]}")
+    return _UnknownValue(f"not in the encoder's spec ({NUMBERS[number]})")
 
 
-class _Refused(Exception):
+class _UnsupportedFeature(Exception):
     """The master does not support a feature that the encoder needs."""
 
 
@@ -150,7 +150,7 @@ def load_masters(paths: Sequence[Path] = ()) -> tuple[tuple[Master, ...], Report
                 if name in group_names:
                     report.add("duplicate-name", document, ("master",), f"there is another description of '{name}'")
                 group_names.add(name)
-                masters[name] = _master(data)
+                masters[name] = _master_from_spec(data)
     return tuple(sorted(masters.values(), key=lambda master: master.title.lower())), report
 
 
@@ -167,17 +167,16 @@ def shipped_masters() -> tuple[Master, ...]:
     return masters
 
 
-def _master(data: Raw) -> Master:
+def _master_from_spec(data: Raw) -> Master:
     documents = tuple(Document(key, row["title"], row.get("url", "")) for key, row in data["documents"].items())
-    rules = (tuple(data.get(name, ())) for name in _RULES)
     return Master(
-        data["master"],
-        data["title"],
-        tuple(data["takes"]),
-        documents,
-        devices_of(data),
-        data.get("standing", "documented"),
-        *rules,
+        name=data["master"],
+        title=data["title"],
+        takes=tuple(data["takes"]),
+        documents=documents,
+        devices=devices_of(data),
+        standing=data.get("standing", "documented"),
+        **{name: tuple(data.get(name, ())) for name in _RULE_LISTS},
     )
 
 
@@ -187,32 +186,47 @@ def sheet(master: Master, record: Record) -> Sheet:
     if interface not in master.takes:
         only = listed(INTERFACES[name].title for name in master.takes)
         reason = f"This master is described for {only} only, but {record.code} has {INTERFACES[interface].title}."
-        return Sheet(master, (Refusal(reason, master.standing, ""),), (), (), speaks=False)
+        return Sheet(master, (Refusal(reason, master.standing, ""),), (), (), is_described=False)
+    settings, device_refusals = _settings_and_device_refusals(master, record)
+    unusable_devices = frozenset[str]().union(*(devices for _, devices in device_refusals))
     broken_limits = (rule for rule in master.limits if _applies(rule, record) and not _is_within_limits(rule, record))
     refusals = [_limit_refusal(rule, master, record) for rule in broken_limits]
     refusals += _refusals_of_parts(master, record)
+    if len(unusable_devices) == len(master.devices):
+        refusals += [refusal for refusal, _ in device_refusals]
+    if not refusals:
+        refusals = list(_refusals_of_values(settings))
+    if refusals:
+        return Sheet(master, tuple(refusals), (), ())
+    device_notes = [f"Not for {listed(sorted(devices))}. {refusal.reason}" for refusal, devices in device_refusals]
+    notes = [_filled(note["text"], record) for note in master.notes if _applies(note, record)]
+    writing_rules = [_with_setting_names(rule, record) for rule in master.writing if _applies(rule, record)]
+    setting_names = [setting.name for setting in settings]
+    return Sheet(
+        master=master,
+        refusals=(),
+        settings=tuple(settings),
+        notes=(*device_notes, *notes),
+        writing=writing_of(writing_rules, setting_names, master.devices, master.standing),
+        unusable_devices=unusable_devices,
+    )
+
+
+def _settings_and_device_refusals(
+    master: Master, record: Record
+) -> tuple[list[Setting], list[tuple[Refusal, set[str]]]]:
+    """Return the settings, and the refusals of settings that some devices cannot express, with these devices."""
     settings: list[Setting] = []
-    refused: list[tuple[Refusal, set[str]]] = []
+    device_refusals: list[tuple[Refusal, set[str]]] = []
     for rule in master.settings:
         if not _applies(rule, record):
             continue
         try:
-            settings.append(_setting(rule, master, record))
-        except _Refused as reason:
+            settings.append(_setting_of_rule(rule, master, record))
+        except _UnsupportedFeature as reason:
             refusal = Refusal(f"{reason}.", rule.get("standing", master.standing), rule["source"])
-            refused.append((refusal, _devices_of(rule, master)))
-    barred = frozenset[str]().union(*(devices for _, devices in refused))
-    if len(barred) == len(master.devices):
-        refusals += [refusal for refusal, _ in refused]
-    if not refusals:
-        refusals = list(_misfits(settings))
-    if refusals:
-        return Sheet(master, tuple(refusals), (), ())
-    notes = tuple(_filled(note["text"], record) for note in master.notes if _applies(note, record))
-    rules = [_with_setting_names(rule, record) for rule in master.writing if _applies(rule, record)]
-    writing = writing_of(rules, [setting.name for setting in settings], master.devices, master.standing)
-    unusable = (f"Not for {listed(sorted(devices))}. {refusal.reason}" for refusal, devices in refused)
-    return Sheet(master, (), tuple(settings), (*unusable, *notes), writing, barred=barred)
+            device_refusals.append((refusal, _devices_of(rule, master)))
+    return settings, device_refusals
 
 
 def _limit_refusal(rule: Raw, master: Master, record: Record) -> Refusal:
@@ -220,10 +234,10 @@ def _limit_refusal(rule: Raw, master: Master, record: Record) -> Refusal:
     return Refusal(reason, rule.get("standing", master.standing), rule["source"])
 
 
-def _misfits(settings: Sequence[Setting]) -> Iterator[Refusal]:
+def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[Refusal]:
     """Yield a refusal for each setting whose value does not fit its location."""
     for setting in settings:
-        reason = misfit(setting.name, setting.value, setting.places)
+        reason = reason_for_misfit(setting.name, setting.value, setting.places)
         if reason:
             yield Refusal(f"{reason}.", setting.standing, setting.source)
 
@@ -255,8 +269,11 @@ def _mentioned_items(rule: Any) -> set[str]:
         return set[str]().union(*map(_mentioned_items, rule))
     if not isinstance(rule, Mapping):
         return set()
-    names = _mentioned_items(tuple(rule.values())) | {str(rule[key]) for key in ("item", "of") if key in rule}
-    return names | set(Expression.parse(rule["value"]).parameters) if isinstance(rule.get("value"), str) else names
+    names = _mentioned_items(tuple(rule.values()))
+    names |= {str(rule[key]) for key in ("item", "of") if key in rule}
+    if isinstance(rule.get("value"), str):
+        names |= set(Expression.parse(rule["value"]).parameters)
+    return names
 
 
 def _devices_of(rule: Raw, master: Master) -> set[str]:
@@ -276,12 +293,14 @@ def _filled_names(names: Sequence[str], record: Record) -> list[str]:
 
 
 def _applies(rule: Raw, record: Record) -> bool:
+    """Return whether all conditions in ``when`` of a rule are known to hold."""
     return all(_condition_holds(condition, record) for condition in rule.get("when", ()))
 
 
 def _condition_holds(condition: Raw, record: Record) -> bool:
     """Return whether a condition is known to hold."""
-    is_known = condition["item"] in record.words or record.numbers[condition["item"]] is not None
+    name = condition["item"]
+    is_known = name in record.words or record.numbers[name] is not None
     return is_known and _is_within_limits(condition, record)
 
 
@@ -301,14 +320,15 @@ def _actual_value(name: str, record: Record) -> str:
     if name in record.words:
         return f"{name.replace('_', ' ')} {record.words[name]}"
     number = record.numbers[name]
-    printed_number = f"0x{number:02X}" if name.startswith("crc_polynomial") and number is not None else f"{number}"
+    is_polynomial = name.startswith("crc_polynomial") and number is not None
+    printed_number = f"0x{number:02X}" if is_polynomial else f"{number}"
     return f"{name.replace('_', ' ')} {printed_number}"
 
 
-def _setting(rule: Raw, master: Master, record: Record) -> Setting:
+def _setting_of_rule(rule: Raw, master: Master, record: Record) -> Setting:
     try:
         value, text, bound = _value_of_setting(rule, record)
-    except _Unknown as reason:
+    except _UnknownValue as reason:
         value, text, bound = None, f"unknown: {reason}", ""
     notes = (rule.get("note", ""), _start_note(bound, record), _cable_note(rule, value, record))
     return Setting(
@@ -326,7 +346,7 @@ def _setting(rule: Raw, master: Master, record: Record) -> Setting:
 
 def _start_note(bound: str, record: Record) -> str:
     """Return why a clock is only a value to start with."""
-    if bound != _START:
+    if bound != _START_WITH:
         return ""
     return f"The highest clock of the encoder is not known. {clocks_in_use(record.used_hz)}."
 
@@ -335,18 +355,20 @@ def _cable_note(rule: Raw, value: int | bool | str | None, record: Record) -> st
     """Return the cables that allow the clock of a setting, or an empty string if the user gave a cable length."""
     if value is None or record.cable_m is not None or not {"clocks", "any_clock"} & rule.keys():
         return ""
-    chosen = _best_listed_clock(rule, record)["hz"] if "clocks" in rule else _best_free_clock(rule["any_clock"], record)
-    return record.cables.about(chosen)
+    if "clocks" in rule:
+        return record.cables.about(_best_listed_clock(rule, record)["hz"])
+    return record.cables.about(_best_selectable_clock(rule["any_clock"], record))
 
 
 def _value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None, str, str]:
     """Return the value, its text, and its bound."""
     if "unknown" in rule:
-        raise _Unknown(rule["unknown"])
+        raise _UnknownValue(rule["unknown"])
     if "value" in rule:
         number = _evaluated(rule["value"], rule["name"], record)
         if rule.get("as") == "boolean":
-            return bool(number), "TRUE" if number else "FALSE", ""
+            text = "TRUE" if number else "FALSE"
+            return bool(number), text, ""
         text = f"0x{number:02X}" if rule.get("as") == "hex" else str(number)
         return number, text, rule.get("bound", "")
     if "choice" in rule:
@@ -355,7 +377,7 @@ def _value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | Non
     if "clocks" in rule:
         return _listed_clock(rule, record)
     if "any_clock" in rule:
-        return _free_clock(rule["any_clock"], record)
+        return _selectable_clock(rule["any_clock"], record)
     if "text" in rule:
         text = _filled_if_known(rule["text"], record)
         return text, text, ""
@@ -364,16 +386,17 @@ def _value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | Non
 
 
 def _evaluated(value: int | str, name: str, record: Record) -> int:
+    """Return the number that an expression has for a record. ``name`` is the name of the setting."""
     expression = Expression.parse(value)
-    for used in expression.parameters:
-        if record.numbers[used] is None:
-            raise _not_in_manual(used, record.step)
+    for parameter in expression.parameters:
+        if record.numbers[parameter] is None:
+            raise _unknown_number(parameter, record.step)
     try:
-        number = expression.value(record.known)
+        number = expression.value(record.known_numbers)
     except ExpressionError:
         number = -1
     if number < 0:
-        raise _Refused(f"{name} would be {expression.render()}, which cannot be set")
+        raise _UnsupportedFeature(f"{name} would be {expression.render()}, which cannot be set")
     return number
 
 
@@ -381,97 +404,99 @@ def _chosen_value(rule: Raw, record: Record) -> int | str:
     name = rule["choice"]["of"]
     actual = record.words.get(name, record.numbers.get(name))
     if actual is None:
-        raise _not_in_manual(name, record.step)
+        raise _unknown_number(name, record.step)
     for case in rule["choice"]["cases"]:
         if case["is"] == actual:
             chosen: int | str = case["set"]
             return chosen
-    raise _Refused(f"{rule['name']} has no value for {_actual_value(name, record)}")
+    raise _UnsupportedFeature(f"{rule['name']} has no value for {_actual_value(name, record)}")
 
 
-def _has_limits(record: Record) -> bool:
+def _is_highest_clock_known(record: Record) -> bool:
     return record.numbers["clock_max_hz"] is not None
 
 
 def _clock_limits(record: Record) -> tuple[int, int]:
     slowest, fastest = record.numbers["clock_min_hz"], record.numbers["clock_max_hz"]
     if fastest is None:
-        raise _not_in_manual("clock_max_hz")
+        raise _unknown_number("clock_max_hz")
     return slowest or 0, fastest
 
 
 def _listed_clock(rule: Raw, record: Record) -> tuple[int | str, str, str]:
-    best = _best_listed_clock(rule, record)
-    frequency, value = hertz(best["hz"]), best["set"]
+    best_clock = _best_listed_clock(rule, record)
+    frequency, value = hertz(best_clock["hz"]), best_clock["set"]
     text = frequency if str(value) == frequency else f"{value} ({frequency})"
-    return value, text, "" if _has_limits(record) else _START
+    bound = "" if _is_highest_clock_known(record) else _START_WITH
+    return value, text, bound
 
 
 def _best_listed_clock(rule: Raw, record: Record) -> Raw:
     """Return the fastest of the master's clocks that the encoder supports, or that is in use if this is not known."""
-    in_use = [clock for clock in rule["clocks"] if clock["hz"] in record.used_hz]
-    if in_use:
-        return _fastest_of(in_use)
+    used_clocks = [clock for clock in rule["clocks"] if clock["hz"] in record.used_hz]
+    if used_clocks:
+        return _fastest_of(used_clocks)
     slowest, fastest = _clock_limits(record)
-    fitting = [clock for clock in rule["clocks"] if slowest <= clock["hz"] <= fastest]
-    if not fitting:
+    fitting_clocks = [clock for clock in rule["clocks"] if slowest <= clock["hz"] <= fastest]
+    if not fitting_clocks:
         with_cable = f" with a cable of {record.cable_m} m" if record.cable_m is not None else ""
-        raise _Refused(
-            f"{rule['name']}: no clock is between {hertz(slowest)} and {_fastest(record)}, the limits of the "
-            f"encoder{with_cable}"
+        highest = _fastest_clock_text(record)
+        raise _UnsupportedFeature(
+            f"{rule['name']}: no clock is between {hertz(slowest)} and {highest}, the limits of the encoder{with_cable}"
         )
-    return _fastest_of(fitting)
+    return _fastest_of(fitting_clocks)
 
 
 def _fastest_of(clocks: Sequence[Raw]) -> Raw:
     return max(clocks, key=lambda clock: int(clock["hz"]))
 
 
-def _fastest(record: Record) -> str:
+def _fastest_clock_text(record: Record) -> str:
     """Return the highest clock in words, which a table of cable lengths may give as an exclusive limit."""
     row = record.cable_row
-    return hertz(row.hz if row is not None else record.known["clock_max_hz"])
+    return hertz(row.hz if row is not None else record.known_numbers["clock_max_hz"])
 
 
-def _free_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
-    best, unit = _best_free_clock(clock, record), clock["unit"]
-    bound = "at_most" if _has_limits(record) else _START
+def _selectable_clock(clock: Raw, record: Record) -> tuple[int | str, str, str]:
+    best_clock, unit = _best_selectable_clock(clock, record), clock["unit"]
+    bound = "at_most" if _is_highest_clock_known(record) else _START_WITH
     row = record.cable_row
-    if row is not None and row.is_below and best == row.highest_hz:
-        best, bound = row.hz, "below"
+    if row is not None and row.is_below and best_clock == row.highest_hz:
+        best_clock, bound = row.hz, "below"
     if unit not in _UNITS:
-        return best, hertz(best), bound
-    number = f"{best / _UNITS[unit]:g}" if best % _UNITS[unit] else str(best // _UNITS[unit])
-    text = f"{number} Hz ({hertz(best)})" if unit == "Hz" else f"{number} {unit}"
-    return (int(number) if number.isdigit() else number), text, bound
+        return best_clock, hertz(best_clock), bound
+    number = f"{best_clock / _UNITS[unit]:g}" if best_clock % _UNITS[unit] else str(best_clock // _UNITS[unit])
+    text = f"{number} Hz ({hertz(best_clock)})" if unit == "Hz" else f"{number} {unit}"
+    value: int | str = int(number) if number.isdigit() else number
+    return value, text, bound
 
 
-def _best_free_clock(clock: Raw, record: Record) -> int:
+def _best_selectable_clock(clock: Raw, record: Record) -> int:
     """Return the fastest clock that the encoder and the master support, for a master with freely selectable clocks."""
     lowest, highest = clock.get("at_least_hz", 0), clock.get("at_most_hz", math.inf)
-    in_use = [hz for hz in record.used_hz if lowest <= hz <= highest]
-    if in_use:
-        return max(in_use)
+    used_clocks = [hz for hz in record.used_hz if lowest <= hz <= highest]
+    if used_clocks:
+        return max(used_clocks)
     slowest, fastest = _clock_limits(record)
-    best = min(fastest, int(clock.get("at_most_hz", fastest)))
-    if best < max(slowest, lowest):
+    best_clock = min(fastest, int(clock.get("at_most_hz", fastest)))
+    if best_clock < max(slowest, lowest):
         supported = f"at most {hertz(highest)}" if highest < slowest else f"at least {hertz(lowest)}"
-        raise _Refused(
-            f"The master supports clocks of {supported}, but the encoder needs {hertz(slowest)} to {_fastest(record)}"
-        )
-    return best
+        needed = f"{hertz(slowest)} to {_fastest_clock_text(record)}"
+        raise _UnsupportedFeature(f"The master supports clocks of {supported}, but the encoder needs {needed}")
+    return best_clock
 
 
 def _filled_if_known(text: str, record: Record) -> str:
     """Return the text with the items in braces filled in, all of which must be known."""
     for name in NUMBERS:
-        if f"{{{name}}}" in text and record.numbers[name] is None and not (name == "step_um" and record.step):
-            raise _not_in_manual(name, record.step)
+        is_known = record.numbers[name] is not None or (name == "step_um" and record.step)
+        if f"{{{name}}}" in text and not is_known:
+            raise _unknown_number(name, record.step)
     return _filled(text, record)
 
 
 def _filled(text: str, record: Record) -> str:
-    """Return the text with the items in braces filled in."""
+    """Return the text with the items in braces filled in, with ``unknown`` for those without a value."""
     if "{" not in text:
         return text
     if record.step is not None:
@@ -489,15 +514,22 @@ def _field_texts(rule: Raw, name: str, record: Record) -> Iterator[str]:
             texts.setdefault(field["of"], field["text"])
     yield _filled_if_known(rule.get("start", ""), record)
     parts = _with_whole_position(record) if "position" in texts else record.parts
-    for part in parts if rule["first"] == "sent_first" else reversed(parts):
+    if rule["first"] != "sent_first":
+        parts = parts[::-1]
+    for part in parts:
         kind = f"status_active_{part.active or 'low'}" if part.role == "status" else part.role
         if kind not in texts:
-            raise _Refused(f"{name} cannot express '{part.name}'")
+            raise _UnsupportedFeature(f"{name} cannot express '{part.name}'")
         yield _filled_if_known(texts[kind].replace("{bits}", str(part.bits)).replace("{name}", part.name), record)
 
 
 def _with_whole_position(record: Record) -> tuple[Part, ...]:
     """Return the parts of the frame with multiturn and singleturn merged."""
-    whole = Part("position", "position", record.numbers["position_bits"] or 0)
-    kept_parts = (part for part in record.parts if part.role != "multiturn")
-    return tuple(whole if part.role == "singleturn" else part for part in kept_parts)
+    position = Part("position", "position", record.numbers["position_bits"] or 0)
+    parts: list[Part] = []
+    for part in record.parts:
+        if part.role == "singleturn":
+            parts.append(position)
+        elif part.role != "multiturn":
+            parts.append(part)
+    return tuple(parts)

@@ -20,7 +20,7 @@ from ..say.words import counted, hertz, microseconds, volts
 from .places import place_lines
 from .record import Record
 from .sheet import Master, Refusal, Setting, Sheet
-from .writing import Writing, write_order
+from .writing import WriteCondition, write_order
 
 VERSION = 1
 
@@ -32,40 +32,37 @@ def facts(record: Record) -> Iterator[tuple[str, str]]:
     """Yield the record in words, one fact per row."""
     number = record.numbers
     yield "Interface", INTERFACES[record.words["interface"]].title
-    turns = number["multiturn_bits"]
-    yield (
-        "Position bits",
-        f"{number['position_bits']}"
-        + (f": {turns} multiturn, {number['singleturn_bits']} singleturn" if turns else ""),
-    )
+    turn_bits = number["multiturn_bits"]
+    parts_of_position = f": {turn_bits} multiturn, {number['singleturn_bits']} singleturn" if turn_bits else ""
+    yield "Position bits", f"{number['position_bits']}{parts_of_position}"
     yield (
         "Padding",
         f"{counted(number['padding_left'] or 0, 'zero bit')} before the position, {number['padding_right']} after it",
     )
-    yield "Status bits", _status(record)
+    yield "Status bits", _status_bits(record)
     other_parts = [part.name for part in record.parts if part.role == "other"]
     if other_parts:
         yield "Other bits", ", ".join(other_parts)
-    yield "Data bits", _data(record)
+    yield "Data bits", _data_bits(record)
     yield "Order", ", ".join(f"{part.name} {part.bits}" for part in record.parts) + ", most significant bit first"
     yield "Code", _CODINGS[record.words["coding"]]
     yield "CRC", _crc(record)
     if record.words["parity"] != "none":
         yield "Parity", f"{record.words['parity']}, last bit"
-    yield "Clock", _clock(record)
+    yield "Clock", _clock_limits(record)
     if record.cables.rows:
-        yield "Clock by cable", _cables(record)
+        yield "Clock by cable", _cable_table_text(record)
     if INTERFACES[record.words["interface"]] is Biss:
         yield "Time-out", record.timeout or _unstated(record, Subject.TIMEOUT)
         # The longest in the protocol description, p. 18.
         busy = f"{_unstated(record, Subject.REPLY_TIME)}, but BiSS C allows 40 µs"
-        yield "Busy time", _time(number["busy_us"], "at most") or busy
+        yield "Busy time", _time_limit(number["busy_us"], "at most") or busy
     else:
-        yield "Pause", _time(number["pause_us"], "at least") or _unstated(record, Subject.PAUSE)
+        yield "Pause", _time_limit(number["pause_us"], "at least") or _unstated(record, Subject.PAUSE)
     yield "Supply", _supply(record) or _unstated(record, Subject.SUPPLY)
 
 
-def _clock(record: Record) -> str:
+def _clock_limits(record: Record) -> str:
     slowest, fastest = record.numbers["clock_min_hz"], record.numbers["clock_max_hz"]
     row = record.cable_row
     limits: list[str] = []
@@ -87,7 +84,7 @@ def _unstated(record: Record, subject: Subject | None = None) -> str:
     return f"the {record.document} does not say"
 
 
-def _cables(record: Record) -> str:
+def _cable_table_text(record: Record) -> str:
     """Return the table, the requested cable length, and the errata."""
     table = record.cables
     chosen = f". Clocks chosen for a cable of {record.cable_m} m" if record.cable_m is not None else ""
@@ -100,29 +97,33 @@ def _supply(record: Record) -> str:
     return f"{volts(lowest)} to {volts(highest)}" if lowest is not None and highest is not None else ""
 
 
-def _time(value: int | None, bound: str) -> str:
+def _time_limit(value: int | None, bound: str) -> str:
     return f"{bound} {microseconds(value)}" if value is not None else ""
 
 
-def _status(record: Record) -> str:
+def _status_bits(record: Record) -> str:
     words = {"low": "active low", "high": "active high", "": "always 1"}
     status_bits = [f"{part.name} ({words[part.active]})" for part in record.parts if part.role == "status"]
     return ", ".join(status_bits) if status_bits else "none"
 
 
-def _data(record: Record) -> str:
+def _data_bits(record: Record) -> str:
     number = record.numbers
-    more = [f"{number['data_and_status_bits']} with the status bits"] if number["status_bits"] else []
-    more += [f"{number['frame_bits']} with the CRC"] if number["crc_bits"] else []
-    return ", ".join([f"{number['data_bits']}", *more])
+    sizes = [f"{number['data_bits']}"]
+    if number["status_bits"]:
+        sizes.append(f"{number['data_and_status_bits']} with the status bits")
+    if number["crc_bits"]:
+        sizes.append(f"{number['frame_bits']} with the CRC")
+    return ", ".join(sizes)
 
 
 def _crc(record: Record) -> str:
-    number = record.known
+    number = record.known_numbers
     if not number["crc_bits"]:
         return "none"
-    whole = number["crc_polynomial"]
-    spellings = f"0x{whole:02X} ({whole}) with its top bit, 0x{number['crc_polynomial_without_top_bit']:02X} without it"
+    polynomial = number["crc_polynomial"]
+    without_top_bit = number["crc_polynomial_without_top_bit"]
+    spellings = f"0x{polynomial:02X} ({polynomial}) with its top bit, 0x{without_top_bit:02X} without it"
     spellings += f", 0x{number['crc_polynomial_without_last_1']:02X} without its trailing 1 (Koopman notation)"
     return (
         f"{number['crc_bits']} bits, polynomial {spellings}, start value {number['crc_start']}, "
@@ -132,31 +133,31 @@ def _crc(record: Record) -> str:
 
 def legend(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool) -> str:
     """Return the meaning of the marks, and the settings tested on hardware."""
-    used = {master.standing for master in masters}
-    used |= {setting.standing for sheet in sheets for setting in sheet.settings}
-    used |= {rule.standing for sheet in sheets for rule in sheet.writing}
-    used |= {reason.standing for sheet in sheets for reason in sheet.refusals}
-    if with_places:
-        used |= {place.standing for sheet in sheets for rule in sheet.settings for place in rule.places}
-    inferred = " * = derived, not stated there." if "inferred" in used else ""
+    standings = {master.standing for master in masters}
+    for sheet in sheets:
+        rules: tuple[Setting | WriteCondition | Refusal, ...] = (*sheet.settings, *sheet.writing, *sheet.refusals)
+        standings |= {rule.standing for rule in rules}
+        if with_places:
+            standings |= {place.standing for setting in sheet.settings for place in setting.places}
+    inferred = " * = derived, not stated there." if "inferred" in standings else ""
     tried = "Not yet tested on hardware."
-    if "tried" in used:
+    if "tried" in standings:
         tried = "+ = tested on hardware. All others are not yet tested."
     return f"Settings from the documentation of each master.{inferred} {tried}"
 
 
-def refusal(reason: Refusal) -> str:
+def refusal_text(reason: Refusal) -> str:
     """Return a refusal with its mark and source."""
     source = f" [{cited(reason.source)}]" if reason.source else ""
-    return f"{reason.reason}{mark(reason)}{source}"
+    return f"{reason.reason}{standing_mark(reason)}{source}"
 
 
-def bound(setting: Setting) -> str:
+def bound_in_words(setting: Setting) -> str:
     """Return ``at least ``, ``at most ``, ``below ``, ``start with `` or an empty string."""
     return f"{setting.bound.replace('_', ' ')} " if setting.bound else ""
 
 
-def mark(rule: Setting | Refusal | Writing) -> str:
+def standing_mark(rule: Setting | Refusal | WriteCondition) -> str:
     """Return the mark that the legend explains, after a space so that the value can be copied."""
     return _MARKS[rule.standing]
 
@@ -167,20 +168,20 @@ def cited(source: str) -> str:
     return ", ".join(sorted(re.split(r";\s*", source.strip()), key=lambda piece: ":" in piece))
 
 
-def condition(rule: Writing) -> str:
+def condition_text(rule: WriteCondition) -> str:
     """Return a condition for writing as a sentence with its mark and source."""
-    return f"{rule.text}{mark(rule)} [{cited(rule.source)}]"
+    return f"{rule.text}{standing_mark(rule)} [{cited(rule.source)}]"
 
 
-def conditions(setting: Setting, sheet: Sheet) -> Iterator[str]:
+def condition_texts(setting: Setting, sheet: Sheet) -> Iterator[str]:
     """Yield the conditions only for this setting, after the advice to leave a protected factory default unchanged."""
     writing_rules = sheet.writing_of(setting)
     if setting.is_default and any(rule.needs for rule in writing_rules):
         yield f"{setting.text} is the factory default. Write it only if the setting was changed."
-    yield from (condition(rule) for rule in writing_rules)
+    yield from (condition_text(rule) for rule in writing_rules)
 
 
-def _written(rule: Writing, master: Master, indent: str) -> list[str]:
+def _lines_of_needed_values(rule: WriteCondition, master: Master, indent: str) -> list[str]:
     """Return the places of the values that a condition needs."""
     lines: list[str] = []
     for write in (*rule.needs, *rule.then):
@@ -189,12 +190,36 @@ def _written(rule: Writing, master: Master, indent: str) -> list[str]:
     return lines
 
 
-def _shown(setting: Setting) -> str:
-    return f"{bound(setting)}{setting.text}{mark(setting)}"
+def _setting_text(setting: Setting) -> str:
+    return f"{bound_in_words(setting)}{setting.text}{standing_mark(setting)}"
 
 
 def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sheet]) -> str:
     """Return the record and each master's settings or refusals as text, at most 80 columns wide."""
+    lines = _record_lines(device, match, record)
+    lines += ["", wrapped(legend([sheet.master for sheet in sheets], sheets, len(sheets) == 1), WIDTH)]
+    usable_sheets = [sheet for sheet in sheets if not sheet.refusals]
+    for sheet in usable_sheets:
+        lines += ["", *_sheet_lines(sheet, with_documents=len(sheets) == 1)]
+    refusing_sheets = [sheet for sheet in sheets if sheet.refusals and sheet.is_described]
+    if refusing_sheets:
+        lines += ["", wrapped(f"According to their documentation, these cannot use {record.code}:", WIDTH)]
+    for sheet in refusing_sheets:
+        lines.append(wrapped(f"{sheet.master.title} ({sheet.master.name})", WIDTH, "    ", "  "))
+        lines += [wrapped(refusal_text(reason), WIDTH, "      ", "    ") for reason in sheet.refusals]
+    undescribed_titles = [sheet.master.title for sheet in sheets if not sheet.is_described]
+    if undescribed_titles:
+        title = INTERFACES[record.words["interface"]].title
+        sentence = f"These masters are not described for {title}: {'; '.join(undescribed_titles)}."
+        lines += ["", wrapped(sentence, WIDTH, "  ", "")]
+    if usable_sheets and len(sheets) > 1:
+        example = usable_sheets[0].master.name
+        lines += ["", f"--master NAME shows one of them with its documents, such as {example}."]
+    return "\n".join(lines)
+
+
+def _record_lines(device: Device, match: Match, record: Record) -> list[str]:
+    """Return the order code, what its label says, and the record."""
     lines = [wrapped(f"{match.variant.code}: {device.title}", WIDTH, "  ", "")]
     if match.written_as_in:
         lines.append(wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  "))
@@ -205,57 +230,57 @@ def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sh
         lines.append(wrapped("A code that ends in /Sxxx may differ from the manual.", WIDTH, "  "))
     lines += pairs(facts(record), 2)
     lines += [wrapped(note, WIDTH, "  ") for note in record.notes]
-    lines += ["", wrapped(legend([sheet.master for sheet in sheets], sheets, len(sheets) == 1), WIDTH)]
-    taking = [sheet for sheet in sheets if not sheet.refusals]
-    for sheet in taking:
-        lines += ["", *_sheet_lines(sheet, with_documents=len(sheets) == 1)]
-    refusing = [sheet for sheet in sheets if sheet.refusals and sheet.speaks]
-    if refusing:
-        lines += ["", wrapped(f"According to their documentation, these cannot use {record.code}:", WIDTH)]
-    for sheet in refusing:
-        lines.append(wrapped(f"{sheet.master.title} ({sheet.master.name})", WIDTH, "    ", "  "))
-        lines += [wrapped(refusal(reason), WIDTH, "      ", "    ") for reason in sheet.refusals]
-    silent = [sheet.master.title for sheet in sheets if not sheet.speaks]
-    if silent:
-        title = INTERFACES[record.words["interface"]].title
-        lines += ["", wrapped(f"These masters are not described for {title}: {'; '.join(silent)}.", WIDTH, "  ", "")]
-    if taking and len(sheets) > 1:
-        lines += ["", f"--master NAME shows one of them with its documents, such as {taking[0].master.name}."]
-    return "\n".join(lines)
+    return lines
 
 
 def _sheet_lines(sheet: Sheet, with_documents: bool) -> list[str]:
+    """Return the settings of a master. The places of settings and the documents are optional."""
     lines = [wrapped(f"{sheet.master.title} ({sheet.master.name})", WIDTH, "  ", "")]
-    names = min(max((len(setting.name) for setting in sheet.settings), default=0), 40)
-    values = min(max((len(_shown(setting)) for setting in sheet.settings), default=0), 18)
+    name_width = min(max((len(setting.name) for setting in sheet.settings), default=0), 40)
+    value_width = min(max((len(_setting_text(setting)) for setting in sheet.settings), default=0), 18)
     for setting in sheet.settings:
-        row = f"  {setting.name.ljust(names)}  {_shown(setting).ljust(values)}  {setting.at}".rstrip()
-        if len(row) <= WIDTH:
-            lines.append(row)
-        else:
-            place = f", {setting.at}" if setting.at else ""
-            lines += [
-                wrapped(f"{setting.name}{place}", WIDTH, "      ", "  "),
-                wrapped(_shown(setting), WIDTH, "      "),
-            ]
-        if setting.note:
-            lines.append(wrapped(setting.note, WIDTH, "      "))
-        lines += [wrapped(sentence, WIDTH, "      ") for sentence in conditions(setting, sheet)]
+        lines += _setting_lines(setting, sheet, name_width, value_width)
         if with_documents:
-            places = place_lines(setting.places, setting.text, sheet.master.devices)
-            lines += [wrapped(line, WIDTH, "        ", "      ") for line in places]
-            for rule in sheet.writing_of(setting):
-                lines += _written(rule, sheet.master, "      ")
+            lines += _lines_of_places(setting, sheet)
     for rule in sheet.shared_writing:
-        lines.append(wrapped(condition(rule), WIDTH, "    ", "  - "))
-        lines += _written(rule, sheet.master, "    ") if with_documents else []
+        lines.append(wrapped(condition_text(rule), WIDTH, "    ", "  - "))
+        lines += _lines_of_needed_values(rule, sheet.master, "    ") if with_documents else []
     lines += [wrapped(note, WIDTH, "    ", "  - ") for note in sheet.notes]
-    if with_documents and sheet.master.files:
-        formats = listed((file["format"] for file in sheet.master.files), "or")
+    if with_documents:
+        lines += _lines_of_files_and_documents(sheet.master)
+    return lines
+
+
+def _setting_lines(setting: Setting, sheet: Sheet, name_width: int, value_width: int) -> list[str]:
+    """Return a setting in one row, or in two if it is too long, then its note and conditions."""
+    row = f"  {setting.name.ljust(name_width)}  {_setting_text(setting).ljust(value_width)}  {setting.at}".rstrip()
+    lines = [row]
+    if len(row) > WIDTH:
+        name_and_place = f"{setting.name}, {setting.at}" if setting.at else setting.name
+        lines = [wrapped(name_and_place, WIDTH, "      ", "  "), wrapped(_setting_text(setting), WIDTH, "      ")]
+    if setting.note:
+        lines.append(wrapped(setting.note, WIDTH, "      "))
+    lines += [wrapped(sentence, WIDTH, "      ") for sentence in condition_texts(setting, sheet)]
+    return lines
+
+
+def _lines_of_places(setting: Setting, sheet: Sheet) -> list[str]:
+    """Return the places of a setting, and of the values that its conditions need."""
+    places = place_lines(setting.places, setting.text, sheet.master.devices)
+    lines = [wrapped(line, WIDTH, "        ", "      ") for line in places]
+    for rule in sheet.writing_of(setting):
+        lines += _lines_of_needed_values(rule, sheet.master, "      ")
+    return lines
+
+
+def _lines_of_files_and_documents(master: Master) -> list[str]:
+    lines = []
+    if master.files:
+        formats = listed((file["format"] for file in master.files), "or")
         lines.append(wrapped(f"file: --format {formats}", WIDTH, "      ", "  "))
-    for document in sheet.master.documents if with_documents else ():
-        where = f"{document.title}, {document.url}" if document.url else document.title
-        lines.append(wrapped(where, WIDTH, "      ", f"  {document.key}: "))
+    for document in master.documents:
+        title = f"{document.title}, {document.url}" if document.url else document.title
+        lines.append(wrapped(title, WIDTH, "      ", f"  {document.key}: "))
     return lines
 
 
@@ -291,7 +316,7 @@ def sheet_data(match: Match, record: Record, sheets: Sequence[Sheet]) -> dict[st
         },
         "alternatives": dict(record.answers),
         "record": _record_data(record),
-        "masters": [_sheet_entry(sheet) for sheet in sheets],
+        "masters": [_sheet_data(sheet) for sheet in sheets],
     }
 
 
@@ -310,7 +335,7 @@ def _record_data(record: Record) -> dict[str, Any]:
     }
 
 
-def _sheet_entry(sheet: Sheet) -> dict[str, Any]:
+def _sheet_data(sheet: Sheet) -> dict[str, Any]:
     """Return the settings of one master."""
     names = [setting.name for setting in sheet.settings]
     files = () if sheet.refusals else sheet.master.files

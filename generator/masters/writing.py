@@ -39,7 +39,7 @@ class Effect:
 
 
 @dataclass(frozen=True, slots=True)
-class Writing:
+class WriteCondition:
     """One condition for writing. Exactly one of needs, after, then and takes_effect is not empty.
 
     ``of`` names its settings, and is empty if it applies to all. ``needs`` are values to write before these settings,
@@ -58,7 +58,7 @@ class Writing:
 
 def writing_of(
     rules: Iterable[Raw], names: Collection[str], devices: Sequence[Device], standing: str
-) -> tuple[Writing, ...]:
+) -> tuple[WriteCondition, ...]:
     """Return the conditions for writing the settings ``names`` of a sheet."""
     conditions = []
     for rule in rules:
@@ -76,10 +76,10 @@ def _known_names(rule: Raw, key: str, names: Collection[str]) -> tuple[str, ...]
 
 def _writing(
     rule: Raw, settings: tuple[str, ...], after: tuple[str, ...], devices: Sequence[Device], standing: str
-) -> Writing:
+) -> WriteCondition:
     needs, then = _writes(rule, "needs", devices, standing), _writes(rule, "then", devices, standing)
     effect = Effect(**rule["takes_effect"]) if "takes_effect" in rule else None
-    return Writing(
+    return WriteCondition(
         of=settings,
         needs=needs,
         after=after,
@@ -97,25 +97,32 @@ def _writes(rule: Raw, key: str, devices: Sequence[Device], standing: str) -> tu
 
 def _write(rule: Raw, devices: Sequence[Device], standing: str) -> Write:
     value = rule["value"]
-    text = f"0x{value:X}" if rule.get("as") == "hex" else str(value)
-    places = places_of(rule, value, devices, standing, str)
-    return Write(rule["object"], rule.get("name", ""), value, text, places)
+    return Write(
+        object=rule["object"],
+        name=rule.get("name", ""),
+        value=value,
+        text=f"0x{value:X}" if rule.get("as") == "hex" else str(value),
+        places=places_of(rule, value, devices, standing, str),
+    )
 
 
-def write_order(names: Sequence[str], rules: Iterable[Writing]) -> tuple[str, ...]:
+def write_order(names: Sequence[str], rules: Iterable[WriteCondition]) -> tuple[str, ...]:
     """Return the settings in an order that follows every ``after``, and otherwise their own order."""
-    return _order(tuple(names), tuple((rule.of, rule.after) for rule in rules if rule.after))
+    return _names_in_order(tuple(names), tuple((rule.of, rule.after) for rule in rules if rule.after))
 
 
 @lru_cache(maxsize=64)
-def _order(names: tuple[str, ...], rules: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...]) -> tuple[str, ...]:
-    later = {name: set[str]() for name in names}
+def _names_in_order(
+    names: tuple[str, ...], rules: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...]
+) -> tuple[str, ...]:
+    predecessors = {name: set[str]() for name in names}
     for settings, after in rules:
         for name in settings:
-            later[name].update(after)
+            predecessors[name].update(after)
     order: list[str] = []
     while len(order) < len(names):
-        order.append(next(name for name in names if name not in order and later[name] <= set(order)))
+        remaining_names = [name for name in names if name not in order]
+        order.append(next(name for name in remaining_names if predecessors[name] <= set(order)))
     return tuple(order)
 
 

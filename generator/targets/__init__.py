@@ -46,23 +46,23 @@ class Library:
 
     def by_manufacturer(self) -> list[tuple[Manufacturer, tuple[Device, ...]]]:
         """Return the devices of each manufacturer, sorted by name. The main manufacturer is the first."""
-        return [(maker, self._devices_of(maker)) for maker in manufacturers(self.devices)]
+        return [(manufacturer, self._devices_of(manufacturer)) for manufacturer in manufacturers(self.devices)]
 
-    def _devices_of(self, maker: Manufacturer) -> tuple[Device, ...]:
-        return tuple(device for device in self.devices if device.manufacturer.name == maker.name)
+    def _devices_of(self, manufacturer: Manufacturer) -> tuple[Device, ...]:
+        return tuple(device for device in self.devices if device.manufacturer.name == manufacturer.name)
 
 
 def manufacturers(devices: Iterable[Device]) -> list[Manufacturer]:
     """Return the manufacturers of the devices, sorted by name. The main one is the first."""
     makers = {device.manufacturer.name: device.manufacturer for device in devices}
-    return sorted(makers.values(), key=lambda maker: (not maker.main, maker.name))
+    return sorted(makers.values(), key=lambda manufacturer: (not manufacturer.main, manufacturer.name))
 
 
 def main_manufacturer(makers: Sequence[Manufacturer]) -> Manufacturer | None:
     """Return the manufacturer whose name a folder with the packages of ``makers`` has, or None if no single one has."""
     if len(makers) == 1:
         return makers[0]
-    main_makers = [maker for maker in makers if maker.main]
+    main_makers = [manufacturer for manufacturer in makers if manufacturer.main]
     return main_makers[0] if len(main_makers) == 1 else None
 
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from itertools import chain, count
 
-_NO_PART_OF_A_NAME = re.compile(r"[^A-Za-z0-9.-]+")
+_NOT_ALLOWED = re.compile(r"[^A-Za-z0-9.-]+")
 _LONGEST = 80
 
 
@@ -17,9 +17,10 @@ def names_of_codes(order_codes: Iterable[str], reserved_names: Iterable[str] = (
     """
     used_names, names = set(reserved_names), list[str]()
     for order_code in order_codes:
-        plain = _NO_PART_OF_A_NAME.sub("-", order_code).lstrip(".")
-        numbers = chain([""], (f"-{number}" for number in count(2)))
-        numbered = (f"{plain[: _LONGEST - len(number)]}{number}" for number in numbers)
-        names.append(next(name for name in numbered if name and name.casefold() not in used_names))
-        used_names.add(names[-1].casefold())
+        allowed_text = _NOT_ALLOWED.sub("-", order_code).lstrip(".")
+        suffixes = chain([""], (f"-{number}" for number in count(2)))
+        candidates = (f"{allowed_text[: _LONGEST - len(suffix)]}{suffix}" for suffix in suffixes)
+        name = next(candidate for candidate in candidates if candidate and candidate.casefold() not in used_names)
+        names.append(name)
+        used_names.add(name.casefold())
     return names

@@ -29,7 +29,7 @@ class PackageMissing(TargetError):
 
 def target_names() -> list[str]:
     """Return the names of all targets, first built-in and then registered ones."""
-    return [*BUILT_IN, *(name for name in _registered() if name not in BUILT_IN)]
+    return [*BUILT_IN, *(name for name in _entry_points_by_name() if name not in BUILT_IN)]
 
 
 def load_target(name: str) -> Target:
@@ -40,13 +40,12 @@ def load_target(name: str) -> Target:
         TargetError: The target cannot be loaded, or is not a ``Target``.
     """
     if name in BUILT_IN:
-        return _load(name, lambda: import_module(f"{__package__}.{name}.files").TARGET)
-    entries = _registered()[name]  # a KeyError is a LookupError
-    if len(entries) > 1:
-        raise TargetError(
-            f"the target '{name}' is registered by {' and by '.join(map(_package_of, entries))}; remove one"
-        )
-    return _load(name, entries[0].load)
+        return _load_checked(name, lambda: import_module(f"{__package__}.{name}.files").TARGET)
+    points = _entry_points_by_name()[name]  # a KeyError is a LookupError
+    if len(points) > 1:
+        packages = " and by ".join(map(_package_of, points))
+        raise TargetError(f"the target '{name}' is registered by {packages}; remove one")
+    return _load_checked(name, points[0].load)
 
 
 def files_of(target: Target, library: Library, options: Options) -> Mapping[str, str]:
@@ -98,8 +97,10 @@ def _fault_of_files(files: object) -> str:
     if not isinstance(files, Mapping):
         return f"this is {_type_name(files)}"
     for path, text in files.items():
-        if not isinstance(path, str) or not isinstance(text, str):
-            return f"{path!r} is {_type_name(text)}" if isinstance(path, str) else f"{path!r} is not a path"
+        if not isinstance(path, str):
+            return f"{path!r} is not a path"
+        if not isinstance(text, str):
+            return f"{path!r} is {_type_name(text)}"
         try:
             (path + text).encode()
         except UnicodeEncodeError as error:
@@ -111,21 +112,22 @@ def _type_name(value: object) -> str:
     return "nothing" if value is None else type(value).__name__
 
 
-def _registered() -> dict[str, list[EntryPoint]]:
+def _entry_points_by_name() -> dict[str, list[EntryPoint]]:
     """Return the entry points by name. Several packages may use the same name."""
     from importlib.metadata import entry_points
 
-    by_name: dict[str, list[EntryPoint]] = {}
+    points_by_name: dict[str, list[EntryPoint]] = {}
     for entry_point in entry_points(group=GROUP):
-        by_name.setdefault(entry_point.name, []).append(entry_point)
-    return dict(sorted(by_name.items()))
+        points_by_name.setdefault(entry_point.name, []).append(entry_point)
+    return dict(sorted(points_by_name.items()))
 
 
 def _package_of(entry_point: EntryPoint) -> str:
     return entry_point.dist.name if entry_point.dist is not None else entry_point.value
 
 
-def _load(name: str, load: Callable[[], object]) -> Target:
+def _load_checked(name: str, load: Callable[[], object]) -> Target:
+    """Return the target that ``load`` returns, unless it is not a target of this name."""
     try:
         target = load()
     except ModuleNotFoundError as error:
@@ -154,5 +156,6 @@ def _run_target(name: str, work: Callable[[], _Result]) -> _Result:
 def _error_line(error: Exception) -> str:
     """Return an error in one line, with its origin."""
     frames = traceback.extract_tb(error.__traceback__)
-    place = f" ({frames[-1].filename}:{frames[-1].lineno})" if frames else ""
-    return f"{type(error).__name__}: {' '.join(str(error).split())}{place}"
+    origin = f" ({frames[-1].filename}:{frames[-1].lineno})" if frames else ""
+    message = " ".join(str(error).split())
+    return f"{type(error).__name__}: {message}{origin}"

@@ -193,7 +193,7 @@ def a_field(kind: Any, **changes: Any) -> Field:
 def sending_text(kind: str, device: Device) -> str:
     sending_interface = interface_of(kind, device)
     variants = device.variants_over(kind) or device.variants
-    sending = bytes_to_send.sending(device, device, sending_interface, variants[0], lambda *_, **__: "")
+    sending = bytes_to_send.sending_section(device, device, sending_interface, variants[0], lambda *_, **__: "")
     return "\n".join((*sending.facts, *(" ".join(row) for row in sending.commands)))
 
 
@@ -311,7 +311,7 @@ case(
 
 
 def speed_text(kind: str, device: Device) -> str:
-    return "\n".join(clock_and_cable.speed(device, device, interface_of(kind, device), None).facts)
+    return "\n".join(clock_and_cable.speed_section(device, device, interface_of(kind, device), None).facts)
 
 
 def record_row(label: str, device: Device) -> str:
@@ -383,9 +383,9 @@ case(
 
 def without_timeout(*timings: Timing) -> str:
     kind = replace(biss(), timeout=None, timings=timings)
-    wave = timing_pictures.wave(with_interface(kind), kind)
+    wave = timing_pictures.timing_diagram(with_interface(kind), kind)
     assert wave is not None
-    return wave.told
+    return wave.text
 
 
 case("timeout", without_timeout, lambda: without_timeout(a_timing("Time-out after a frame")))
@@ -541,7 +541,7 @@ def field_rules(placed_field: Field) -> str:
 
 def alarm_row(implemented: bool) -> str:
     device = replace(tv62(), alarms=(replace(tv62().alarms[0], implemented=implemented),))
-    return "\n".join(" ".join(row) for row in cross_family_pages.alarms([device])["alarm_rows"])
+    return "\n".join(" ".join(row) for row in cross_family_pages.alarms_page_values([device])["alarm_rows"])
 
 
 def network_text(several: bool) -> str:
@@ -618,9 +618,9 @@ def an_erratum(**changes: Any) -> Erratum:
 
 
 def summary(*errata: Erratum) -> str:
-    badges = inline_errata.Badges(replace(tv62(), errata=errata))
+    badges = inline_errata.ErrataLinks(replace(tv62(), errata=errata))
     badges("registers.bank")
-    return badges.summary()
+    return badges.count_by_status()
 
 
 def errata_page(*errata: Erratum) -> str:

@@ -14,7 +14,7 @@ from codewheel.model import Device
 from codewheel.model.expressions import Expression
 from codewheel.order_codes.with_numbers import with_quantities
 from codewheel.targets import Library
-from codewheel.targets.docs.order_code_page import TAKEN
+from codewheel.targets.docs.order_code_page import RESERVED_NAMES
 from codewheel.targets.docs.order_code_patterns import patterns
 from codewheel.targets.file_names import names_of_codes
 
@@ -151,7 +151,7 @@ def test_the_procedures_are_counted(pages: Files) -> None:
     ],
 )
 def test_no_two_pages_have_one_name(codes: list[str], names: list[str]) -> None:
-    assert names_of_codes(codes, TAKEN) == names
+    assert names_of_codes(codes, RESERVED_NAMES) == names
 
 
 def test_the_name_of_a_page_is_not_too_long() -> None:

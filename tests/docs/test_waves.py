@@ -11,7 +11,7 @@ import pytest
 from codewheel.loading.library import load_sound
 from codewheel.model import Device
 from codewheel.targets import Library
-from codewheel.targets.docs.timing_pictures import drawn, wave
+from codewheel.targets.docs.timing_pictures import diagram_picture, timing_diagram
 
 SVG = "{http://www.w3.org/2000/svg}"
 
@@ -69,9 +69,9 @@ def test_requests_that_are_repeated_are_those_of_a_procedure(pages: Mapping[str,
     amm5 = family("amm5")
     assert "Between repeated requests: at least 40 µs." in pages["docs/amm5/rs485.md"]
     assert "(rs485.md#timings)" in pages["docs/amm5/AMM5A17-1JP1.md"]
-    picture = wave(replace(amm5, procedures=()), amm5.interface("rs485"))
-    assert picture is not None
-    assert "repeated" not in picture.told + drawn(picture)
+    diagram = timing_diagram(replace(amm5, procedures=()), amm5.interface("rs485"))
+    assert diagram is not None
+    assert "repeated" not in diagram.text + diagram_picture(diagram)
 
 
 def test_the_shortest_request_is_said_to_be_the_shortest(pages: Mapping[str, str]) -> None:
@@ -91,6 +91,6 @@ def test_it_says_what_it_is_drawn_from(pages: Mapping[str, str]) -> None:
 def test_the_words_have_each_field_and_time(library: Library) -> None:
     for device in library.devices:
         for interface in device.interfaces:
-            picture = wave(device, interface)
-            assert picture is not None
-            assert [span.label for span in picture.spans if span.label.rpartition(": ")[2] not in picture.told] == []
+            diagram = timing_diagram(device, interface)
+            assert diagram is not None
+            assert [span.label for span in diagram.spans if span.label.rpartition(": ")[2] not in diagram.text] == []

@@ -32,7 +32,9 @@ class EntryPoint:
 
 
 def register(monkeypatch: pytest.MonkeyPatch, **entries: EntryPoint) -> None:
-    monkeypatch.setattr(registry, "_registered", lambda: {name: [entry_point] for name, entry_point in entries.items()})
+    monkeypatch.setattr(
+        registry, "_entry_points_by_name", lambda: {name: [entry_point] for name, entry_point in entries.items()}
+    )
 
 
 def fails(*_: object) -> Any:
@@ -120,7 +122,7 @@ def test_it_is_known_by_name_and_runs_when_asked_for(
 
 
 def test_two_packages_with_one_target(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
-    monkeypatch.setattr(registry, "_registered", lambda: {"rust": [EntryPoint(RUST), EntryPoint(RUST)]})
+    monkeypatch.setattr(registry, "_entry_points_by_name", lambda: {"rust": [EntryPoint(RUST), EntryPoint(RUST)]})
     assert main(["generate", "--target", "rust"]) == 1
     err = capsys.readouterr().err
     assert err == "codewheel: the target 'rust' is registered by somewhere:TARGET and by somewhere:TARGET; remove one\n"

@@ -151,7 +151,7 @@ def test_a_device_without_a_clock_does_not_bar_the_others(
     record = record_of(CODE)
     record = replace(record, numbers={**record.numbers, "clock_min_hz": 1_000_000, "clock_max_hz": 1_000_000})
     settings_sheet = sheet(masters["beckhoff_el5042"], record)
-    assert (settings_sheet.refusals, settings_sheet.barred) == ((), {"EJ5042"})
+    assert (settings_sheet.refusals, settings_sheet.unusable_devices) == ((), {"EJ5042"})
     assert settings_sheet.notes[0].startswith(
         "Not for EJ5042. Clock Frequency, EJ5042: no clock is between 1 MHz and 1 MHz"
     )

@@ -9,16 +9,16 @@ from typing import Any
 import pytest
 from codewheel.commands.cli import main
 from codewheel.masters.sheet import Sheet
-from codewheel.masters.writing import Effect, Writing
+from codewheel.masters.writing import Effect, WriteCondition
 
 SheetOf = Callable[[str, str], Sheet]
 
 
-def rules_about(settings_sheet: Sheet, name: str) -> list[Writing]:
+def rules_about(settings_sheet: Sheet, name: str) -> list[WriteCondition]:
     return [rule for rule in settings_sheet.writing if name in rule.of]
 
 
-def effects(rules: list[Writing]) -> list[Effect]:
+def effects(rules: list[WriteCondition]) -> list[Effect]:
     return [rule.takes_effect for rule in rules if rule.takes_effect is not None]
 
 

@@ -26,7 +26,7 @@ from ...why.in_bits import SLIPS
 from .. import NO_OPTIONS, Library, Options, Target
 from ..licence import licence_in
 from ..runtime import our_runtime
-from .family import family
+from .family import family_data
 from .plain import Data, script_json
 
 #: Error messages, with placeholders for numbers and names: ``{0} is {1}``.
@@ -90,23 +90,23 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return the page, the script and the README."""
     codes = [variant.code for device in library.devices for variant in device.variants]
     page: Page = {
-        "title": listed(plain(maker.title) for maker, _ in library.by_manufacturer()),
+        "title": listed(plain(manufacturer.title) for manufacturer, _ in library.by_manufacturer()),
         "codes": len(set(codes)),
         "example": codes[0] if codes else "",
-        "table": table(library),
-        "runtime": {path.stem: _code(path) for path in our_runtime("browser").glob("*.js")},
+        "table": script_table(library),
+        "runtime": {path.stem: _code_without_comment(path) for path in our_runtime("browser").glob("*.js")},
     }
     names = ("README.md", "decode.html", "decode.js")
     files = {f"browser/{name}": TEMPLATES.render(f"{name}.jinja", page, library.own_templates) for name in names}
     return files | licence_in("browser")
 
 
-def _code(path: Path) -> str:
+def _code_without_comment(path: Path) -> str:
     """Return the code of a part of the script, without the comment at its top."""
     return path.read_text(encoding="utf-8").partition("\n\n")[2].rstrip("\n")
 
 
-def table(library: Library) -> Data:
+def script_table(library: Library) -> Data:
     """Return the data for the script."""
     return {
         "faults": [fault_code.value for fault_code in Fault],
@@ -115,12 +115,12 @@ def table(library: Library) -> Data:
         "said": _MESSAGES,
         "limits": {"text": frame_text.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
         "slips": [[slip.text, slip.front, slip.missing, slip.lost, slip.behind] for slip in SLIPS],
-        "families": [library.part(_family, device, NO_OPTIONS) for device in library.devices],
+        "families": [library.part(_family_data, device, NO_OPTIONS) for device in library.devices],
     }
 
 
-def _family(device: Device, library: Library, options: Options) -> Data:
-    return family(device)
+def _family_data(device: Device, library: Library, options: Options) -> Data:
+    return family_data(device)
 
 
 def sha256(part: str) -> str:
@@ -138,5 +138,5 @@ TARGET = Target(
     summary="a page that decodes frames without a server",
     files=generate,
     templates=TEMPLATES,
-    family=_family,
+    family=_family_data,
 )

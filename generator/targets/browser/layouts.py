@@ -33,72 +33,79 @@ from ...say.place import register_at
 from ...say.register import facts
 from ...say.report import alarm_of, meaning, remedy, source, states
 from ...say.text import BY_NAME, spec_text
-from .plain import Data, bound, described, expression, number, without_empty
+from .plain import Data, expression_data, json_number, optional_expression_data, plain_data, without_empty
 
 
-def frame(device: Device, layout: Layout, reporting: Reporting | None) -> Data:
+def frame_data(device: Device, layout: Layout, reporting: Reporting | None) -> Data:
     """Return a frame with its verdict and reports."""
     codec = codec_of(device, layout)
     description = describe(codec, reporting)
-    reported = reporting.causes if reporting is not None else ()
-    tells = [_report(device, *pair) for pair in zip(description.tells, reported, strict=True)]
+    causes = reporting.causes if reporting is not None else ()
+    reports = []
+    for tells, cause in zip(description.tells, causes, strict=True):
+        reports.append(_report_data(device, tells, cause))
     # Use the order of the frame, without flags first. Values with a verdict come last.
-    names = [*(field.name for field in layout.fields), *(sign.flag.name for sign in layout.signs)]
-    return _layout(device, codec, description) | without_empty(
+    flags = (*layout.fields, *(sign.flag for sign in layout.signs))
+    names = [flag.name for flag in flags]
+    return _layout_data(device, codec, description) | without_empty(
         title=title(layout),
         source=cite(layout.source),
         sender=layout.sender,
         channel=layout.channel,
         selector=layout.selector,
-        selects=[number(value) for value in layout.selects],
-        tells=sorted(tells, key=lambda report: names.index(report["flag"])),
+        selects=[json_number(value) for value in layout.selects],
+        tells=sorted(reports, key=lambda report: names.index(report["flag"])),
     )
 
 
-def register(device: Device, register: Register) -> Data:
+def register_data(device: Device, register: Register) -> Data:
     """Return a register with its alarms and the rules for writing it."""
     meanings: tuple[RegisterMeaning | None, ...] = register.meanings or (None,)
-    field_alarms = ((field, alarm_of(device, field, register.name)) for field in register.layout.fields)
     default = register.default_bytes()
-    about = (*spec_text(register.meaning), *facts(device, register), *spec_text(register.note))
+    statements = (*spec_text(register.meaning), *facts(device, register), *spec_text(register.note))
+    alarm_reports = []
+    for field in register.layout.fields:
+        alarm = alarm_of(device, field, register.name)
+        if alarm is not None:
+            alarm_reports.append(_alarm_report_data(field, alarm))
     codec = codec_of(device, register.layout)
-    return _layout(device, codec, describe(codec)) | without_empty(
+    return _layout_data(device, codec, describe(codec)) | without_empty(
         title=title(register),
         source=cite(register.source),
         place=register_at(register),
         length=register.length,
         # The script gives the limits in numbers of the order code.
-        about=[BY_NAME.sentence(fact) for fact in about if fact.label != "Limits"],
+        about=[BY_NAME.sentence(statement) for statement in statements if statement.label != "Limits"],
         writable=register.writable,
         default=default.hex(" ").upper() if default is not None else "",
-        limits=[_limits(case, limits_of(device, register, case)) for case in meanings],
-        tells=[_alarm_report(field, alarm) for field, alarm in field_alarms if alarm is not None],
+        limits=[_limits_data(case, limits_of(device, register, case)) for case in meanings],
+        tells=alarm_reports,
         strange=[*_edition_tests(device, register)],
     )
 
 
-def _report(device: Device, tells: Tells, reported: ReportCause) -> Data:
+def _report_data(device: Device, tells: Tells, cause: ReportCause) -> Data:
     """Return a report of a frame with its texts."""
-    data: Data = described(tells)
-    return data | _words(reported.made_of, alarm_of(device, reported.made_of))
+    data: Data = plain_data(tells)
+    return data | _report_texts(cause.made_of, alarm_of(device, cause.made_of))
 
 
-def _alarm_report(field: Field, alarm: Alarm) -> Data:
+def _alarm_report_data(field: Field, alarm: Alarm) -> Data:
     """Return the report of an alarm in a register with its texts."""
-    data: Data = described(Tells("", Name(field.name), 0, explained(field)))
-    return data | _words(field, alarm)
+    data: Data = plain_data(Tells("", Name(field.name), 0, explained(field)))
+    return data | _report_texts(field, alarm)
 
 
-def _layout(device: Device, codec: Codec, description: Description) -> Data:
+def _layout_data(device: Device, codec: Codec, description: Description) -> Data:
     """Return the description of a frame or register with the texts about its parts."""
-    parts = ("bits", "order", "joins", "speaks", "gray", "otherwise")
+    members = ("bits", "order", "joins", "speaks", "gray", "otherwise")
     checks = zip(description.checks, codec.checks, strict=True)
     crc = description.crc
     return without_empty(
         name=codec.layout.name,
-        **{name: described(getattr(description, name)) for name in parts},
-        fields=[*_fields(codec, description)],
-        checks=[described(check) | _message_of_check(codec.layout, op) for check, op in checks],
+        **{name: plain_data(getattr(description, name)) for name in members},
+        fields=[*_field_data(codec, description)],
+        checks=[plain_data(check) | _check_message(codec.layout, operation) for check, operation in checks],
         # A byte that the bits sent do not fill begins with these zeros.
         fill=(codec.layout.bits - codec.layout.sent_bits).constant,
         crc=crc.crc.name if crc is not None else "",
@@ -118,7 +125,7 @@ def _parameters_in_registers(device: Device, layout: Layout, codec: Codec) -> li
     return [parameter.name for parameter in device.run_time_parameters if parameter.name in needed]
 
 
-def _fields(codec: Codec, description: Description) -> Iterator[Data]:
+def _field_data(codec: Codec, description: Description) -> Iterator[Data]:
     terms = {term.field.name: term.value for term in codec.terms}
     for column, field in zip(description.columns, codec.layout.fields, strict=True):
         (on, off), only = states(field), explained(field)
@@ -128,16 +135,16 @@ def _fields(codec: Codec, description: Description) -> Iterator[Data]:
             on=on,
             off=off,
             only=only.parameter if only is not None else "",
-            values=[_without_empty_end(number(value.value), value.name, value.meaning) for value in field.values],
-            runs=[_run(run) for run in field.runs],
+            values=[_without_empty_end(json_number(value.value), value.name, value.meaning) for value in field.values],
+            runs=[_digits_data(run) for run in field.runs],
             unit=field.unit,
             equals=_documented_value(field),
         )
-        yield described(column) | texts | _sent(terms.get(field.name))
+        yield plain_data(column) | texts | _encoding_data(terms.get(field.name))
 
 
-def _run(run: Digits) -> list[Any]:
-    return _without_empty_end(run.name, number(run.divisor), number(run.modulus), run.meaning)
+def _digits_data(run: Digits) -> list[Any]:
+    return _without_empty_end(run.name, json_number(run.divisor), json_number(run.modulus), run.meaning)
 
 
 def _without_empty_end(*row: Any) -> list[Any]:
@@ -150,61 +157,61 @@ def _documented_value(field: Field) -> Any:
     value = field.equals
     if value is None or isinstance(value, str):
         return value
-    return [expression(value if isinstance(value, Expression) else Expression(value))]
+    return [expression_data(value if isinstance(value, Expression) else Expression(value))]
 
 
-def _sent(value: object) -> Data:
+def _encoding_data(value: object) -> Data:
     """Return the data for encoding a field that users do not provide. For a CRC, there is none."""
     match value:
         case Fixed(fixed):
-            return {"fixed": number(fixed)}
+            return {"fixed": json_number(fixed)}
         case ParityOf(covered_fields, odd, mask):
             return {"parity": [field.name for field in covered_fields], "odd": int(odd)} | without_empty(
-                mask=number(mask)
+                mask=json_number(mask)
             )
         case ReservedBits(documented, place):
-            return {"unused": number(documented), "place": place}
+            return {"unused": json_number(documented), "place": place}
         case None:
             return {"crc": 1}
     return {}
 
 
-def _message_of_check(layout: Layout, check: Check) -> Data:
+def _check_message(layout: Layout, check: Check) -> Data:
     """Return the message of a check that fails: ``says`` selects it. The other members fill it in."""
-    name, says, highest_digit, always = check.field.name, "", 0, False
+    name = check.field.name
+    always, highest_digit, covered_names = False, 0, ""
     match check:
         case AlwaysIs():
-            says, always = "constant", True
+            message, always = "constant", True
         case ZerosAbove(padding=padding):
-            name, says, always = padding.name, "constant", True
+            message, always, name = "constant", True, padding.name
         case ParityIs():
-            says, always = "parity", True
+            message, always = "parity", True
+            covered_names = ", ".join(field.name for field in check.of)
         case IsOneOf(field=field):
             always = field.name == layout.selector
-            says = "of_other_frame" if always else "no_value"
+            message = "of_other_frame" if always else "no_value"
         case AtMost():
-            says, highest_digit = "digits", check.digits
+            message, highest_digit = "digits", check.digits
         case NotAbove():
-            says = "too_high"
+            message = "too_high"
         case IsBetween():
-            says = "outside"
+            message = "outside"
         case _:
             assert_never(check)
-    covered = check.of if isinstance(check, ParityIs) else ()
-    of_name = ", ".join(field.name for field in covered)
-    return without_empty(field=name, says=says, always=int(always), most=highest_digit, of_name=of_name)
+    return without_empty(field=name, says=message, always=int(always), most=highest_digit, of_name=covered_names)
 
 
-def _words(field: Field, alarm: Alarm | None) -> Data:
+def _report_texts(field: Field, alarm: Alarm | None) -> Data:
     """Return the text of a report, shown while the field is active or differs from the manual."""
     return without_empty(meaning=meaning(field, alarm), remedy=remedy(field, alarm), source=cite(source(field, alarm)))
 
 
-def _limits(register_meaning: RegisterMeaning | None, limits: Limits) -> Data:
+def _limits_data(register_meaning: RegisterMeaning | None, limits: Limits) -> Data:
     name, text = (register_meaning.name, register_meaning.meaning) if register_meaning is not None else ("", "")
     return without_empty(name=name, meaning=text, of=limits.member) | {
-        "low": bound(limits.low),
-        "high": bound(limits.high),
+        "low": optional_expression_data(limits.low),
+        "high": optional_expression_data(limits.high),
     }
 
 

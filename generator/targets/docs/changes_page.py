@@ -8,19 +8,19 @@ from ...model import Device, Release, ReleasedChange
 from ...say.markdown import code, text
 from ...say.words import counted
 
-_RULE = (
+_VERSION_RULE = (
     "Versions follow semantic versioning: major for changes that break code or alter its behaviour, minor for "
     "additions, patch for documentation. Before 1.0.0, the minor number marks breaking changes and the patch number "
     "all others. The version applies to the whole package. Versions without changes to this family are not listed."
 )
-_TITLES = {
+_TITLES_BY_IMPACT = {
     "breaking": "Breaking",
     "behaviour": "Behaviour",
     "compatible": "Compatible",
     "documentation": "Documentation",
 }
 #: Highest number of documentation changes that are listed. If there are more, they are only counted.
-_MOST_WORDS = 10
+_MOST_DOCUMENTATION_CHANGES = 10
 
 
 class ChangesPage(TypedDict):
@@ -33,7 +33,7 @@ class ChangesPage(TypedDict):
     ]
 
 
-def page(device: Device) -> str:
+def file_name(device: Device) -> str:
     """Return the file name of the page."""
     return f"{device.name}-changes.md"
 
@@ -44,24 +44,24 @@ def page_values(device: Device) -> ChangesPage:
         "device": device,
         "version": device.manufacturer.version,
         "manual": text(manual.revision) + (f" of {manual.date}" if manual.date else ""),
-        "rule": _RULE,
-        "releases": [_release(release) for release in device.releases],
+        "rule": _VERSION_RULE,
+        "releases": [_release_section(release) for release in device.releases],
     }
 
 
-def _release(release: Release) -> dict[str, Any]:
-    parts = []
-    for impact, title in _TITLES.items():
+def _release_section(release: Release) -> dict[str, Any]:
+    parts: list[dict[str, Any]] = []
+    for impact, title in _TITLES_BY_IMPACT.items():
         impact_changes = [change for change in release.changes if change.impact == impact]
-        items = [_item(change) for change in impact_changes]
-        if impact == "documentation" and len(items) > _MOST_WORDS:
-            items = [f"{counted(len(items), 'change')} to wording, sources, errata and examples"]
-        if items:
-            parts.append({"title": title, "lines": items})
+        lines = [_change_line(change) for change in impact_changes]
+        if impact == "documentation" and len(lines) > _MOST_DOCUMENTATION_CHANGES:
+            lines = [f"{counted(len(lines), 'change')} to wording, sources, errata and examples"]
+        if lines:
+            parts.append({"title": title, "lines": lines})
     about = f"Changes since {release.since}, with revision {release.manual} of the manual."
     return {"version": text(release.version), "about": about, "parts": parts}
 
 
-def _item(change: ReleasedChange) -> str:
+def _change_line(change: ReleasedChange) -> str:
     about = "; ".join(filter(None, (change.reach, change.outputs)))
     return f"{text(change.text)} ({code(change.rule)}): {text(about)}"

@@ -13,9 +13,10 @@ from ...model import Connector, Contact
 from .svg import WIDE, card, rect, swatch, text, wrapped
 
 _MARGIN, _ROW, _LINE, _SIZE = 10.0, 28.0, 15.0, 12
-_NAME, _SIGNAL, _LEFT = 46.0, 136.0, 52.0
+#: Left edges of the names of wires, and of the signals in a table with wires and in one with pins only.
+_NAME, _SIGNAL_AFTER_WIRES, _SIGNAL_AFTER_PINS = 46.0, 136.0, 52.0
 #: Colours of wires, on light and on dark screens.
-_WIRES = {
+_WIRE_COLOURS = {
     "black": "#000000",
     "blue": "#1d4ed8",
     "brown": "#7b3f00",
@@ -35,26 +36,24 @@ FACE_UNKNOWN = "Pins in the order of the manual's table. Their arrangement on th
 
 def connector_text(connector: Connector) -> str:
     """Return the text alternative of the picture."""
-    return f"{connector.title}: {', '.join(map(_told, connector.contacts))}"
+    return f"{connector.title}: {', '.join(map(_contact_text, connector.contacts))}"
 
 
-def _told(contact: Contact) -> str:
+def _contact_text(contact: Contact) -> str:
     return f"{contact.contact} {contact.signal}" + (f" (only {contact.only})" if contact.only else "")
 
 
 def connector_picture(connector: Connector) -> str:
     """Return the picture of a connector or cable."""
     body: list[str] = []
-    top, text_start = _MARGIN, _LEFT if all(map(_is_pin, connector.contacts)) else _SIGNAL
+    top = _MARGIN
+    text_start = _SIGNAL_AFTER_PINS if all(map(_is_pin, connector.contacts)) else _SIGNAL_AFTER_WIRES
     for contact in connector.contacts:
-        lines = list(_lines(contact, WIDE - _MARGIN - text_start))
-        high = max(_ROW, _LINE * len(lines) + 8)
-        body += _contact(contact, top)
-        body += [
-            text(text_start, top + 18 + _LINE * index, line, _SIZE, "start", faint=faint)
-            for index, (line, faint) in enumerate(lines)
-        ]
-        top += high
+        lines = list(_signal_lines(contact, WIDE - _MARGIN - text_start))
+        body += _contact_elements(contact, top)
+        for index, (line, faint) in enumerate(lines):
+            body.append(text(text_start, top + 18 + _LINE * index, line, _SIZE, "start", faint=faint))
+        top += max(_ROW, _LINE * len(lines) + 8)
     if any(map(_is_pin, connector.contacts)):
         for line in wrapped(FACE_UNKNOWN, WIDE - 2 * _MARGIN, _SIZE):
             body.append(text(_MARGIN, top + 16, line, _SIZE, "start", faint=True))
@@ -62,7 +61,7 @@ def connector_picture(connector: Connector) -> str:
     return card(connector.title, body, WIDE, top + _MARGIN, connector_text(connector))
 
 
-def _lines(contact: Contact, room: float) -> Iterator[tuple[str, bool]]:
+def _signal_lines(contact: Contact, room: float) -> Iterator[tuple[str, bool]]:
     """Yield the lines for a signal and its order codes, each with True if it is faint."""
     yield from ((line, False) for line in wrapped(contact.signal, room, _SIZE))
     if contact.only:
@@ -73,17 +72,16 @@ def _is_pin(contact: Contact) -> bool:
     return contact.contact.isdecimal() and len(contact.contact) <= 3
 
 
-def _contact(contact: Contact, top: float) -> Iterator[str]:
+def _contact_elements(contact: Contact, top: float) -> Iterator[str]:
     """Yield the elements of a pin with its number, a wire with its colours and their names, or only a name."""
     if _is_pin(contact):
         yield rect(_MARGIN, top + 3, 28, 22, "data")
         yield text(_MARGIN + 14, top + 18, contact.contact, _SIZE, "middle", bold=True)
         return
-    colours = [_WIRES.get(part) for part in _BETWEEN_COLOURS.split(contact.contact.lower())]
-    wire_colours = [colour for colour in colours if colour is not None]
-    if len(wire_colours) == len(colours):
-        wide = 28.0 / len(wire_colours)
-        for index, colour in enumerate(wire_colours):
-            yield swatch(_MARGIN + wide * index, top + 5, wide, 18, colour)
-    for line in wrapped(contact.contact, _SIGNAL - _NAME - 6, _SIZE)[:1]:
+    words = _BETWEEN_COLOURS.split(contact.contact.lower())
+    if all(word in _WIRE_COLOURS for word in words):
+        colour_width = 28.0 / len(words)
+        for index, word in enumerate(words):
+            yield swatch(_MARGIN + colour_width * index, top + 5, colour_width, 18, _WIRE_COLOURS[word])
+    for line in wrapped(contact.contact, _SIGNAL_AFTER_WIRES - _NAME - 6, _SIZE)[:1]:
         yield text(_NAME, top + 18, line, _SIZE, "start")

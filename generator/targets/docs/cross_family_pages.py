@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, TypedDict
 
-from ...model import Alarm, Device, Field, Interface, Register, Supply
+from ...model import Alarm, Device, Field, Interface, Layout, Register, Supply
 from ...order_codes.narrowing import for_interface
 from ...order_codes.parameters import run_time_names
 from ...say import register as say_register
@@ -17,13 +17,17 @@ from ...say.parameter import value
 from ...say.place import addresses
 from ...say.words import volts
 from .order_code_patterns import patterns
-from .page_links import to_alarm, to_layout, to_register, to_steps
+from .page_links import link_to_alarm, link_to_layout, link_to_register, links_to_steps
 
 #: File names of the pages, which no family can have.
-WHICH, REGISTERS, ALARMS = "which-encoder.md", "registers-by-address.md", "alarms-and-leds.md"
+WHICH_ENCODER, REGISTERS, ALARMS = (
+    "which-encoder.md",
+    "registers-by-address.md",
+    "alarms-and-leds.md",
+)
 Row = tuple[str, ...]
 #: Labels of the interface facts to compare.
-_COMPARED = ("Clock", "Alignment", "Code", "Time-out", "Baud rate")
+_COMPARED_LABELS = ("Clock", "Alignment", "Code", "Time-out", "Baud rate")
 
 
 class WhichPage(TypedDict):
@@ -44,18 +48,18 @@ class AlarmsPage(TypedDict):
     led_rows: Annotated[list[Row], "LED, state, family, meaning, source"]
 
 
-def which(devices: Sequence[Device]) -> WhichPage:
+def identification_page_values(devices: Sequence[Device]) -> WhichPage:
     return {
         "label_rows": [_label_row(device) for device in devices],
-        "told_rows": [row for device in devices for row in _told(device)],
-        "resolution_rows": [row for device in devices for row in _resolutions(device)],
-        "byte_order_rows": [row for device in devices for row in _byte_orders(device)],
-        "compared_rows": _side_by_side(row for device in devices for row in _compared(device)),
-        "frame_rows": _side_by_side(row for device in devices for row in _frames(device)),
+        "told_rows": [row for device in devices for row in _identity_rows(device)],
+        "resolution_rows": [row for device in devices for row in _resolution_rows(device)],
+        "byte_order_rows": [row for device in devices for row in _byte_order_rows(device)],
+        "compared_rows": _grouped_by_interface(row for device in devices for row in _interface_fact_rows(device)),
+        "frame_rows": _grouped_by_interface(row for device in devices for row in _position_frame_rows(device)),
     }
 
 
-def _side_by_side(rows: Iterable[Row]) -> list[Row]:
+def _grouped_by_interface(rows: Iterable[Row]) -> list[Row]:
     """Group the rows by interface, in the order in which the interfaces first occur."""
     rows_of_interface: dict[str, list[Row]] = {}
     for row in rows:
@@ -63,7 +67,7 @@ def _side_by_side(rows: Iterable[Row]) -> list[Row]:
     return [row for interface_rows in rows_of_interface.values() for row in interface_rows]
 
 
-def _family(device: Device) -> str:
+def _family_link(device: Device) -> str:
     return link(text(device.name.upper()), f"{device.name}.md")
 
 
@@ -71,22 +75,28 @@ def _label_row(device: Device) -> Row:
     titles = joined((interface.title for interface in device.interfaces), ", ")
     supplies = dict.fromkeys(filter(None, map(device.supply_of, device.variants)))
     labels = joined(map(code, patterns(device, [variant.code for variant in device.variants])))
-    return _family(device), text(device.title), labels, titles, joined(map(_volts, supplies))
+    return _family_link(device), text(device.title), labels, titles, joined(map(_supply_range, supplies))
 
 
-def _volts(supply: Supply) -> str:
+def _supply_range(supply: Supply) -> str:
     return f"{volts(supply.min_mv)} to {volts(supply.max_mv)}"
 
 
-def _told(device: Device) -> Iterator[Row]:
-    """Yield the registers whose content is the same for the whole family or is determined by the order code."""
+def _identity_rows(device: Device) -> Iterator[Row]:
+    """Yield rows of the registers whose content is the same for the whole family or is determined by the order code."""
     for register, field in device.identity:
-        where = to_register(device, register, addresses(register))
+        where = link_to_register(device, register, addresses(register))
         name = title(register) + (f", {words(field.name)}" if len(register.layout.fields) > 1 else "")
-        yield _family(device), where, text(name), _held(field), cited(field.source or register.source)
+        yield (
+            _family_link(device),
+            where,
+            text(name),
+            _documented_content(field),
+            cited(field.source or register.source),
+        )
 
 
-def _held(field: Field) -> str:
+def _documented_content(field: Field) -> str:
     match field.equals:
         case int():
             return f"`{field.equals:0{(field.widest + 3) // 4}X}h`"
@@ -98,68 +108,79 @@ def _held(field: Field) -> str:
             return STYLE.number(expression) + ", by order code"
 
 
-def _compared(device: Device) -> Iterator[Row]:
+def _interface_fact_rows(device: Device) -> Iterator[Row]:
     for interface in device.interfaces:
         for setting in settings(device, interface):
-            if setting.label in _COMPARED:
+            if setting.label in _COMPARED_LABELS:
                 yield (
                     interface.title,
-                    _family(device),
+                    _family_link(device),
                     text(setting.label),
                     STYLE.phrase(setting),
                     cited(setting.source),
                 )
 
 
-def _frames(device: Device) -> Iterator[Row]:
+def _position_frame_rows(device: Device) -> Iterator[Row]:
     for interface, layout in device.layouts():
         if device.tells_position(interface.name, layout):
-            variants = device.variants_over(interface.name)
-            lengths = sorted({layout.place(variant.parameters).bits for variant in variants}) or [0]
             crc = device.crc_of(layout)
+            byte_order = layout.byte_order.replace("_", " ")
             yield (
                 interface.title,
-                _family(device),
-                to_layout(device, layout, code(layout.name)),
-                f"{lengths[0]}" if len(lengths) == 1 else f"{lengths[0]} to {lengths[-1]}",
-                layout.byte_order.replace("_", " ") if layout.in_bytes else "most significant bit first",
+                _family_link(device),
+                link_to_layout(device, layout, code(layout.name)),
+                _range_of_lengths(device, interface, layout),
+                byte_order if layout.in_bytes else "most significant bit first",
                 text(f"{crc.polynomial}, {sent(crc)}") if crc is not None else "none",
             )
 
 
-def _resolutions(device: Device) -> Iterator[Row]:
+def _range_of_lengths(device: Device, interface: Interface, layout: Layout) -> str:
+    """Return the lengths in bits that a frame has for the order codes of an interface, such as ``33 to 45``."""
+    variants = device.variants_over(interface.name)
+    lengths = {layout.place(variant.parameters).bits for variant in variants} or {0}
+    shortest, longest = min(lengths), max(lengths)
+    return f"{shortest}" if shortest == longest else f"{shortest} to {longest}"
+
+
+def _resolution_rows(device: Device) -> Iterator[Row]:
     """Yield the resolution and range of the position by order code."""
     run_time_parameters = run_time_names(device)
     for parameter in device.set_parameters:
         if not parameter.unit or parameter.name in run_time_parameters:
             continue
-        counts = sorted(
-            {variant.parameters[parameter.name] for variant in device.variants if parameter.name in variant.parameters}
-        )
+        variants = [variant for variant in device.variants if parameter.name in variant.parameters]
+        counts = sorted({variant.parameters[parameter.name] for variant in variants})
         values = ", ".join(value(parameter, count) for count in counts)
-        yield _family(device), text(parameter.meaning), values, text(parameter.unit), cited(parameter.source)
+        yield _family_link(device), text(parameter.meaning), values, text(parameter.unit), cited(parameter.source)
 
 
-def _byte_orders(device: Device) -> Iterator[Row]:
+def _byte_order_rows(device: Device) -> Iterator[Row]:
     """Yield the byte order of registers that have several bytes."""
     registers_by_order: dict[str, list[Register]] = {}
     for register in device.registers:
         if register.length > 1:
             registers_by_order.setdefault(register.byte_order, []).append(register)
-    for order, ordered_registers in registers_by_order.items():
-        links = (
-            to_register(device, register, f"{addresses(register)} {text(title(register))}")
-            for register in ordered_registers
-        )
-        yield _family(device), order.replace("_", " "), ", ".join(links)
+    for order, registers in registers_by_order.items():
+        links = (_register_link(device, register) for register in registers)
+        yield _family_link(device), order.replace("_", " "), ", ".join(links)
 
 
-def registers(devices: Sequence[Device]) -> RegistersPage:
-    device_registers = [(register, device) for device in devices for register in device.registers]
-    device_registers.sort(
-        key=lambda pair: (pair[0].address, -1 if pair[0].bank is None else pair[0].bank, pair[1].name)
-    )
-    return {"register_rows": [_register_row(*pair) for pair in device_registers]}
+def _register_link(device: Device, register: Register) -> str:
+    return link_to_register(device, register, f"{addresses(register)} {text(title(register))}")
+
+
+def registers_page_values(devices: Sequence[Device]) -> RegistersPage:
+    registers = [(register, device) for device in devices for register in device.registers]
+    registers.sort(key=_address_and_family)
+    return {"register_rows": [_register_row(register, device) for register, device in registers]}
+
+
+def _address_and_family(register_of_device: tuple[Register, Device]) -> tuple[int, int, str]:
+    register, device = register_of_device
+    bank = -1 if register.bank is None else register.bank
+    return register.address, bank, device.name
 
 
 def _register_row(register: Register, device: Device) -> Row:
@@ -167,8 +188,8 @@ def _register_row(register: Register, device: Device) -> Row:
     return (
         addresses(register),
         "" if register.bank is None else f"{register.bank}",
-        to_register(device, register, code(register.name)),
-        _family(device),
+        link_to_register(device, register, code(register.name)),
+        _family_link(device),
         say_register.access(register),
         code(data.hex(" ").upper()) if data is not None else "",
         text(register.meaning),
@@ -176,44 +197,44 @@ def _register_row(register: Register, device: Device) -> Row:
     )
 
 
-def alarms(devices: Sequence[Device]) -> AlarmsPage:
-    explained_alarms = sorted(
-        (explained_alarm for device in devices for explained_alarm in _alarms(device)), key=_by_name
-    )
+def alarms_page_values(devices: Sequence[Device]) -> AlarmsPage:
+    explained_alarms = [explained_alarm for device in devices for explained_alarm in _alarms_with_interfaces(device)]
+    explained_alarms.sort(key=_title_and_family)
     return {
         "alarm_rows": [_alarm_row(*explained_alarm) for explained_alarm in explained_alarms],
-        "led_rows": [
-            (
-                text(led.title),
-                text(state.state),
-                _family(device),
-                joined([text(state.meaning), *to_steps(f"{device.name}/", state.by_hand)]),
-                code(state.only),
-                cited(led.source),
-            )
-            for device in devices
-            for led in device.leds
-            for state in led.states
-        ],
+        "led_rows": [row for device in devices for row in _led_rows(device)],
     }
 
 
-def _alarms(device: Device) -> list[tuple[Alarm, Device, Interface]]:
+def _led_rows(device: Device) -> Iterator[Row]:
+    for led in device.leds:
+        for state in led.states:
+            yield (
+                text(led.title),
+                text(state.state),
+                _family_link(device),
+                joined([text(state.meaning), *links_to_steps(f"{device.name}/", state.by_hand)]),
+                code(state.only),
+                cited(led.source),
+            )
+
+
+def _alarms_with_interfaces(device: Device) -> list[tuple[Alarm, Device, Interface]]:
     """Return each alarm with the first interface that has it, whose page explains it."""
-    alarm_interfaces = [
-        (alarm, interface) for interface in device.interfaces for alarm in for_interface(device, interface.name).alarms
-    ]
-    first_interfaces = {alarm.name: interface for alarm, interface in reversed(alarm_interfaces)}
+    first_interfaces: dict[str, Interface] = {}
+    for interface in device.interfaces:
+        for alarm in for_interface(device, interface.name).alarms:
+            first_interfaces.setdefault(alarm.name, interface)
     return [(alarm, device, first_interfaces[alarm.name]) for alarm in device.alarms]
 
 
-def _by_name(explained_alarm: tuple[Alarm, Device, Interface]) -> tuple[str, str]:
+def _title_and_family(explained_alarm: tuple[Alarm, Device, Interface]) -> tuple[str, str]:
     alarm, device, _ = explained_alarm
     return title(alarm).casefold(), device.name
 
 
 def _alarm_row(alarm: Alarm, device: Device, interface: Interface) -> Row:
-    name = to_alarm(device, interface, alarm, text(title(alarm)))
+    name = link_to_alarm(device, interface, alarm, text(title(alarm)))
     meaning = text(alarm.meaning) if alarm.implemented else "not implemented in this encoder"
-    remedy = joined([text(alarm.remedy), *to_steps(f"{device.name}/", alarm.by_hand)])
-    return name, _family(device), meaning, remedy, code(alarm.only), cited(alarm.source)
+    remedy = joined([text(alarm.remedy), *links_to_steps(f"{device.name}/", alarm.by_hand)])
+    return name, _family_link(device), meaning, remedy, code(alarm.only), cited(alarm.source)

@@ -34,16 +34,16 @@ from ...say.place import hexadecimal
 from ...say.procedure import read_back, step
 from ...say.timing import bounds_with_codes
 from ...say.words import counted, number
-from .layout_tables import named
+from .layout_tables import name_cell
 from .page_links import ERRATA
 
-_SEVERITY = {
+_SEVERITY_TEXTS = {
     "wrong_data": "wrong bytes or bits on the wire",
     "wrong_limit": "a wrong limit or order code",
     "omission": "missing information",
     "wording": "wording only",
 }
-SEVERITIES = tuple(_SEVERITY)
+SEVERITIES = tuple(_SEVERITY_TEXTS)
 
 
 def interface_rows(device: Device, interface: Interface) -> Iterator[tuple[str, str, str]]:
@@ -54,22 +54,18 @@ def interface_rows(device: Device, interface: Interface) -> Iterator[tuple[str, 
 
 def step_rows(device: Device, procedure: Procedure) -> Iterator[tuple[str, ...]]:
     """Yield number, instruction, reason, source. A step that exists only in generated code is not numbered."""
-    index = 0
+    number_of_step = 0
     for operation in run_of(device, procedure).operations:
-        spec_step = operation.step
         if isinstance(operation, Verifies):
             field = operation.field.name if operation.field is not None else ""
             instruction = STYLE.sentence(read_back(device, operation.register, field))
-            yield (
-                "",
-                instruction,
-                "Added to the given steps by generated code, because a corrupted write can look successful.",
-                "",
-            )
+            reason = "Added to the given steps by generated code, because a corrupted write can look successful."
+            yield "", instruction, reason, ""
             continue
-        index += 1
+        number_of_step += 1
+        spec_step = operation.step
         source = cited(spec_step.source) if spec_step.source != procedure.source else ""
-        yield f"{index}", STYLE.sentence(step(device, spec_step)), text(spec_step.meaning), source
+        yield f"{number_of_step}", STYLE.sentence(step(device, spec_step)), text(spec_step.meaning), source
 
 
 def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
@@ -81,60 +77,68 @@ def timing_rows(timings: tuple[Timing, ...]) -> Iterator[tuple[str, ...]]:
 
 def crc_rows(device: Device, crc: Crc) -> Iterator[tuple[str, str]]:
     """Yield the parameters, and the polynomial in every notation that masters expect."""
-    full = crc.poly_with_top_bit
+    with_top_bit = crc.poly_with_top_bit
     yield "Polynomial", text(crc.polynomial)
-    yield "with its top bit", f"`0x{full:X}` = {full} = `{full:b}b`"
+    yield "with its top bit", f"`0x{with_top_bit:X}` = {with_top_bit} = `{with_top_bit:b}b`"
     yield "without its top bit", f"`0x{crc.poly:02X}`"
-    if full & 1:
-        yield "without its trailing 1 (Koopman notation)", f"`0x{full >> 1:X}`"
+    if with_top_bit & 1:
+        yield "without its trailing 1 (Koopman notation)", f"`0x{with_top_bit >> 1:X}`"
     yield "Width", counted(crc.width, "bit")
     yield "Start value", f"`0x{crc.init:X}`"
-    yield "Input, output reflected", f"{_yes(device.reflects_input(crc))}, {_yes(crc.refout)}"
+    yield "Input, output reflected", f"{_yes_or_no(device.reflects_input(crc))}, {_yes_or_no(crc.refout)}"
     yield "Final XOR", f"`0x{crc.xorout:X}` ({sent(crc)})"
     if crc.is_xor:
         yield "In short", "XOR of the preceding bytes"
 
 
-def _yes(value: bool) -> str:
-    return "yes" if value else "no"
+def _yes_or_no(is_true: bool) -> str:
+    return "yes" if is_true else "no"
 
 
 def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]:
-    yield from ((fact, content) for fact, content in _worked(device, example) if content)
-    if example.erratum and example.erratum not in {
-        erratum.name for erratum in errata(device, f"examples.{example.name}", wording=True)
-    }:
+    """Yield the label and value of each fact of a worked example."""
+    for label, content in _facts_of_kind(device, example):
+        if content:
+            yield label, content
+    listed_errata = {erratum.name for erratum in errata(device, f"examples.{example.name}", wording=True)}
+    if example.erratum and example.erratum not in listed_errata:
         yield "Erratum", link(code(example.erratum), f"{ERRATA}#erratum-{example.erratum}")
     if example.note:
         yield "Note", text(example.note)
     yield "Source", cited(example.source)
 
 
-def _worked(device: Device, example: Example) -> Iterator[tuple[str, str]]:
+def _facts_of_kind(device: Device, example: Example) -> Iterator[tuple[str, str]]:
     """Yield the facts of an example with their values. A value is empty if the example does not have it."""
     match example:
         case FrameExample():
-            yield "Frame", link(code(example.layout), f"#layout-{example.layout}") if example.layout else ""
+            if example.layout:
+                yield "Frame", link(code(example.layout), f"#layout-{example.layout}")
             yield "Order code", code(example.order_code)
             yield "Sent by", f"the {example.sender}"
             for name, answer in example.alternatives.items():
                 yield "Alternative", f"{link(code(name), f'#alternative-{name}')} = {code(answer)}"
-            yield from (_bytes(example.bytes), ("Bits", code(example.bits)))
+            yield _bytes_fact(example.bytes)
+            yield "Bits", code(example.bits)
             layouts = [layout for _, layout in device.layouts() if layout.name == example.layout]
-            yield _values(example.values, layouts)
-            yield "Rejected", f"because of its {text(example.refused)}" if example.refused else ""
+            yield _values_fact(example.values, layouts)
+            if example.refused:
+                yield "Rejected", f"because of its {text(example.refused)}"
         case RegisterExample():
             yield "Register", link(code(example.register), f"#register-{example.register}")
-            yield from (("Order code", code(example.order_code)), _bytes(example.bytes))
-            yield _values(example.values, [device.register(example.register).layout])
+            yield "Order code", code(example.order_code)
+            yield _bytes_fact(example.bytes)
+            yield _values_fact(example.values, [device.register(example.register).layout])
         case CrcExample():
             yield "CRC", link(code(example.crc), f"#crc-{example.crc}")
-            yield from (_bytes(example.bytes), ("Check value", f"`{hexadecimal(example.check)}`"))
+            yield _bytes_fact(example.bytes)
+            yield "Check value", f"`{hexadecimal(example.check)}`"
         case ProcedureExample():
             yield "Procedure", link(code(example.procedure), f"#procedure-{example.procedure}")
             yield "Order code", code(example.order_code)
             for name, value in example.arguments.items():
-                yield f"Argument {code(name)}", number(value) + (f" ({hexadecimal(value)})" if value > 9 else "")
+                in_hexadecimal = f" ({hexadecimal(value)})" if value > 9 else ""
+                yield f"Argument {code(name)}", f"{number(value)}{in_hexadecimal}"
             yield "Writes", ", ".join(f"`{write.address:02X}h: {write.value:02X}`" for write in example.writes)
         case MeasureExample():
             yield "Order code", code(example.order_code)
@@ -143,52 +147,55 @@ def _worked(device: Device, example: Example) -> Iterator[tuple[str, str]]:
             assert_never(example)
 
 
-def _bytes(data: bytes) -> tuple[str, str]:
-    return "Bytes", f"`{data.hex(' ').upper()}`" if data else ""
+def _bytes_fact(data: bytes) -> tuple[str, str]:
+    hexadecimal_bytes = f"`{data.hex(' ').upper()}`" if data else ""
+    return "Bytes", hexadecimal_bytes
 
 
-def _values(values: Mapping[str, int | str | bool], layouts: Iterable[Layout]) -> tuple[str, str]:
+def _values_fact(values: Mapping[str, int | str | bool], layouts: Iterable[Layout]) -> tuple[str, str]:
     scales = {field.name: field.scale for layout in layouts for field in layout.fields}
-    return "Values", ", ".join(f"{code(name)} = {_value(value, scales.get(name))}" for name, value in values.items())
+    assignments = [f"{code(name)} = {_value_text(value, scales.get(name))}" for name, value in values.items()]
+    return "Values", ", ".join(assignments)
 
 
-def _value(value: int | str | bool, scale: Scale | None) -> str:
+def _value_text(value: int | str | bool, scale: Scale | None) -> str:
     if isinstance(value, bool):
-        return _yes(value)
+        return _yes_or_no(value)
     if not isinstance(value, int):
         return code(value)
     return number(value) + (f" ({text(quantity(scale, value))})" if scale is not None else "")
 
 
-def printed_and_used(erratum: Erratum) -> Iterator[tuple[str, str]]:
+def printed_and_used_rows(erratum: Erratum) -> Iterator[tuple[str, str]]:
     """Yield the printed text and the value used, or the parts of a change by an overlay or edition."""
     if erratum.overlay:
         yield "Overlay", code(erratum.overlay)
     if erratum.edition:
         yield "Edition", text(erratum.edition)
-    parts = (
-        changed(erratum)
-        if erratum.overlay or erratum.edition
-        else (("Printed", erratum.printed), ("Used", erratum.used))
-    )
-    yield from ((label, text(value)) for label, value in parts)
+    if erratum.overlay or erratum.edition:
+        yield from ((label, text(part)) for label, part in changed(erratum))
+    else:
+        yield "Printed", text(erratum.printed)
+        yield "Used", text(erratum.used)
 
 
-def changes(number: int) -> str:
-    """Return a sentence on the changes by overlays and other editions."""
-    return f" {number} more entries are changes made by overlays or other editions." if number else ""
+def sentence_on_changes(count: int) -> str:
+    """Return a sentence on the changes by overlays and other editions, or an empty string if there are none."""
+    return f" {count} more entries are changes made by overlays or other editions." if count else ""
 
 
-def severity(value: str) -> str:
-    return _SEVERITY[value]
+def severity_text(severity: str) -> str:
+    return _SEVERITY_TEXTS[severity]
 
 
 def document_rows(documents: Iterable[Document]) -> list[tuple[str, ...]]:
     """Return the key, title and address of each document."""
-    return [
-        (code(document.key), text(document.title), f"<{document.url}>" if document.url else "")
-        for document in documents
-    ]
+    return [_document_row(document) for document in documents]
+
+
+def _document_row(document: Document) -> tuple[str, ...]:
+    address = f"<{document.url}>" if document.url else ""
+    return code(document.key), text(document.title), address
 
 
 def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
@@ -197,7 +204,7 @@ def control_rows(interface: Biss) -> Iterator[tuple[str, ...]]:
         values = [STYLE.phrase(value(named_value, control_field.bits)) for named_value in control_field.values]
         crc = link(code(control_field.crc), f"#crc-{control_field.crc}") if control_field.crc else ""
         yield (
-            named(control_field),
+            name_cell(control_field),
             f"{control_field.bits}",
             joined([text(control_field.meaning), crc, *values]),
             cited(control_field.source),

@@ -49,97 +49,100 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     ``docs/<device>/`` has a page for each interface, each order code, the hardware, the errata and the manual, and it
     has the pictures.
     """
-    parts: list[_Part] = [library.part(_family, device, options) for device in library.devices]
+    parts: list[_FamilyPart] = [library.part(_family_part, device, options) for device in library.devices]
+    sections = [section for part in parts for section in part["order_codes"]]
     pages: dict[str, tuple[str, Mapping[str, Any]]] = {
-        "README.md": ("index.md.jinja", _index(library, [row for part in parts for row in part["order_codes"]])),
+        "README.md": ("index.md.jinja", _index(library, sections)),
         verdict_page.PAGE: ("usable.md.jinja", verdict_page.page_values(library.devices)),
-        cross_family_pages.WHICH: (f"{cross_family_pages.WHICH}.jinja", cross_family_pages.which(library.devices)),
+        cross_family_pages.WHICH_ENCODER: (
+            f"{cross_family_pages.WHICH_ENCODER}.jinja",
+            cross_family_pages.identification_page_values(library.devices),
+        ),
         cross_family_pages.REGISTERS: (
             f"{cross_family_pages.REGISTERS}.jinja",
-            cross_family_pages.registers(library.devices),
+            cross_family_pages.registers_page_values(library.devices),
         ),
-        cross_family_pages.ALARMS: (f"{cross_family_pages.ALARMS}.jinja", cross_family_pages.alarms(library.devices)),
-        inline_errata.ALL: (f"{inline_errata.ALL}.jinja", inline_errata.all_values(library.devices)),
+        cross_family_pages.ALARMS: (
+            f"{cross_family_pages.ALARMS}.jinja",
+            cross_family_pages.alarms_page_values(library.devices),
+        ),
+        inline_errata.ALL_ERRATA: (f"{inline_errata.ALL_ERRATA}.jinja", inline_errata.all_values(library.devices)),
         glossary.PAGE: (f"{glossary.PAGE}.jinja", glossary.page_values(library.devices)),
     }
     files = licence_in("docs")
     for part in parts:
         files |= part["files"]
-    return files | _rendered(pages, library)
+    return files | _render_pages(pages, library)
 
 
-class _Part(TypedDict):
+class _FamilyPart(TypedDict):
     """The part of a family: its files by path, and its sections on the index."""
 
     files: dict[str, str]
     order_codes: list[Section]
 
 
-def _family(device: Device, library: Library, options: Options) -> _Part:
+def _family_part(device: Device, library: Library, options: Options) -> _FamilyPart:
     try:
         masters = shipped_masters()
     except ValueError as error:
         raise TargetError(str(error)) from None
-    codes = order_code_page.Codes(device)
+    codes = order_code_page.OrderCodes(device)
     files = {f"docs/{device.name}/{name}": picture for name, picture in _pictures(codes)}
-    pages = _rendered(dict(_pages(codes, masters)), library)
-    linked = {
-        name: page_links.with_errata_linked(device, name.removeprefix("docs/"), page_text)
-        for name, page_text in pages.items()
-    }
-    return {
-        "files": files | linked,
-        "order_codes": list(_order_codes(codes)),
-    }
+    pages = _render_pages(dict(_pages(codes, masters)), library)
+    for path, page_text in pages.items():
+        files[path] = page_links.with_errata_linked(device, path.removeprefix("docs/"), page_text)
+    return {"files": files, "order_codes": list(_order_code_sections(codes))}
 
 
-def _rendered(pages: Mapping[str, tuple[str, Mapping[str, Any]]], library: Library) -> dict[str, str]:
-    return {
-        f"docs/{name}": _tidy(TEMPLATES.render(template, values, library.own_templates))
-        for name, (template, values) in pages.items()
-    }
+def _render_pages(pages: Mapping[str, tuple[str, Mapping[str, Any]]], library: Library) -> dict[str, str]:
+    """Return the text of each page, by path. ``pages`` has the template and the values of each page, by name."""
+    texts: dict[str, str] = {}
+    for name, (template, values) in pages.items():
+        texts[f"docs/{name}"] = _without_surplus_spaces(TEMPLATES.render(template, values, library.own_templates))
+    return texts
 
 
 def _pages(
-    codes: order_code_page.Codes, masters: tuple[Master, ...]
+    codes: order_code_page.OrderCodes, masters: tuple[Master, ...]
 ) -> Iterator[tuple[str, tuple[str, Mapping[str, Any]]]]:
     """Yield each page with its template and its values."""
     device, folder = codes.device, codes.device.name
-    interfaces_with_masters = {
-        interface.name
-        for interface in device.interfaces
-        if masters_page.has_masters(for_interface(device, interface.name))
-    }
-    yield f"{folder}.md", ("device.md.jinja", family_pages.index_values(codes, bool(interfaces_with_masters)))
-    for interface in device.interfaces:
+    kinds = [interface.name for interface in device.interfaces]
+    kinds_with_masters = {kind for kind in kinds if masters_page.has_masters(for_interface(device, kind))}
+    yield f"{folder}.md", ("device.md.jinja", family_pages.index_values(codes, bool(kinds_with_masters)))
+    for kind in kinds:
         values = interface_page.page_values(
-            device, interface.name, codes.links_beside, interface.name in interfaces_with_masters, codes.pictures
+            device,
+            kind,
+            links=codes.links_in_folder,
+            has_masters=kind in kinds_with_masters,
+            pictures=codes.pictures,
         )
-        yield f"{folder}/{interface.name}.md", ("interface.md.jinja", values)
-    for alike in codes.alike:
-        code_values = order_code_page.page_values(
-            alike, alike.interface.name in interfaces_with_masters, codes.pictures
-        )
-        yield f"{folder}/{alike.name}.md", ("code.md.jinja", code_values)
+        yield f"{folder}/{kind}.md", ("interface.md.jinja", values)
+    for group in codes.groups:
+        has_masters = group.interface.name in kinds_with_masters
+        code_values = order_code_page.page_values(group, has_masters, codes.pictures)
+        yield f"{folder}/{group.name}.md", ("code.md.jinja", code_values)
     yield f"{folder}/hardware.md", ("hardware.md.jinja", family_pages.hardware_values(device))
     yield f"{folder}/{page_links.ERRATA}", ("errata.md.jinja", inline_errata.page_values(device))
     yield f"{folder}/manual.md", ("manual.md.jinja", family_pages.manual_values(device))
-    if interfaces_with_masters:
+    if kinds_with_masters:
         yield f"{folder}-masters.md", ("masters.md.jinja", masters_page.page_values(device, masters))
-    yield changes_page.page(device), ("changes.md.jinja", changes_page.page_values(device))
+    yield changes_page.file_name(device), ("changes.md.jinja", changes_page.page_values(device))
 
 
-def _pictures(codes: order_code_page.Codes) -> Iterator[tuple[str, str]]:
+def _pictures(codes: order_code_page.OrderCodes) -> Iterator[tuple[str, str]]:
     """Yield each picture with its file name."""
-    for group in (codes.pictures, *(alike.pictures for alike in codes.alike)):
-        yield from ((picture.name, picture.drawn) for picture in group.values())
+    for pictures in (codes.pictures, *(group.pictures for group in codes.groups)):
+        yield from ((picture.name, picture.svg) for picture in pictures.values())
     for interface in codes.device.interfaces:
-        timing = timing_pictures.wave(codes.device, interface)
-        if timing is not None:
-            yield f"timing-{interface.name}.svg", timing_pictures.drawn(timing)
+        diagram = timing_pictures.timing_diagram(codes.device, interface)
+        if diagram is not None:
+            yield f"timing-{interface.name}.svg", timing_pictures.diagram_picture(diagram)
 
 
-def _tidy(page_text: str) -> str:
+def _without_surplus_spaces(page_text: str) -> str:
     """Remove trailing spaces and repeated empty lines, and end the file with a single line end."""
     lines: list[str] = []
     for line in page_text.splitlines():
@@ -148,34 +151,42 @@ def _tidy(page_text: str) -> str:
     return "\n".join(lines).rstrip() + "\n"
 
 
-def _order_codes(codes: order_code_page.Codes) -> Iterator[Section]:
+def _order_code_sections(codes: order_code_page.OrderCodes) -> Iterator[Section]:
     """Yield the sections of a family on the index, one for each interface."""
     device = codes.device
     for interface in device.interfaces:
         interface_codes = [variant.code for variant in device.variants_over(interface.name)]
         if interface_codes:
+            count = counted(len(interface_codes), "order code")
             yield {
                 "pages": codes.page_links(interface.name),
-                "counted": f"All {counted(len(interface_codes), 'order code')}"
-                if len(interface_codes) > 1
-                else "The order code",
+                "counted": f"All {count}" if len(interface_codes) > 1 else "The order code",
                 "interface": link(f"{device.name.upper()}, {interface.title}", f"{device.name}/{interface.name}.md"),
                 "links": [codes.links[order_code] for order_code in interface_codes],
             }
 
 
 def _index(library: Library, order_codes: list[Section]) -> Index:
-    rows: Rows = []
-    for device in library.devices:
-        page, maker = link(text(device.title), f"{device.name}.md"), text(device.manufacturer.title)
-        titles = ", ".join(
-            link(interface.title, f"{device.name}/{interface.name}.md") for interface in device.interfaces
-        )
-        masters = link("settings", f"{device.name}-masters.md") if masters_page.has_masters(device) else ""
-        manual = f"{text(device.manual.title)}, revision {family_pages.revision(device.manual)}"
-        rows.append((page, maker, titles, f"{len(device.variants)}", masters, manual, text(device.evidence.grade)))
-    trademarks = list(dict.fromkeys(note for maker, _ in library.by_manufacturer() for note in maker.trademarks))
+    rows = [_index_row(device) for device in library.devices]
+    trademarks = list(
+        dict.fromkeys(note for manufacturer, _ in library.by_manufacturer() for note in manufacturer.trademarks)
+    )
     return {"rows": rows, "usable_page": verdict_page.PAGE, "order_codes": order_codes, "trademarks": trademarks}
+
+
+def _index_row(device: Device) -> tuple[str, ...]:
+    """Return a row of family, manufacturer, interfaces, number of order codes, masters, manual, evidence."""
+    folder = device.name
+    interface_links = [link(interface.title, f"{folder}/{interface.name}.md") for interface in device.interfaces]
+    return (
+        link(text(device.title), f"{folder}.md"),
+        text(device.manufacturer.title),
+        ", ".join(interface_links),
+        f"{len(device.variants)}",
+        link("settings", f"{folder}-masters.md") if masters_page.has_masters(device) else "",
+        f"{text(device.manual.title)}, revision {family_pages.revision_and_date(device.manual)}",
+        text(device.evidence.grade),
+    )
 
 
 TEMPLATES = Templates(
@@ -191,10 +202,10 @@ TEMPLATES = Templates(
         "masters.md.jinja": masters_page.MastersPage,
         "changes.md.jinja": changes_page.ChangesPage,
         "usable.md.jinja": verdict_page.UsablePage,
-        f"{cross_family_pages.WHICH}.jinja": cross_family_pages.WhichPage,
+        f"{cross_family_pages.WHICH_ENCODER}.jinja": cross_family_pages.WhichPage,
         f"{cross_family_pages.REGISTERS}.jinja": cross_family_pages.RegistersPage,
         f"{cross_family_pages.ALARMS}.jinja": cross_family_pages.AlarmsPage,
-        f"{inline_errata.ALL}.jinja": inline_errata.AllErrataPage,
+        f"{inline_errata.ALL_ERRATA}.jinja": inline_errata.AllErrataPage,
         f"{glossary.PAGE}.jinja": glossary.GlossaryPage,
     },
     filters={
@@ -218,5 +229,5 @@ TARGET = Target(
     summary="Markdown pages with pictures of every frame, and the settings of BiSS and SSI masters",
     files=generate,
     templates=TEMPLATES,
-    family=_family,
+    family=_family_part,
 )

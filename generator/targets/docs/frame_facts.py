@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 
 from ...model import (
@@ -17,7 +18,7 @@ from ...model import (
 from ...order_codes.run_time import with_answers
 from ...plan.reports import reportings
 from ...plan.values import Active, TwosComplement, meaning_of
-from ...plan.verdicts import Judgement, Match, Only, VerdictCause
+from ...plan.verdicts import Judgement, Match, VerdictCause
 from ...say.crc import inverted, reflected
 from ...say.markdown import STYLE, code, link, text
 from ...say.numbers import number
@@ -27,25 +28,23 @@ from ...say.text import statement
 from ...say.words import WORTH, counted
 
 _SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
+_EXPONENT = re.compile(r"\^([0-9]*)")
 
 
 def position_frame(family: Device, interface: Interface) -> Layout | None:
     """Return the frame that says most about the position: its parts, then its flags. With a tie, the shortest."""
-    position_layouts = {
-        layout.name
-        for layout in family.interface(interface.name).layouts
-        if family.tells_position(interface.name, layout)
-    }
+    family_layouts = family.interface(interface.name).layouts
+    names = {layout.name for layout in family_layouts if family.tells_position(interface.name, layout)}
     position_names = family.position_names(interface.name)
 
-    def worth(layout: Layout) -> tuple[int, int, int]:
+    def information(layout: Layout) -> tuple[int, int, int]:
         flags = sum(isinstance(meaning_of(field), Active) for field in layout.fields)
         return len(position_names & {field.name for field in layout.fields}), flags, -layout.widest
 
-    return max((layout for layout in interface.layouts if layout.name in position_layouts), key=worth, default=None)
+    return max((layout for layout in interface.layouts if layout.name in names), key=information, default=None)
 
 
-def questions(device: Device, layout: Layout) -> Iterator[str]:
+def open_questions(device: Device, layout: Layout) -> Iterator[str]:
     """Yield a sentence for each question about a frame that the manual leaves open, with a link to it."""
     for alternative in device.alternatives_of(layout):
         question = link("open question", f"#alternative-{alternative.name}")
@@ -60,62 +59,71 @@ def frame_facts(
 
     ``choices`` are the names of the alternatives on the page, to which the verdicts link.
     """
-    checked = family.crc_of(layout)
-    yield "CRC", crc_line(family, checked) if checked is not None else "none"
-    by_level: dict[str, list[tuple[str, str]]] = {}
+    crc = family.crc_of(layout)
+    yield "CRC", "none" if crc is None else crc_line(family, crc)
     # The layout of a page has other notes, and the range of a position is known for that of the family.
-    layout = next(frame for frame in family.interface(variant.interface).layouts if frame.name == layout.name)
-    placed = layout.place(variant.parameters)
-    for placed_field in placed.fields:
-        of_byte = frame_bytes(layout, placed.bits, placed_field.high, placed_field.low) if layout.in_bytes else ""
-        at = (code(placed_field.name), of_byte or bits(placed_field.high, placed_field.low))
+    family_layouts = family.interface(variant.interface).layouts
+    family_layout = next(candidate for candidate in family_layouts if candidate.name == layout.name)
+    placed_layout = family_layout.place(variant.parameters)
+    yield from _flag_facts(placed_layout)
+    for placed_field in placed_layout.fields:
+        if isinstance(meaning_of(placed_field.field), TwosComplement):
+            yield "Signed", _range_of_signed_number(family, placed_field, placed_layout)
+    yield from _verdict_facts(family, family_layout, variant, choices, has_crc=crc is not None)
+
+
+def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
+    """Yield the flags by the level at which they are active, and those that the encoder does not use."""
+    layout = placed_layout.layout
+    flags_by_label: dict[str, list[tuple[str, str]]] = {}
+    for placed_field in placed_layout.fields:
+        byte = frame_bytes(layout, placed_layout.bits, placed_field.high, placed_field.low) if layout.in_bytes else ""
+        flag = (code(placed_field.name), byte or bits(placed_field.high, placed_field.low))
+        level = deciding(placed_field.field)
         if isinstance(meaning_of(placed_field.field), Active):
-            by_level.setdefault(f"Active at {deciding(placed_field.field)}", []).append(at)
-        elif not of_byte and placed_field.field.printed_name and deciding(placed_field.field) in {"0", "1"}:
-            by_level.setdefault("Not used by this encoder", []).append(at)
-    yield from ((label, ", ".join(_with_places(names))) for label, names in by_level.items())
-    signed = [
-        placed_field for placed_field in placed.fields if isinstance(meaning_of(placed_field.field), TwosComplement)
-    ]
-    yield from (("Signed", _signed(family, placed_field, placed)) for placed_field in signed)
-    judgement = next(
-        (reporting.judgement for reporting in reportings(family) if reporting.codec.layout.name == layout.name), None
-    )
-    if judgement is not None:
-        line = verdict_line(judgement, variant, checked is not None)
-        yield "Position", line
-        alternatives = family.verdict_alternatives(layout)
-        for alternative in (alternative for alternative in alternatives if alternative.name in choices):
-            for answer in alternative.answers[1:]:
-                chosen = with_answers(family, variant, {alternative.name: answer.name})
-                changed_verdicts = _changed_verdicts(judgement, variant, chosen)
-                if changed_verdicts:
-                    with_answer = link(f"With {code(answer.name)}", f"#alternative-{alternative.name}")
-                    yield with_answer, "; ".join(changed_verdicts)
+            flags_by_label.setdefault(f"Active at {level}", []).append(flag)
+        elif not byte and placed_field.field.printed_name and level in {"0", "1"}:
+            flags_by_label.setdefault("Not used by this encoder", []).append(flag)
+    yield from ((label, ", ".join(_with_places(flags))) for label, flags in flags_by_label.items())
 
 
-def _signed(family: Device, placed_field: PlacedField, placed: PlacedLayout) -> str:
+def _verdict_facts(
+    family: Device, layout: Layout, variant: Variant, choices: Sequence[str], has_crc: bool
+) -> Iterator[tuple[str, str]]:
+    """Yield the verdict on the position, and the verdicts that other answers than the defaults change."""
+    judgements = (reporting.judgement for reporting in reportings(family) if reporting.codec.layout.name == layout.name)
+    judgement = next(judgements, None)
+    if judgement is None:
+        return
+    yield "Position", verdict_line(judgement, variant, has_crc)
+    alternatives = [alternative for alternative in family.verdict_alternatives(layout) if alternative.name in choices]
+    for alternative in alternatives:
+        for answer in alternative.answers[1:]:
+            variant_with_answer = with_answers(family, variant, {alternative.name: answer.name})
+            changed_verdicts = _changed_verdicts(judgement, variant, variant_with_answer)
+            if changed_verdicts:
+                with_answer = link(f"With {code(answer.name)}", f"#alternative-{alternative.name}")
+                yield with_answer, "; ".join(changed_verdicts)
+
+
+def _range_of_signed_number(family: Device, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
     """Return the notation and range of a signed number."""
-    lowest, highest = family.signed_range(placed_field, placed)
+    lowest, highest = family.signed_range(placed_field, placed_layout)
     return f"{code(placed_field.name)}, in two's complement, {number(lowest)} to {number(highest)}"
 
 
 def _with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
     """Yield flags with their places. A byte is named only where it changes."""
-    last = ""
+    previous_byte = ""
     for name, place in flags:
         byte, _, bit = place.rpartition(", ")
-        yield f"{name} ({bit if byte == last else place})"
-        last = byte
+        yield f"{name} ({bit if byte == previous_byte else place})"
+        previous_byte = byte
 
 
 def crc_line(family: Device, crc: Crc) -> str:
     """Return the parameters of a CRC in one line, with the polynomial including its top bit."""
-    powers = crc.polynomial.split("^")
-    polynomial = powers[0] + "".join(
-        part[: (end := len(part) - len(part.lstrip("0123456789")))].translate(_SUPERSCRIPT) + part[end:]
-        for part in powers[1:]
-    )
+    polynomial = _EXPONENT.sub(_in_superscript, crc.polynomial)
     parts = [
         f"poly `0x{crc.poly_with_top_bit:X}` ({text(polynomial)})",
         f"init {crc.init:#x}" if crc.init else "init 0",
@@ -128,49 +136,59 @@ def crc_line(family: Device, crc: Crc) -> str:
     return ", ".join(filter(None, parts))
 
 
+def _in_superscript(exponent: re.Match[str]) -> str:
+    return exponent[1].translate(_SUPERSCRIPT)
+
+
 def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
     """Return the rule for the verdict on the position of an order code."""
-    applying = _applying_causes(judgement, variant)
-    parts = [f"{_VERDICT[verdict]} if {', or if '.join(_causes(causes))}" for verdict, causes in applying.items()]
+    causes_by_verdict = _applicable_causes(judgement, variant)
+    parts = [_verdict_if(verdict, causes) for verdict, causes in causes_by_verdict.items()]
     if not parts:
         return STYLE.phrase(statement(WORTH[judgement.otherwise]))
     correct = ", if the CRC is correct," if has_crc else ""
-    return "; ".join([*parts, f"otherwise{correct} {_VERDICT[judgement.otherwise]}"])
+    return "; ".join([*parts, f"otherwise{correct} {_VERDICT_TEXTS[judgement.otherwise]}"])
 
 
-def _applying_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, list[VerdictCause]]:
+def _applicable_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, list[VerdictCause]]:
     """Return the causes of each verdict that apply to an order code, the worst verdict first."""
-    applying: dict[Verdict, list[VerdictCause]] = {}
+    causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
     for verdict, causes in judgement.worst_first:
-        applying[verdict] = [cause for cause in causes if all(_applies(only, variant) for only in cause.conditions)]
-    return {verdict: causes for verdict, causes in applying.items() if causes}
+        applicable_causes = [cause for cause in causes if _applies(cause, variant)]
+        if applicable_causes:
+            causes_by_verdict[verdict] = applicable_causes
+    return causes_by_verdict
 
 
-def _changed_verdicts(judgement: Judgement, variant: Variant, chosen: Variant) -> list[str]:
-    """Return the verdicts that have a cause for ``chosen``, an order code with an answer, that ``variant`` lacks."""
-    usual = _applying_causes(judgement, variant)
-    changes = []
-    for verdict, causes in _applying_causes(judgement, chosen).items():
-        usual_fields = [cause.by for cause in usual.get(verdict, ())]
-        added = [cause for cause in causes if cause.by not in usual_fields]
-        if added:
-            changes.append(f"{_VERDICT[verdict]} if {', or if '.join(_causes(added))}")
-    return changes
+def _changed_verdicts(judgement: Judgement, variant: Variant, variant_with_answer: Variant) -> list[str]:
+    """Return the verdicts to which an answer adds causes that ``variant``, with the defaults, lacks."""
+    default_causes = _applicable_causes(judgement, variant)
+    changed_verdicts = []
+    for verdict, causes in _applicable_causes(judgement, variant_with_answer).items():
+        default_fields = [cause.by for cause in default_causes.get(verdict, ())]
+        added_causes = [cause for cause in causes if cause.by not in default_fields]
+        if added_causes:
+            changed_verdicts.append(_verdict_if(verdict, added_causes))
+    return changed_verdicts
 
 
-def _causes(causes: Sequence[VerdictCause]) -> Iterator[str]:
+def _verdict_if(verdict: Verdict, causes: Sequence[VerdictCause]) -> str:
+    return f"{_VERDICT_TEXTS[verdict]} if {', or if '.join(_cause_texts(causes))}"
+
+
+def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
     """Yield the conditions of a verdict. Flags with the same active level are one condition."""
-    by_value: dict[str, list[str]] = {}
+    names_by_level: dict[str, list[str]] = {}
     for cause in causes:
         if not isinstance(cause.by, Match):
-            by_value.setdefault(deciding(cause.by.field), []).append(_cause(cause))
-    yield from (f"{' or '.join(names)} is {value}" for value, names in by_value.items())
+            names_by_level.setdefault(deciding(cause.by.field), []).append(_cause_text(cause))
+    yield from (f"{' or '.join(names)} is {level}" for level, names in names_by_level.items())
     for cause in causes:
         if isinstance(cause.by, Match):
             yield STYLE.phrase(conditions((part.field, value) for part, value in cause.by.conditions))
 
 
-_VERDICT = {
+_VERDICT_TEXTS = {
     Verdict.USABLE: "✓ usable",
     Verdict.USABLE_WITH_WARNING: "▲ usable with a warning",
     Verdict.NOT_USABLE: "✕ **not usable**",
@@ -178,12 +196,14 @@ _VERDICT = {
 }
 
 
-def _cause(cause: VerdictCause) -> str:
-    unless = " and ".join(code(part.field.name) for part in cause.unless)
-    return code(cause.by.field.name) + (
-        f" (while {unless} {'is' if len(cause.unless) == 1 else 'are'} inactive)" if unless else ""
-    )
+def _cause_text(cause: VerdictCause) -> str:
+    name = code(cause.by.field.name)
+    if not cause.unless:
+        return name
+    flags = " and ".join(code(part.field.name) for part in cause.unless)
+    return f"{name} (while {flags} {'is' if len(cause.unless) == 1 else 'are'} inactive)"
 
 
-def _applies(only: Only, variant: Variant) -> bool:
-    return bool(variant.parameters.get(only.parameter, 0)) == only.holds
+def _applies(cause: VerdictCause, variant: Variant) -> bool:
+    """Return whether all conditions of a cause hold for an order code and the answers chosen for it."""
+    return all(bool(variant.parameters.get(only.parameter, 0)) == only.holds for only in cause.conditions)

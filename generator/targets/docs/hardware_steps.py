@@ -9,7 +9,7 @@ from ...say.name import heading
 
 
 @dataclass(frozen=True, slots=True)
-class ByHand:
+class ManualProcedure:
     """Steps that a person carries out. ``before`` is the text before the first step."""
 
     characteristic: Characteristic
@@ -18,14 +18,11 @@ class ByHand:
     steps: tuple[str, ...]
 
 
-def by_hand(device: Device) -> list[ByHand]:
+def manual_procedures(device: Device) -> list[ManualProcedure]:
     """Return the procedures that a person carries out for a family, in the order of its spec."""
-    manual_steps = (
-        (characteristic, steps_of(characteristic.value))
-        for characteristic in device.characteristics
-        if has_steps(characteristic.value)
-    )
-    return [
-        ByHand(characteristic, heading(characteristic.name), steps[0], steps[1:])
-        for characteristic, steps in manual_steps
-    ]
+    return [_manual_procedure(fact) for fact in device.characteristics if has_steps(fact.value)]
+
+
+def _manual_procedure(characteristic: Characteristic) -> ManualProcedure:
+    before, *steps = steps_of(characteristic.value)
+    return ManualProcedure(characteristic, heading(characteristic.name), before, tuple(steps))

@@ -2,10 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Annotated, Any, TypedDict
 
-from ...model import Biss, Connector, Device, FieldGroup, Interface, Layout, Procedure, Register, Rs485
+from ...model import (
+    Alarm,
+    Biss,
+    Connector,
+    DataId,
+    Device,
+    Example,
+    Field,
+    FieldGroup,
+    Input,
+    Interface,
+    Layout,
+    Led,
+    MemoryAccess,
+    Procedure,
+    Register,
+    Rs485,
+)
 from ...order_codes.parameters import follows_registers
 from ...plan.replies import exchanges
 from ...say import alarm, hardware_input
@@ -21,7 +38,8 @@ from ...say.origin import origin, other_editions
 from ...say.place import addresses
 from ...say.text import Code, Statement, statement
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
-from .page_links import to_steps
+from .layout_tables import has_value_table
+from .page_links import links_to_steps
 
 #: Rows of a table, with Markdown cells.
 Rows = list[tuple[str, ...]]
@@ -51,47 +69,49 @@ class Sections(TypedDict):
     examples: Annotated[list[Section], "the worked examples: example, rows"]
 
 
-def sections(device: Device) -> Sections:
+def page_sections(device: Device) -> Sections:
     return {
         "device": device,
         "document": document(device),
         "origin": [*origin(device), *other_editions(device)],
         "usable_page": verdict_page.PAGE,
-        "errata_at": inline_errata.OnPage(device),
-        "alternatives": order_code_tables.alternatives(device),
-        "interfaces": [_interface(device, interface) for interface in device.interfaces],
+        "errata_at": inline_errata.ErrataLines(device),
+        "alternatives": order_code_tables.alternative_sections(device),
+        "interfaces": [_interface_section(device, interface) for interface in device.interfaces],
         "crcs": [{"crc": crc, "rows": fact_tables.crc_rows(device, crc)} for crc in device.crcs],
-        "registers": [_register(device, register) for register in device.registers],
+        "registers": [_register_section(device, register) for register in device.registers],
         "register_rows": [_register_row(register) for register in device.registers],
-        "procedures": [_procedure(device, procedure) for procedure in device.procedures],
-        "alarms": [
-            {"alarm": device_alarm, "title": title(device_alarm), "facts": alarm.facts(device, device_alarm)}
-            for device_alarm in device.alarms
-        ],
-        "inputs": [
-            {"input": device_input, "title": title(device_input), "facts": hardware_input.facts(device, device_input)}
-            for device_input in device.inputs
-        ],
-        "connectors": [_connector(connector) for connector in device.connectors],
-        "led_rows": [
-            (
-                text(led.title) if index == 0 else "",
-                text(state.state),
-                joined([text(state.meaning), *to_steps("", state.by_hand)]),
-                code(state.only),
-                cited(led.source) if index == 0 else "",
-            )
-            for led in device.leds
-            for index, state in enumerate(led.states)
-        ],
-        "examples": [
-            {"example": example, "rows": fact_tables.example_facts(device, example)} for example in device.examples
-        ],
+        "procedures": [_procedure_section(device, procedure) for procedure in device.procedures],
+        "alarms": [_alarm_section(device, device_alarm) for device_alarm in device.alarms],
+        "inputs": [_input_section(device, device_input) for device_input in device.inputs],
+        "connectors": [_connector_section(connector) for connector in device.connectors],
+        "led_rows": [row for led in device.leds for row in _led_rows(led)],
+        "examples": [_example_section(device, example) for example in device.examples],
     }
 
 
+def _alarm_section(device: Device, device_alarm: Alarm) -> Section:
+    return {"alarm": device_alarm, "title": title(device_alarm), "facts": alarm.facts(device, device_alarm)}
+
+
+def _input_section(device: Device, device_input: Input) -> Section:
+    return {"input": device_input, "title": title(device_input), "facts": hardware_input.facts(device, device_input)}
+
+
+def _example_section(device: Device, example: Example) -> Section:
+    return {"example": example, "rows": fact_tables.example_facts(device, example)}
+
+
+def _led_rows(led: Led) -> Iterator[tuple[str, ...]]:
+    """Yield a row for each state of an LED. The first row has the name and the source of the LED."""
+    for index, state in enumerate(led.states):
+        name, source = (text(led.title), cited(led.source)) if index == 0 else ("", "")
+        meaning = joined([text(state.meaning), *links_to_steps("", state.by_hand)])
+        yield name, text(state.state), meaning, code(state.only), source
+
+
 #: Keys of an interface whose errata are listed with its facts.
-_FACTS = (
+_KEYS_OF_FACTS = (
     "measurement",
     "clock",
     "cable_lengths",
@@ -106,77 +126,73 @@ _FACTS = (
 )
 
 
-def _interface(device: Device, interface: Interface) -> Section:
+def _interface_section(device: Device, interface: Interface) -> Section:
     groups = {group.name: group for group in device.field_groups}
-    place = f"interfaces.{interface.name}"
+    path = f"interfaces.{interface.name}"
+    interface_timings = [f"{path}.{timing.name}" for timing in interface.timings]
+    device_timings = [f"timings.{timing.name}" for timing in device.timings]
+    used_groups = [groups[name] for name in layout_tables.used_groups(interface)]
     return {
         "interface": interface,
         "rows": list(fact_tables.interface_rows(device, interface)),
-        "path": place,
-        "paths": [f"{place}.{name}" for name in _FACTS],
-        "timing_paths": [f"{place}.{timing.name}" for timing in interface.timings]
-        + [f"{place}.timings", *(f"timings.{timing.name}" for timing in device.timings)],
-        "data_id_rows": _data_id_rows(interface) if isinstance(interface, Rs485) else [],
+        "path": path,
+        "paths": [f"{path}.{key}" for key in _KEYS_OF_FACTS],
+        "timing_paths": [*interface_timings, f"{path}.timings", *device_timings],
+        "data_id_rows": list(map(_data_id_row, interface.data_ids)) if isinstance(interface, Rs485) else [],
         "exchange_rows": _exchange_rows(interface),
-        "layouts": [_layout(device, interface, layout) for layout in interface.layouts],
-        "groups": [
-            {
-                "group": groups[name],
-                "title": _group_title(groups[name]),
-                "frames": layout_tables.frames_with(interface, name),
-                "rows": layout_tables.group_rows(device, name),
-            }
-            for name in layout_tables.used_groups(interface)
-        ],
-        "memory_rows": _memory_rows(interface) if isinstance(interface, Rs485) else [],
+        "layouts": [_layout_section(device, interface, layout) for layout in interface.layouts],
+        "groups": [_group_section(device, interface, group) for group in used_groups],
+        "memory_rows": list(map(_memory_row, interface.memory_access)) if isinstance(interface, Rs485) else [],
         "control_rows": list(fact_tables.control_rows(interface)) if isinstance(interface, Biss) else [],
     }
 
 
-def _data_id_rows(interface: Rs485) -> Rows:
-    return [
-        (
-            f"{data_id.id:X}",
-            code(data_id.name),
-            f"`{data_id.control:02X}h`",
-            text(data_id.purpose),
-            text(data_id.meaning),
-            cited(data_id.source),
-        )
-        for data_id in interface.data_ids
-    ]
+def _group_section(device: Device, interface: Interface, group: FieldGroup) -> Section:
+    return {
+        "group": group,
+        "title": _group_title(group),
+        "frames": layout_tables.links_to_frames_with(interface, group.name),
+        "rows": layout_tables.group_rows(device, group.name),
+    }
+
+
+def _data_id_row(data_id: DataId) -> tuple[str, ...]:
+    return (
+        f"{data_id.id:X}",
+        code(data_id.name),
+        f"`{data_id.control:02X}h`",
+        text(data_id.purpose),
+        text(data_id.meaning),
+        cited(data_id.source),
+    )
 
 
 def _exchange_rows(interface: Interface) -> Rows:
-    def frame(layout: Layout | None) -> str:
-        return link(code(layout.name), f"#layout-{layout.name}") if layout is not None else "none"
-
+    """Return rows of request, reply, length if requests differ in it, purpose, source."""
     frame_exchanges = exchanges(interface)
-    lengths = len({exchange.request.bits for exchange in frame_exchanges if not exchange.request.in_bytes}) > 1
-    return [
-        (
-            frame(exchange.request),
-            frame(exchange.reply),
-            *((f"{exchange.request.bits.render()} bits",) if lengths else ()),
-            PURPOSES[exchange.exchange.purpose],
-            cited(exchange.exchange.source),
-        )
-        for exchange in frame_exchanges
-    ]
+    lengths = {exchange.request.bits for exchange in frame_exchanges if not exchange.request.in_bytes}
+    rows: Rows = []
+    for exchange in frame_exchanges:
+        length = [f"{exchange.request.bits.render()} bits"] if len(lengths) > 1 else []
+        purpose = PURPOSES[exchange.exchange.purpose]
+        frames = [_layout_link(exchange.request), _layout_link(exchange.reply)]
+        rows.append((*frames, *length, purpose, cited(exchange.exchange.source)))
+    return rows
 
 
-def _memory_rows(interface: Rs485) -> Rows:
-    return [
-        (
-            text(access.access),
-            f"{access.busy}",
-            text(access.address),
-            text(access.data),
-            text(access.meaning),
-            cited(access.source),
-        )
-        for access in interface.memory_access
-    ]
+def _layout_link(layout: Layout | None) -> str:
+    return link(code(layout.name), f"#layout-{layout.name}") if layout is not None else "none"
+
+
+def _memory_row(access: MemoryAccess) -> tuple[str, ...]:
+    return (
+        text(access.access),
+        f"{access.busy}",
+        text(access.address),
+        text(access.data),
+        text(access.meaning),
+        cited(access.source),
+    )
 
 
 def _group_title(group: FieldGroup) -> str:
@@ -184,7 +200,7 @@ def _group_title(group: FieldGroup) -> str:
     return words(group.name).capitalize() + (f" ({group.printed_name})" if group.printed_name else "")
 
 
-def _layout(device: Device, interface: Interface, layout: Layout) -> Section:
+def _layout_section(device: Device, interface: Interface, layout: Layout) -> Section:
     return {
         "layout": layout,
         "head": say_layout.head(interface, layout, Code(layout.name), device.alternatives),
@@ -196,7 +212,7 @@ def _layout(device: Device, interface: Interface, layout: Layout) -> Section:
     }
 
 
-def _register(device: Device, register: Register) -> Section:
+def _register_section(device: Device, register: Register) -> Section:
     fields = register.layout.fields
     rows = list(layout_tables.field_rows(device, register.layout))
     is_plain = len(fields) == 1 and rows[0][3:] == ("", "") and fields[0].name == register.name
@@ -207,17 +223,17 @@ def _register(device: Device, register: Register) -> Section:
         "head": say_register.head(device, register, Code(register.name)),
         "facts": say_register.facts(device, register),
         "rows": [] if is_plain else rows,
-        "value_tables": [
-            {"field": code(field.name), "rows": list(layout_tables.value_rows(field)), "alone": len(fields) == 1}
-            for field in fields
-            if layout_tables.has_value_table(field)
-        ],
+        "value_tables": [_value_table(field, len(fields) == 1) for field in fields if has_value_table(field)],
         "joins": say_layout.joins(register.layout),
         "placements": layout_tables.placement_table(device, register.layout, register.interface),
     }
 
 
-def _procedure(device: Device, procedure: Procedure) -> Section:
+def _value_table(field: Field, is_only_field: bool) -> Section:
+    return {"field": code(field.name), "rows": list(layout_tables.value_rows(field)), "alone": is_only_field}
+
+
+def _procedure_section(device: Device, procedure: Procedure) -> Section:
     return {
         "procedure": procedure,
         "about": list(say_procedure.about(procedure)),
@@ -226,10 +242,10 @@ def _procedure(device: Device, procedure: Procedure) -> Section:
     }
 
 
-def _connector(connector: Connector) -> Section:
+def _connector_section(connector: Connector) -> Section:
     return {
         "connector": connector,
-        "head": {"cable": "Wire"}.get(connector.kind, "Pin"),
+        "head": "Wire" if connector.kind == "cable" else "Pin",
         "rows": [(text(contact.contact), text(contact.signal), code(contact.only)) for contact in connector.contacts],
     }
 

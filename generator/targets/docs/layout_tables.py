@@ -6,7 +6,19 @@ from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Se
 from dataclasses import replace
 from types import MappingProxyType
 
-from ...model import Alternative, Answer, Device, Field, FieldGroup, Interface, Layout, PlacedLayout, Register, choices
+from ...model import (
+    Alternative,
+    Answer,
+    Device,
+    Field,
+    FieldGroup,
+    Interface,
+    Layout,
+    PlacedField,
+    PlacedLayout,
+    Register,
+    choices,
+)
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...say.alternative import names
@@ -15,14 +27,16 @@ from ...say.markdown import STYLE, cited, code, joined, link, table, text
 from ...say.name import Named
 from ...say.place import bit_range, bits, field_place, frame_bytes, hexadecimal
 from ...say.text import Code, Statement, listed, parted, spec_text, statement
-from .layout_pictures import Byte, Stack, bit_stack, byte_stack, group_stack, register_stack
+from .layout_pictures import ByteRow, Stack, bit_stack, byte_stack, group_stack, register_stack
 from .order_code_patterns import order_codes
 
 #: Highest number of named values in a cell. If there are more, they have their own table.
-_FEW = 4
-_NO_SETS: Mapping[str, int] = MappingProxyType({})
+_MOST_VALUES_IN_CELL = 4
+_NO_PARAMETERS: Mapping[str, int] = MappingProxyType({})
 #: Fields with their highest and lowest bit in a group, highest field first.
 GroupFields = list[tuple[Field, int, int]]
+#: Name, lowest bit and width of each field.
+_Shape = tuple[tuple[str, int, int], ...]
 
 
 @dataclass(frozen=True)
@@ -30,39 +44,49 @@ class Placement:
     """Layout with the positions that apply to some order codes."""
 
     codes: tuple[str, ...]
-    placed: PlacedLayout
+    placed_layout: PlacedLayout
 
 
-def placements(device: Device, layout: Layout, kind: str, sets: Mapping[str, int] = _NO_SETS) -> tuple[Placement, ...]:
+def placements(
+    device: Device, layout: Layout, interface_name: str, parameters: Mapping[str, int] = _NO_PARAMETERS
+) -> tuple[Placement, ...]:
     """Return the different shapes that the layout has for the order codes of an interface, shortest first.
 
-    ``sets`` are the parameters set by answers to alternatives, if those are not the first answers.
+    ``parameters`` are those set by answers to alternatives, if those are not the first answers.
     """
-    placements_by_shape: dict[tuple[tuple[str, int, int], ...], tuple[PlacedLayout, list[str]]] = {}
-    for variant in device.variants_over(kind):
-        placed = layout.place({**variant.parameters, **sets})
-        shape = tuple((placed_field.name, placed_field.low, placed_field.width) for placed_field in placed.fields)
-        placements_by_shape.setdefault(shape, (placed, []))[1].append(variant.code)
-    return tuple(
-        sorted(
-            (Placement(tuple(codes), placed) for placed, codes in placements_by_shape.values()),
-            key=lambda placement: placement.placed.bits,
-        )
-    )
+    codes_by_shape: dict[_Shape, list[str]] = {}
+    layouts_by_shape: dict[_Shape, PlacedLayout] = {}
+    for variant in device.variants_over(interface_name):
+        placed_layout = layout.place({**variant.parameters, **parameters})
+        shape = _shape(placed_layout)
+        layouts_by_shape.setdefault(shape, placed_layout)
+        codes_by_shape.setdefault(shape, []).append(variant.code)
+    shapes = layouts_by_shape.keys()
+    different_placements = [Placement(tuple(codes_by_shape[shape]), layouts_by_shape[shape]) for shape in shapes]
+    return tuple(sorted(different_placements, key=lambda placement: placement.placed_layout.bits))
 
 
-def named(named_part: Named) -> str:
+def _shape(placed_layout: PlacedLayout) -> _Shape:
+    return tuple((field.name, field.low, field.width) for field in placed_layout.fields)
+
+
+def name_cell(named_part: Named) -> str:
     """Return a name as code, with the name used in the manual below it."""
     return joined([code(named_part.name), text(named_part.printed_name)])
 
 
 def field_cell(device: Device, field: Field, in_register: bool = False) -> str:
     """Return all statements about a field in one cell. Many values of a register are in a separate table."""
-    parts = [*spec_text(field.meaning), *_values(field, in_register), *rules(device, field), *spec_text(field.note)]
+    parts = [
+        *spec_text(field.meaning),
+        *_value_statements(field, in_register),
+        *rules(device, field),
+        *spec_text(field.note),
+    ]
     return joined(map(STYLE.sentence, parts))
 
 
-def _values(field: Field, in_register: bool) -> Iterator[Statement]:
+def _value_statements(field: Field, in_register: bool) -> Iterator[Statement]:
     if not has_value_table(field):
         yield from (value(replace(named_value, source=()), field.widest) for named_value in field.values)
     elif in_register:
@@ -74,43 +98,53 @@ def _values(field: Field, in_register: bool) -> Iterator[Statement]:
 
 def has_value_table(field: Field) -> bool:
     """Return whether a field has too many values for one cell."""
-    return len(field.values) > _FEW
+    return len(field.values) > _MOST_VALUES_IN_CELL
 
 
 def value_rows(field: Field) -> Iterator[tuple[str, ...]]:
     """Yield rows of value, name, meaning, source."""
     for named_value in field.values:
         number = hexadecimal(named_value.value, (field.widest + 3) // 4)
-        yield number, named(named_value), text(named_value.meaning), cited(named_value.source)
+        yield number, name_cell(named_value), text(named_value.meaning), cited(named_value.source)
 
 
 def field_rows(device: Device, layout: Layout) -> Iterator[tuple[str, ...]]:
     """Yield rows of field, place, width, meaning, source. A group of fields is one row with a link to its table."""
-    for field_or_group in in_rows(device, layout):
+    for field_or_group in fields_and_groups(device, layout):
         if isinstance(field_or_group, FieldGroup):
-            name = joined(
-                [link(code(field_or_group.name), f"#group-{field_or_group.name}"), text(field_or_group.printed_name)]
-            )
-            parts = [Code(field.name) for field in layout.fields if field.group == field_or_group.name]
-            made_of = STYLE.sentence(statement(*listed(parts), label="Fields"))
-            yield name, group_place(device, layout, field_or_group), f"{field_or_group.bits}", made_of, ""
+            yield _group_row(device, layout, field_or_group)
         else:
-            yield (
-                named(field_or_group),
-                field_place_cell(layout, field_or_group, device.alternatives_of(layout)),
-                STYLE.number(field_or_group.width),
-                field_cell(device, field_or_group, in_register=not layout.sender),
-                cited(field_or_group.source) if field_or_group.source != layout.source else "",
-            )
+            yield _field_row(device, layout, field_or_group)
 
 
-def in_rows(device: Device, layout: Layout) -> Iterator[Field | FieldGroup]:
+def _group_row(device: Device, layout: Layout, group: FieldGroup) -> tuple[str, ...]:
+    name = joined([link(code(group.name), f"#group-{group.name}"), text(group.printed_name)])
+    field_names = [Code(field.name) for field in layout.fields if field.group == group.name]
+    fields_sentence = STYLE.sentence(statement(*listed(field_names), label="Fields"))
+    return name, group_place(device, layout, group), f"{group.bits}", fields_sentence, ""
+
+
+def _field_row(device: Device, layout: Layout, field: Field) -> tuple[str, ...]:
+    return (
+        name_cell(field),
+        field_place_cell(layout, field, device.alternatives_of(layout)),
+        STYLE.number(field.width),
+        field_cell(device, field, in_register=not layout.sender),
+        cited(field.source) if field.source != layout.source else "",
+    )
+
+
+def fields_and_groups(device: Device, layout: Layout) -> Iterator[Field | FieldGroup]:
     """Yield the groups of fields, and the fields outside of groups. Padding is in the row of the padded field."""
     groups = {group.name: group for group in device.field_groups}
     field_names = {field.name for field in layout.fields}
-    unpadded = (field for field in layout.fields if field.padding_of not in field_names)
-    rows = {(field.group, "" if field.group else field.name): groups.get(field.group, field) for field in unpadded}
-    yield from rows.values()
+    yielded_groups: set[str] = set()
+    for field in layout.fields:
+        if field.padding_of in field_names or field.group in yielded_groups:
+            continue
+        if field.group:
+            yielded_groups.add(field.group)
+        yield groups.get(field.group, field)
 
 
 def group_place(device: Device, layout: Layout, group: FieldGroup) -> str:
@@ -124,57 +158,71 @@ def field_place_cell(layout: Layout, field: Field, alternatives: Sequence[Altern
 
 
 def _first_answers(device: Device) -> Mapping[str, int]:
-    return next(sets for _, sets in choices(device.alternatives))
+    return next(parameters for _, parameters in choices(device.alternatives))
 
 
-def _first_bit(fields: Iterable[Field], sets: Mapping[str, int]) -> int:
-    return min(field.low.value(sets) for field in fields)
+def _first_bit(fields: Iterable[Field], parameters: Mapping[str, int]) -> int:
+    return min(field.low.value(parameters) for field in fields)
 
 
 def group_shapes(device: Device, name: str) -> list[tuple[tuple[Answer, ...], GroupFields]]:
     """Return the fields of a group, once for each choice that moves them."""
-    layout = next(layout for _, layout in device.layouts() if any(field.group == name for field in layout.fields))
-    parts = [field for field in layout.fields if field.group == name]
-    deciding = [
-        alternative
-        for alternative in device.alternatives_of(layout)
-        if any(_follows(field, alternative) for field in parts)
-    ]
+    layout = next(layout for _, layout in device.layouts() if _has_group(layout, name))
+    fields = [field for field in layout.fields if field.group == name]
+    alternatives = device.alternatives_of(layout)
+    deciding_alternatives = [alternative for alternative in alternatives if _decides_place_of_any(fields, alternative)]
     shapes = []
-    for answers, sets in choices(deciding):
-        first = _first_bit(parts, sets)
-        lows = ((field, field.low.value(sets) - first) for field in parts)
-        placed = [(field, low + field.width.constant - 1, low) for field, low in lows]
-        shapes.append((answers, sorted(placed, key=lambda placed_field: -placed_field[1])))
+    for answers, parameters in choices(deciding_alternatives):
+        group_low = _first_bit(fields, parameters)
+        group_fields: GroupFields = []
+        for field in fields:
+            low = field.low.value(parameters) - group_low
+            group_fields.append((field, low + field.width.constant - 1, low))
+        group_fields.sort(key=lambda group_field: -group_field[1])
+        shapes.append((answers, group_fields))
     return shapes
 
 
-def _follows(field: Field, alternative: Alternative) -> bool:
-    """Return whether an alternative decides the place of a field."""
-    return not alternative.answers[0].sets.keys().isdisjoint((*field.low.parameters, *field.width.parameters))
+def _has_group(layout: Layout, name: str) -> bool:
+    return any(field.group == name for field in layout.fields)
+
+
+def _decides_place_of_any(fields: Iterable[Field], alternative: Alternative) -> bool:
+    """Return whether an alternative decides the place of any of these fields."""
+    parameters = alternative.answers[0].sets.keys()
+    return any(not parameters.isdisjoint((*field.low.parameters, *field.width.parameters)) for field in fields)
 
 
 def group_rows(device: Device, name: str) -> Iterator[tuple[str, ...]]:
     """Yield rows of field, place, meaning, source."""
-    for field, where in group_places(device, name, lambda answers: STYLE.phrase(statement(*names(answers)))):
-        yield named(field), where, field_cell(device, field), cited(field.source)
+    for field, place in group_places(device, name, _answers_in_words):
+        yield name_cell(field), place, field_cell(device, field), cited(field.source)
 
 
-def group_places(device: Device, name: str, written: Callable[[Sequence[Answer]], str]) -> Iterator[tuple[Field, str]]:
+def _answers_in_words(answers: Sequence[Answer]) -> str:
+    return STYLE.phrase(statement(*names(answers)))
+
+
+def group_places(
+    device: Device, name: str, answers_text: Callable[[Sequence[Answer]], str]
+) -> Iterator[tuple[Field, str]]:
     """Yield the fields of a group, each with its place, or with the place for each of the answers that move it."""
     shapes = group_shapes(device, name)
-    for field, _, _ in shapes[0][1]:
-        places: dict[str, str] = {}
-        for answers, fields in shapes:
-            place = next(bits(high, low) for moved_field, high, low in fields if moved_field is field)
-            places.setdefault(place, written(answers))
-        several = len(places) > 1
-        yield field, joined(f"{place} ({answer})" if several else place for place, answer in places.items())
+    first_fields = [field for field, _, _ in shapes[0][1]]
+    for field in first_fields:
+        answers_by_place: dict[str, str] = {}
+        for answers, group_fields in shapes:
+            place = next(bits(high, low) for moved_field, high, low in group_fields if moved_field is field)
+            answers_by_place.setdefault(place, answers_text(answers))
+        if len(answers_by_place) == 1:
+            yield field, joined(answers_by_place)
+        else:
+            yield field, joined(f"{place} ({answers})" for place, answers in answers_by_place.items())
 
 
-def frames_with(interface: Interface, group: str) -> list[str]:
+def links_to_frames_with(interface: Interface, group: str) -> list[str]:
     """Return links to the frames that contain a group of fields."""
-    layouts = [layout for layout in interface.layouts if any(field.group == group for field in layout.fields)]
+    layouts = [layout for layout in interface.layouts if _has_group(layout, group)]
     return [link(code(layout.name), f"#layout-{layout.name}") for layout in layouts]
 
 
@@ -182,52 +230,56 @@ def used_groups(interface: Interface) -> list[str]:
     return list(dict.fromkeys(field.group for layout in interface.layouts for field in layout.fields if field.group))
 
 
-def placement_table(device: Device, layout: Layout, kind: str) -> str:
+def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
     """Return a table of field positions by order code and choice, or an empty string if they are the same for all.
 
     Only choices that change the length are included. The row of a field shows its places for all other choices.
     """
-    deciding = [alternative for alternative in device.alternatives_of(layout) if _lengthens(layout, alternative)]
-    shapes = [
-        (answers, shape) for answers, sets in choices(deciding) for shape in placements(device, layout, kind, sets)
-    ]
+    questions = [question for question in device.alternatives_of(layout) if _decides_length(layout, question)]
+    shapes: list[tuple[tuple[Answer, ...], Placement]] = []
+    for answers, parameters in choices(questions):
+        shapes += ((answers, shape) for shape in placements(device, layout, interface_name, parameters))
     if len(shapes) < 2:
         return ""
-    decided = {name for alternative in device.alternatives for name in alternative.answers[0].sets}
-    moving = [field for field in layout.fields if not field.padding_of and _moves(field, decided)]
-    within = {field.name: field_place_cell(layout, field) for field in moving if field.container and layout.sender}
+    set_by_answers = {name for alternative in device.alternatives for name in alternative.answers[0].sets}
+    fields_with_content = [field for field in layout.fields if not field.padding_of]
+    fields = [field for field in fields_with_content if _depends_on_order_code(field, set_by_answers)]
+    container_fields = [field for field in fields if field.container and layout.sender]
+    containers = {field.name: field_place_cell(layout, field) for field in container_fields}
     rows = []
     for answers, shape in shapes:
-        cells = []
-        for field in moving:
-            placed_field = shape.placed.find_field(field.name)
-            container_low = placed_field.low if placed_field is not None and field.name in within else 0
-            cells.append(
-                "–"
-                if placed_field is None
-                else bit_range(placed_field.high - container_low, placed_field.low - container_low)
-            )
-        total = [f"{shape.placed.bits}"] if not layout.bits.is_constant else [""]
-        rows.append([order_codes(device, shape.codes), *(code(answer.name) for answer in answers), *total, *cells])
-    return table(
-        [
-            "Order codes",
-            *(link(code(alternative.name), f"#alternative-{alternative.name}") for alternative in deciding),
-            "Bits",
-            *(code(field.name) + (f" in {within[field.name]}" if field.name in within else "") for field in moving),
-        ],
-        rows,
-    )
+        length = "" if layout.bits.is_constant else f"{shape.placed_layout.bits}"
+        answer_cells = [code(answer.name) for answer in answers]
+        bit_cells = [
+            _bits_cell(shape.placed_layout.find_field(field.name), field.name in containers) for field in fields
+        ]
+        rows.append([order_codes(device, shape.codes), *answer_cells, length, *bit_cells])
+    question_links = [link(code(question.name), f"#alternative-{question.name}") for question in questions]
+    field_heads = [_field_head(field, containers) for field in fields]
+    return table(["Order codes", *question_links, "Bits", *field_heads], rows)
 
 
-def _lengthens(layout: Layout, alternative: Alternative) -> bool:
+def _bits_cell(placed_field: PlacedField | None, from_own_low: bool) -> str:
+    """Return the bits of a field, or a dash if the order code lacks it. ``from_own_low`` counts from its lowest bit."""
+    if placed_field is None:
+        return "–"
+    first = placed_field.low if from_own_low else 0
+    return bit_range(placed_field.high - first, placed_field.low - first)
+
+
+def _field_head(field: Field, containers: Mapping[str, str]) -> str:
+    name = code(field.name)
+    return f"{name} in {containers[field.name]}" if field.name in containers else name
+
+
+def _decides_length(layout: Layout, alternative: Alternative) -> bool:
     """Return whether the length of the layout depends on an alternative."""
     return not alternative.answers[0].sets.keys().isdisjoint(layout.bits.parameters)
 
 
-def _moves(field: Field, decided: Container[str]) -> bool:
-    """Return whether the position or width of a field depends on the order code."""
-    return any(name not in decided for name in (*field.low.parameters, *field.width.parameters))
+def _depends_on_order_code(field: Field, set_by_answers: Container[str]) -> bool:
+    """Return whether the position or width of a field depends on the order code, not only on answers."""
+    return any(name not in set_by_answers for name in (*field.low.parameters, *field.width.parameters))
 
 
 # -- picture contents
@@ -235,45 +287,52 @@ def _moves(field: Field, decided: Container[str]) -> bool:
 
 def layout_stacks(device: Device, interface: Interface, layout: Layout) -> list[Stack]:
     """Return the bytes of each shape of a layout, once for each choice that moves a field in the picture."""
-    stacks_by_rows: dict[tuple[Byte, ...], Stack] = {}
-    for answers, sets in choices(device.alternatives_of(layout)):
-        for stack in _stacks(layout, placements(device, layout, interface.name, sets)):
-            stacks_by_rows.setdefault(stack.rows, replace(stack, caption=_decided(answers, stack.caption)))
+    stacks_by_rows: dict[tuple[ByteRow, ...], Stack] = {}
+    for answers, parameters in choices(device.alternatives_of(layout)):
+        for stack in _stacks_of_shapes(layout, placements(device, layout, interface.name, parameters)):
+            captioned_stack = replace(stack, caption=_caption_with_answers(answers, stack.caption))
+            stacks_by_rows.setdefault(stack.rows, captioned_stack)
     stacks = list(stacks_by_rows.values())
-    return [replace(stack, caption="") for stack in stacks] if layout.in_bytes and len(stacks) == 1 else stacks
+    return [replace(stacks[0], caption="")] if layout.in_bytes and len(stacks) == 1 else stacks
 
 
-def _stacks(layout: Layout, shapes: Sequence[Placement]) -> Iterator[Stack]:
+def _stacks_of_shapes(layout: Layout, shapes: Sequence[Placement]) -> Iterator[Stack]:
+    """Yield the stack of each shape. For a frame of bytes, the longest shape stands for all."""
     if layout.in_bytes:
-        yield byte_stack("", shapes[-1].placed)
+        yield byte_stack("", shapes[-1].placed_layout)
         return
     for shape in shapes:
-        yield bit_stack(f"{_caption(shape)}: {shape.placed.bits} bits", shape.placed)
+        yield bit_stack(f"{_codes_caption(shape)}: {shape.placed_layout.bits} bits", shape.placed_layout)
 
 
-def shapes(device: Device, interface: Interface, layout: Layout) -> list[tuple[str, PlacedLayout]]:
-    """Return each shape of a layout for one order code, with the answers that lead to it as a caption."""
-    placed_by_shape: dict[tuple[tuple[str, int, int], ...], tuple[str, PlacedLayout]] = {}
-    for answers, sets in choices(device.alternatives_of(layout)):
-        for placement in placements(device, layout, interface.name, sets):
-            places = tuple((field.name, field.low, field.width) for field in placement.placed.fields)
-            placed_by_shape.setdefault(places, (_decided(answers, f"{placement.placed.bits} bits"), placement.placed))
-    listed = list(placed_by_shape.values())
-    return [("", listed[0][1])] if len(listed) == 1 else listed
+def captioned_shapes(device: Device, interface: Interface, layout: Layout) -> list[tuple[str, PlacedLayout]]:
+    """Return each shape of a layout for one order code, with the answers that lead to it as a caption.
+
+    A single shape has an empty caption.
+    """
+    shapes: dict[_Shape, tuple[str, PlacedLayout]] = {}
+    for answers, parameters in choices(device.alternatives_of(layout)):
+        for placement in placements(device, layout, interface.name, parameters):
+            caption = _caption_with_answers(answers, f"{placement.placed_layout.bits} bits")
+            shapes.setdefault(_shape(placement.placed_layout), (caption, placement.placed_layout))
+    if len(shapes) > 1:
+        return list(shapes.values())
+    return [("", placed_layout) for _, placed_layout in shapes.values()]
 
 
-def _decided(answers: Sequence[Answer], caption: str) -> str:
+def _caption_with_answers(answers: Sequence[Answer], caption: str) -> str:
     return ", ".join(filter(None, (*(answer.name for answer in answers), caption)))
 
 
-def _caption(shape: Placement) -> str:
-    further_codes = f" and {len(shape.codes) - 2} more" if len(shape.codes) > 2 else ""
-    return f"{', '.join(shape.codes[:2])}{further_codes}"
+def _codes_caption(placement: Placement) -> str:
+    """Return the first two order codes, and the number of further ones."""
+    further_codes = f" and {len(placement.codes) - 2} more" if len(placement.codes) > 2 else ""
+    return f"{', '.join(placement.codes[:2])}{further_codes}"
 
 
 def group_stacks(device: Device, group: FieldGroup) -> list[Stack]:
     shapes = group_shapes(device, group.name)
-    return [group_stack(_decided(answers, ""), fields, group.bits) for answers, fields in shapes]
+    return [group_stack(_caption_with_answers(answers, ""), fields, group.bits) for answers, fields in shapes]
 
 
 def has_picture(register: Register) -> bool:
@@ -283,9 +342,10 @@ def has_picture(register: Register) -> bool:
 
 
 def register_stacks(device: Device, register: Register) -> list[Stack]:
+    low_byte_first = register.byte_order == "low_byte_first"
     shapes = placements(device, register.layout, register.interface)
-    low_first = register.byte_order == "low_byte_first"
-    return [
-        register_stack(_caption(placement) if len(shapes) > 1 else "", placement.placed, register.address, low_first)
-        for placement in shapes
-    ]
+    stacks = []
+    for shape in shapes:
+        caption = _codes_caption(shape) if len(shapes) > 1 else ""
+        stacks.append(register_stack(caption, shape.placed_layout, register.address, low_byte_first))
+    return stacks

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from typing import Annotated
 
-from ...model import INTERFACES, Biss, Device, Interface, Layout, Measurement, Parameter, Variant
+from ...model import INTERFACES, Biss, Device, Example, Interface, Layout, LayoutRange, Parameter, Register, Variant
 from ...model.record import dataclass
 from ...order_codes.narrowing import for_codes
 from ...order_codes.parameters import parameters_of, run_time_names
@@ -22,23 +22,23 @@ from ...say.text import Statement, statement
 from ...say.words import counted, sentence, with_unit
 from ..file_names import names_of_codes
 from . import bytes_to_send, clock_and_cable, frame_facts, pin_tables, short_tables, wide_pictures
-from .hardware_steps import ByHand, by_hand
-from .inline_errata import Badges
-from .interface_page import OverValues, over_values
-from .interface_sections import Section, Sections, sections
+from .hardware_steps import ManualProcedure, manual_procedures
+from .inline_errata import ErrataLinks
+from .interface_page import InterfaceValues, interface_values
+from .interface_sections import Section, Sections, page_sections
 from .order_code_patterns import patterns
-from .own_widths import own_meaning, with_own_widths
-from .page_pictures import Pictures, of_codes, of_family
+from .own_widths import meaning_without_range, with_widths_of_order_code
+from .page_pictures import Pictures, pictures_of_family, pictures_of_order_codes
 from .unstated import no_leds, no_supply
 
 Row = tuple[str, ...]
 #: Longest lead, in characters.
-_LEAD = 180
+_LONGEST_LEAD = 180
 #: Other files in the folder of a family: names of pages, and first words of the names of pictures.
-TAKEN = (*INTERFACES, "connector", "errata", "hardware", "manual", "register", "timing")
+RESERVED_NAMES = (*INTERFACES, "connector", "errata", "hardware", "manual", "register", "timing")
 
 
-class CodePage(Sections, OverValues):
+class CodePage(Sections, InterfaceValues):
     """Values for the page of an order code in addition to those of its interface page."""
 
     codes: Annotated[Sequence[str], "the order codes, which differ only in mechanics or supply"]
@@ -49,15 +49,17 @@ class CodePage(Sections, OverValues):
     supply: Annotated[list[str], "supply, with order codes if it differs between them"]
     no_supply: Annotated[str, "text in place of the supply"]
     no_leds: Annotated[str, "sentence in place of LEDs, or empty"]
-    speed: Annotated[clock_and_cable.Speed, "clock or baud rate by cable length: title, facts, head, rows"]
+    speed: Annotated[clock_and_cable.SpeedSection, "clock or baud rate by cable length: title, facts, head, rows"]
     frame: Annotated[Section | None, "frame with the position: title, name, size, questions, wide, narrow, facts"]
-    sending: Annotated[bytes_to_send.Sending, "bytes to send: facts, requests, commands, other_value"]
+    sending: Annotated[
+        bytes_to_send.SendingSection, "bytes to send: facts, requests, commands, command_errata, other_value"
+    ]
     frames_summary: Annotated[str, "number of frames and CRCs"]
     registers_summary: Annotated[str, "number of registers and their addresses"]
     procedures_summary: Annotated[str, "number of procedures"]
     setting_lines: Annotated[list[str], "settings of the interface"]
     time_rows: Annotated[list[Row], "duration and meaning of each time"]
-    by_hand: Annotated[list[ByHand], "procedures carried out by hand"]
+    by_hand: Annotated[list[ManualProcedure], "procedures carried out by hand"]
     example_rows: Annotated[list[Row], "worked examples: title, facts"]
     quantity_rows: Annotated[list[Row], "quantities of the order code: value, meaning"]
     errata_summary: Annotated[Callable[[], str], "number of errata listed on the page before this call"]
@@ -65,16 +67,16 @@ class CodePage(Sections, OverValues):
 
 
 @dataclass(frozen=True)
-class Alike:
+class CodeGroup:
     """Order codes that are identical for software. ``name`` is the name of their common page.
 
-    ``only`` is the family with only these order codes, and ``here`` is that with the quantities that they set.
+    ``narrowed_family`` has only these order codes, and ``device`` is that with the quantities that they set.
     """
 
     family: Device
     variants: tuple[Variant, ...]
-    only: Device
-    here: Device
+    narrowed_family: Device
+    device: Device
     name: str
 
     @property
@@ -83,7 +85,7 @@ class Alike:
 
     @property
     def interface(self) -> Interface:
-        return self.here.interface(self.variants[0].interface)
+        return self.device.interface(self.variants[0].interface)
 
     @cached_property
     def frame(self) -> Layout | None:
@@ -93,32 +95,42 @@ class Alike:
     @cached_property
     def pictures(self) -> Pictures:
         """Pictures for these codes that differ from those of the family."""
-        return of_codes(self.family, self.only, self.name, self.frame.name if self.frame is not None else "")
+        frame_name = self.frame.name if self.frame is not None else ""
+        return pictures_of_order_codes(self.family, self.narrowed_family, self.name, frame_name)
 
 
 @dataclass(frozen=True)
-class Codes:
+class OrderCodes:
     """Order codes of a family, grouped by interface and by the quantities that they set."""
 
     device: Device
 
     @cached_property
-    def alike(self) -> tuple[Alike, ...]:
-        groups: dict[tuple[str, tuple[tuple[str, int], ...]], list[Variant]] = {}
+    def groups(self) -> tuple[CodeGroup, ...]:
+        """Order codes that have the same interface and set the same quantities."""
+        variants_by_quantities: dict[tuple[str, tuple[tuple[str, int], ...]], list[Variant]] = {}
         for variant in self.device.variants:
-            groups.setdefault((variant.interface, tuple(sorted(variant.parameters.items()))), []).append(variant)
-        names = names_of_codes((variants[0].code for variants in groups.values()), TAKEN)
-        return tuple(self._alike(tuple(variants), name) for variants, name in zip(groups.values(), names, strict=True))
+            quantities = tuple(sorted(variant.parameters.items()))
+            variants_by_quantities.setdefault((variant.interface, quantities), []).append(variant)
+        groups = variants_by_quantities.values()
+        names = names_of_codes((variants[0].code for variants in groups), RESERVED_NAMES)
+        return tuple(self._code_group(tuple(variants), name) for variants, name in zip(groups, names, strict=True))
 
-    def _alike(self, variants: tuple[Variant, ...], name: str) -> Alike:
-        only = for_codes(self.device, [variant.code for variant in variants])
-        device = with_own_widths(self.device, with_quantities(only, variants[0]), variants[0])
-        return Alike(self.device, variants, only, device, name)
+    def _code_group(self, variants: tuple[Variant, ...], name: str) -> CodeGroup:
+        narrowed_family = for_codes(self.device, [variant.code for variant in variants])
+        with_numbers = with_quantities(narrowed_family, variants[0])
+        return CodeGroup(
+            family=self.device,
+            variants=variants,
+            narrowed_family=narrowed_family,
+            device=with_widths_of_order_code(self.device, with_numbers, variants[0]),
+            name=name,
+        )
 
     @cached_property
     def pictures(self) -> Pictures:
         """Pictures of the family."""
-        return of_family(self.device)
+        return pictures_of_family(self.device)
 
     @cached_property
     def links(self) -> dict[str, str]:
@@ -126,154 +138,171 @@ class Codes:
         return self._links(f"{self.device.name}/")
 
     @cached_property
-    def links_beside(self) -> dict[str, str]:
+    def links_in_folder(self) -> dict[str, str]:
         """Links to the page of each order code, relative to the folder of the family."""
         return self._links("")
 
-    def page_links(self, kind: str) -> list[str]:
+    def page_links(self, interface_name: str) -> list[str]:
         """Return links to the order code pages of an interface, labelled with patterns, for pages next to it."""
-        return [
-            link(
-                ", ".join(map(code, patterns(self.device, page_codes.codes))),
-                f"{self.device.name}/{page_codes.name}.md",
-            )
-            for page_codes in self.alike
-            if page_codes.interface.name == kind
-        ]
+        links = []
+        for group in self.groups:
+            if group.interface.name == interface_name:
+                label = ", ".join(map(code, patterns(self.device, group.codes)))
+                links.append(link(label, f"{self.device.name}/{group.name}.md"))
+        return links
 
     def _links(self, folder: str) -> dict[str, str]:
-        return {
-            variant.code: link(code(variant.code), f"{folder}{alike.name}.md")
-            for alike in self.alike
-            for variant in alike.variants
-        }
+        links: dict[str, str] = {}
+        for group in self.groups:
+            links |= {order_code: link(code(order_code), f"{folder}{group.name}.md") for order_code in group.codes}
+        return links
 
 
-def _position(device: Device, interface: str, measured: Measurement) -> str:
+def _position_text(device: Device, interface: Interface) -> str:
     """Return the unit and range of the position, and the ranges that single frames have."""
-    frame_ranges = [
-        f"{code(name)} {STYLE.phrase(position_range(frame_range))}"
-        if not frame_range.wraps
-        else f"in {code(name)}: {STYLE.phrase(position_range(frame_range))}"
-        for name, frame_range in own_ranges(device, interface)
-    ]
-    return ", ".join([STYLE.phrase(measurement(measured)), *frame_ranges])
+    position_measurement = device.measurement_of(interface.name)
+    if position_measurement is None:
+        return ""
+    ranges = [_range_in_frame(name, frame_range) for name, frame_range in own_ranges(device, interface.name)]
+    return ", ".join([STYLE.phrase(measurement(position_measurement)), *ranges])
 
 
-def page_values(alike: Alike, has_masters: bool, pictures: Pictures) -> CodePage:
+def _range_in_frame(name: str, frame_range: LayoutRange) -> str:
+    frame_name = f"in {code(name)}:" if frame_range.wraps else code(name)
+    return f"{frame_name} {STYLE.phrase(position_range(frame_range))}"
+
+
+def page_values(group: CodeGroup, has_masters: bool, pictures: Pictures) -> CodePage:
     """Return the values of the page. ``pictures`` are those of the family, of which the page may replace some."""
-    device, interface, badges = alike.here, alike.interface, Badges(alike.here)
-    measured = device.measurement_of(interface.name)
-    page_sections = sections(device)
+    device, interface, errata_links = group.device, group.interface, ErrataLinks(group.device)
+    interface_sections = page_sections(device)
+    variant, frame = group.variants[0], group.frame
     return {
-        **page_sections,
-        **over_values(alike.family, device, alike.variants, has_masters, alike.pictures),
-        "errata_at": badges,
-        "codes": alike.codes,
+        **interface_sections,
+        **interface_values(group.family, device, group.variants, has_masters, group.pictures),
+        "errata_at": errata_links,
+        "codes": group.codes,
         # The notes on SSI and RS-485 begin with the line, those on BiSS with limits that users must keep.
-        "lead": lead(interface.note) if isinstance(interface, Biss) else "",
-        "position": _position(device, interface.name, measured) if measured is not None else "",
+        "lead": lead_sentences(interface.note) if isinstance(interface, Biss) else "",
+        "position": _position_text(device, interface),
         "evidence": grade(device),
-        "wiring": pin_tables.wiring(device, alike.codes),
-        "supply": pin_tables.supply(device, alike.variants),
-        "speed": clock_and_cable.speed(alike.family, device, interface, alike.frame),
-        "frame": _frame(alike, alike.frame, {**pictures, **alike.pictures}) if alike.frame is not None else None,
-        "sending": bytes_to_send.sending(alike.family, device, interface, alike.variants[0], badges.of_bytes),
+        "wiring": pin_tables.wiring(device, group.codes),
+        "supply": pin_tables.supply_lines(device, group.variants),
+        "speed": clock_and_cable.speed_section(group.family, device, interface, frame),
+        "frame": _frame_section(group, frame, {**pictures, **group.pictures}) if frame is not None else None,
+        "sending": bytes_to_send.sending_section(
+            group.family, device, interface, variant, errata_links.links_about_bytes
+        ),
         "led_rows": list(short_tables.led_rows(device)),
-        "no_leds": no_leds(alike.family, device, interface),
-        "no_supply": no_supply(alike.family, interface),
-        "interfaces": [_with_short_rows(device, section) for section in page_sections["interfaces"]],
-        "registers": [
-            {
-                **section,
-                "rows": list(short_tables.field_rows(device, section["register"].layout)) if section["rows"] else [],
-                "value_tables": short_tables.value_tables(section["register"]),
-            }
-            for section in page_sections["registers"]
-        ],
+        "no_leds": no_leds(group.family, device, interface),
+        "no_supply": no_supply(group.family, interface),
+        "interfaces": [_with_short_rows(device, section) for section in interface_sections["interfaces"]],
+        "registers": [_register_section(device, section) for section in interface_sections["registers"]],
         "register_rows": list(short_tables.register_rows(device)),
-        "procedures": [
-            {**section, "steps": list(short_tables.steps(device, section["procedure"]))}
-            for section in page_sections["procedures"]
-        ],
+        "procedures": [_procedure_section(device, section) for section in interface_sections["procedures"]],
         "procedures_summary": f"{counted(len(device.procedures), 'procedure')}, step by step",
         "setting_lines": list(short_tables.setting_lines(device, interface)),
         "frames_summary": counted(len(interface.layouts), "frame") + (" with CRC" if device.crcs else ""),
-        "registers_summary": _summary(device),
+        "registers_summary": _registers_summary(device),
         "time_rows": list(short_tables.time_rows(interface.timings + device.timings)),
-        "by_hand": by_hand(device),
-        "example_rows": list(
-            short_tables.example_rows(
-                device, (example for example in device.examples if getattr(example, "order_code", ""))
-            )
-        ),
-        "quantity_rows": list(_quantity_rows(alike)),
-        "errata_summary": badges.summary,
-        "errata_list": badges.listed,
+        "by_hand": manual_procedures(device),
+        "example_rows": list(short_tables.example_rows(device, _examples_of_order_codes(device))),
+        "quantity_rows": list(_quantity_rows(group)),
+        "errata_summary": errata_links.count_by_status,
+        "errata_list": errata_links.list_of_errata,
     }
 
 
-def lead(note: str) -> str:
+def _register_section(device: Device, section: Section) -> Section:
+    """Return the values of a register with tables of two columns."""
+    register: Register = section["register"]
+    rows = list(short_tables.field_rows(device, register.layout)) if section["rows"] else []
+    return {**section, "rows": rows, "value_tables": short_tables.value_tables(register)}
+
+
+def _procedure_section(device: Device, section: Section) -> Section:
+    return {**section, "steps": list(short_tables.step_sentences(device, section["procedure"]))}
+
+
+def _examples_of_order_codes(device: Device) -> list[Example]:
+    """Return the worked examples that belong to an order code."""
+    return [example for example in device.examples if getattr(example, "order_code", "")]
+
+
+def lead_sentences(note: str) -> str:
     """Return the first sentences of a text, up to the length that is shown at the top of a page."""
-    parts = note.split(". ")
-    count = max((index for index in range(len(parts) + 1) if len(". ".join(parts[:index])) <= _LEAD), default=0)
-    return sentence(". ".join(parts[: max(count, 1)])) if note else ""
+    if not note:
+        return ""
+    first, *further_sentences = note.split(". ")
+    sentences = first
+    for further_sentence in further_sentences:
+        longer = f"{sentences}. {further_sentence}"
+        if len(longer) > _LONGEST_LEAD:
+            break
+        sentences = longer
+    return sentence(sentences)
 
 
-def _frame(alike: Alike, layout: Layout, pictures: Pictures) -> Section:
-    checked = alike.family.crc_of(layout)
-    choices = [alternative.name for alternative in alike.here.alternatives]
+def _frame_section(group: CodeGroup, layout: Layout, pictures: Pictures) -> Section:
+    crc = group.family.crc_of(layout)
+    choices = [alternative.name for alternative in group.device.alternatives]
     return {
         "title": title(layout),
         "name": layout.name,
-        "size": STYLE.phrase(statement(*size(layout, alike.here.alternatives))),
+        "size": STYLE.phrase(statement(*size(layout, group.device.alternatives))),
         "wide": pictures[f"wide-{layout.name}"],
         "narrow": pictures[f"layout-{layout.name}"],
         "narrower": wide_pictures.SCREEN - 1,
-        "questions": list(frame_facts.questions(alike.here, layout)),
-        "facts": list(frame_facts.frame_facts(alike.family, layout, alike.variants[0], choices)),
-        "crc_path": [f"crcs.{checked.name}"] if checked is not None else [],
+        "questions": list(frame_facts.open_questions(group.device, layout)),
+        "facts": list(frame_facts.frame_facts(group.family, layout, group.variants[0], choices)),
+        "crc_path": [f"crcs.{crc.name}"] if crc is not None else [],
     }
 
 
 def _with_short_rows(device: Device, interface_section: Section) -> Section:
     """Return the values of an interface with tables of two columns."""
-    layouts = [
-        {**section, "rows": list(short_tables.field_rows(device, section["layout"]))}
-        for section in interface_section["layouts"]
-    ]
-    groups = [
-        {**section, "rows": list(short_tables.group_rows(device, section["group"].name))}
-        for section in interface_section["groups"]
-    ]
+    layouts = [_layout_section(device, section) for section in interface_section["layouts"]]
+    groups = [_group_section(device, section) for section in interface_section["groups"]]
     return {**interface_section, "layouts": layouts, "groups": groups}
 
 
-def _summary(device: Device) -> str:
+def _layout_section(device: Device, section: Section) -> Section:
+    return {**section, "rows": list(short_tables.field_rows(device, section["layout"]))}
+
+
+def _group_section(device: Device, section: Section) -> Section:
+    return {**section, "rows": list(short_tables.group_rows(device, section["group"].name))}
+
+
+def _registers_summary(device: Device) -> str:
+    """Return the number of registers and their lowest and highest address."""
     if not device.registers:
         return ""
-    first, last = (
-        min(register.address for register in device.registers),
-        max(register.last_address for register in device.registers),
-    )
-    return f"{counted(len(device.registers), 'register')} from {hexadecimal(first)} to {hexadecimal(last)}"
+    lowest = min(register.address for register in device.registers)
+    highest = max(register.last_address for register in device.registers)
+    return f"{counted(len(device.registers), 'register')} from {hexadecimal(lowest)} to {hexadecimal(highest)}"
 
 
-def _quantity_rows(alike: Alike) -> Iterator[Row]:
+def _quantity_rows(group: CodeGroup) -> Iterator[Row]:
     """Yield the quantities set by the order code, and the factory defaults of those that registers hold."""
-    run_time_parameters = run_time_names(alike.family)
-    for parameter in parameters_of(alike.family, alike.interface.name):
-        if not parameter.alternative and alike.variants[0].parameters[parameter.name] != 0:
-            yield _quantity(alike, parameter, parameter.name in run_time_parameters)
+    run_time_parameters = run_time_names(group.family)
+    for parameter in parameters_of(group.family, group.interface.name):
+        if not parameter.alternative and group.variants[0].parameters[parameter.name] != 0:
+            yield _quantity_row(group, parameter, is_set_by_registers=parameter.name in run_time_parameters)
 
 
-def _quantity(alike: Alike, parameter: Parameter, is_held: bool) -> Row:
-    quantity = value(parameter, alike.variants[0].parameters[parameter.name])
-    by_code = parameter.read_from and alike.family.register(parameter.register).default is None
-    kind = "Value of the order code" if by_code else "Factory default"
-    origin_text = (
-        f" {kind}, held in {text(field_at(alike.family, parameter.read_from))}." if parameter.read_from else ""
-    )
-    origin_text = origin_text or (" Factory default, set by registers." if is_held else "")
-    about = f"{text(sentence(own_meaning(alike.family, parameter)))}{origin_text} <small>{code(parameter.name)}</small>"
-    return with_unit(quantity, text(parameter.unit)), f"{about} <small>{cited(parameter.source)}</small>"
+def _quantity_row(group: CodeGroup, parameter: Parameter, is_set_by_registers: bool) -> Row:
+    quantity = value(parameter, group.variants[0].parameters[parameter.name])
+    meaning = text(sentence(meaning_without_range(group.family, parameter)))
+    origin = _origin_of_quantity(group.family, parameter, is_set_by_registers)
+    about = f"{meaning}{origin} <small>{code(parameter.name)}</small> <small>{cited(parameter.source)}</small>"
+    return with_unit(quantity, text(parameter.unit)), about
+
+
+def _origin_of_quantity(family: Device, parameter: Parameter, is_set_by_registers: bool) -> str:
+    """Return a sentence on the registers that hold or set a quantity, or an empty string."""
+    if parameter.read_from:
+        has_default = family.register(parameter.register).default is not None
+        kind = "Factory default" if has_default else "Value of the order code"
+        return f" {kind}, held in {text(field_at(family, parameter.read_from))}."
+    return " Factory default, set by registers." if is_set_by_registers else ""

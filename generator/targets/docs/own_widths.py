@@ -2,46 +2,48 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from ...model import Device, Interface, Layout, Parameter, Variant
 
 
-def range_of(family: Device, parameter: Parameter) -> str:
+def range_of_widths(family: Device, parameter: Parameter) -> str:
     """Return the widths that the order codes of a family set, as in ``17 to 39``, or nothing if there is only one."""
-    widths = [variant.parameters[parameter.name] for variant in family.variants if parameter.name in variant.parameters]
-    return (
-        f"{min(widths)} to {max(widths)}" if parameter.unit == "bits" and widths and min(widths) < max(widths) else ""
-    )
+    if parameter.unit != "bits":
+        return ""
+    variants = [variant for variant in family.variants if parameter.name in variant.parameters]
+    widths = {variant.parameters[parameter.name] for variant in variants}
+    return f"{min(widths)} to {max(widths)}" if len(widths) > 1 else ""
 
 
-def own_meaning(family: Device, parameter: Parameter) -> str:
+def meaning_without_range(family: Device, parameter: Parameter) -> str:
     """Return the meaning of a quantity without its range, for a row that begins with its value."""
-    written = range_of(family, parameter)
-    return parameter.meaning.replace(f", {written} bits", "") if written else parameter.meaning
+    family_range = range_of_widths(family, parameter)
+    return parameter.meaning.replace(f", {family_range} bits", "") if family_range else parameter.meaning
 
 
-def with_own_widths(family: Device, device: Device, variant: Variant) -> Device:
+def with_widths_of_order_code(family: Device, device: Device, variant: Variant) -> Device:
     """Return the device with the width of the order code in the notes of its frames, in place of the range."""
-    ranges = [
-        (range_of(family, parameter), parameter)
-        for parameter in family.parameters
-        if parameter.name in variant.parameters
-    ]
-    written = [text for text, _ in ranges]
-    # In a text, two quantities with the same range look alike.
-    widths = {
-        text: str(variant.parameters[parameter.name]) for text, parameter in ranges if text and written.count(text) == 1
-    }
-    return replace(device, interfaces=tuple(_interface(interface, widths) for interface in device.interfaces))
+    parameters = [parameter for parameter in family.parameters if parameter.name in variant.parameters]
+    ranges = [range_of_widths(family, parameter) for parameter in parameters]
+    widths: dict[str, str] = {}
+    for parameter, family_range in zip(parameters, ranges, strict=True):
+        # In a text, two quantities with the same range look alike.
+        if family_range and ranges.count(family_range) == 1:
+            widths[family_range] = str(variant.parameters[parameter.name])
+    interfaces = [_interface_with_widths(interface, widths) for interface in device.interfaces]
+    return replace(device, interfaces=tuple(interfaces))
 
 
-def _interface(interface: Interface, widths: dict[str, str]) -> Interface:
-    return replace(interface, layouts=tuple(_layout(layout, widths) for layout in interface.layouts))
+def _interface_with_widths(interface: Interface, widths: Mapping[str, str]) -> Interface:
+    layouts = [_layout_with_widths(layout, widths) for layout in interface.layouts]
+    return replace(interface, layouts=tuple(layouts))
 
 
-def _layout(layout: Layout, widths: dict[str, str]) -> Layout:
+def _layout_with_widths(layout: Layout, widths: Mapping[str, str]) -> Layout:
+    """Return the layout with each range of widths in its note replaced by the width of the order code."""
     note = layout.note
-    for written, code_width in widths.items():
-        note = note.replace(f" {written} bits", f" {code_width} bits").replace(f", {written},", f", {code_width},")
+    for family_range, width in widths.items():
+        note = note.replace(f" {family_range} bits", f" {width} bits").replace(f", {family_range},", f", {width},")
     return replace(layout, note=note)

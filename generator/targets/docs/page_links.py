@@ -15,29 +15,29 @@ from ...say.text import Ref, Style
 ERRATA = "errata.md"
 
 
-def interface_page(device: Device, interface: Interface) -> str:
+def interface_page_path(device: Device, interface: Interface) -> str:
     return f"{device.name}/{interface.name}.md"
 
 
-def to_register(device: Device, register: Register, label: str) -> str:
-    return link(label, f"{interface_page(device, device.interface(register.interface))}#register-{register.name}")
+def link_to_register(device: Device, register: Register, label: str) -> str:
+    return link(label, f"{interface_page_path(device, device.interface(register.interface))}#register-{register.name}")
 
 
-def to_layout(device: Device, layout: Layout, label: str) -> str:
+def link_to_layout(device: Device, layout: Layout, label: str) -> str:
     interface = next(interface for interface, device_layout in device.layouts() if device_layout.name == layout.name)
-    return link(label, f"{interface_page(device, interface)}#layout-{layout.name}")
+    return link(label, f"{interface_page_path(device, interface)}#layout-{layout.name}")
 
 
-def to_alarm(device: Device, interface: Interface, alarm: Alarm, label: str) -> str:
-    return link(label, f"{interface_page(device, interface)}#alarm-{alarm.name}")
+def link_to_alarm(device: Device, interface: Interface, alarm: Alarm, label: str) -> str:
+    return link(label, f"{interface_page_path(device, interface)}#alarm-{alarm.name}")
 
 
-def to_procedure(device: Device, procedure: Procedure) -> str:
+def link_to_procedure(device: Device, procedure: Procedure) -> str:
     interface = device.interface(procedure.interface)
-    return link(interface.title, f"{interface_page(device, interface)}#procedure-{procedure.name}")
+    return link(interface.title, f"{interface_page_path(device, interface)}#procedure-{procedure.name}")
 
 
-def to_erratum(device: Device, name: str) -> str:
+def link_to_erratum(device: Device, name: str) -> str:
     return link(code(name), f"{device.name}/{ERRATA}#erratum-{name}")
 
 
@@ -46,28 +46,30 @@ def with_errata_linked(device: Device, page: str, page_text: str) -> str:
     if not device.errata:
         return page_text
     folder = "" if page.startswith(f"{device.name}/") else f"{device.name}/"
-    name = f"(?:{'|'.join(sorted((erratum.name for erratum in device.errata), key=len, reverse=True))})\\b"
+    longest_first = sorted((erratum.name for erratum in device.errata), key=len, reverse=True)
+    name = f"(?:{'|'.join(longest_first)})\\b"
 
-    def linked(mention: re.Match[str]) -> str:
-        return re.sub(
-            name,
-            lambda named_erratum: link(code(named_erratum[0]), f"{folder}{ERRATA}#erratum-{named_erratum[0]}"),
-            mention[0],
-        )
+    def name_link(erratum_name: re.Match[str]) -> str:
+        return link(code(erratum_name[0]), f"{folder}{ERRATA}#erratum-{erratum_name[0]}")
 
-    return re.sub(rf"\berrat(?:um|a)\s(?:{name}(?:, (?={name}))?)+", linked, page_text)
+    def with_names_linked(mention: re.Match[str]) -> str:
+        return re.sub(name, name_link, mention[0])
+
+    return re.sub(rf"\berrat(?:um|a)\s(?:{name}(?:, (?={name}))?)+", with_names_linked, page_text)
 
 
-def to_steps(folder: str, names: Iterable[str]) -> list[str]:
+def links_to_steps(folder: str, names: Iterable[str]) -> list[str]:
     """Return links to manual steps. ``folder`` is the path to the folder of the family."""
     return [link(text(f"Steps: {heading(name)}"), f"{folder}hardware.md#by-hand-{name}") for name in names]
 
 
-def style_beside(device: Device) -> Style:
+def style_in_folder(device: Device) -> Style:
     """Return the style for a page in the folder of the family, where registers are on their interface page."""
 
-    def written(ref: Ref) -> str:
-        register = next((register for register in device.registers if ref.anchor == f"register-{register.name}"), None)
-        return reference(ref) if register is None else link(code(ref.name), f"{register.interface}.md#{ref.anchor}")
+    def reference_text(ref: Ref) -> str:
+        for register in device.registers:
+            if ref.anchor == f"register-{register.name}":
+                return link(code(ref.name), f"{register.interface}.md#{ref.anchor}")
+        return reference(ref)
 
-    return replace(STYLE, ref=written)
+    return replace(STYLE, ref=reference_text)

@@ -8,6 +8,7 @@ from ...model import (
     Connector,
     Contact,
     Device,
+    Supply,
     Variant,
 )
 from ...model.only import fits
@@ -36,22 +37,45 @@ class Wiring:
 def wiring(device: Device, order_codes: Sequence[str]) -> Wiring:
     """Return one table with the contacts of every connector and cable for each signal."""
     columns = _columns(device.connectors, order_codes)
-    signals = dict.fromkeys(
-        _signal(contact, order_codes) for connector in device.connectors for contact in connector.contacts
+    heads = _heads(columns)
+    contacts = [contact for connector in device.connectors for contact in connector.contacts]
+    signals = dict.fromkeys(_signal_cell(contact, order_codes) for contact in contacts)
+    about = []
+    for head, column in zip(heads, columns, strict=True):
+        about.append(f"{head}: {', or '.join(map(_anchored_title, column))}")
+    return Wiring(
+        head=(*heads, "Signal"),
+        rows=tuple(_row(columns, signal, order_codes) for signal in signals),
+        about=tuple(about),
+        notes=tuple(_common_sentences(device.connectors)),
+        errata=tuple(f"connectors.{connector.name}" for connector in device.connectors),
     )
-    kinds = ["Wire" if column[0].kind == "cable" else "Pin" for column in columns]
-    names = _short_names([column[0].title for column in columns])
-    head = [kind if kinds.count(kind) == 1 else name for kind, name in zip(kinds, names, strict=True)]
-    rows = [(*(_contacts(column, signal, order_codes) for column in columns), signal) for signal in signals]
-    about = [f"{name}: {', or '.join(map(_named, column))}" for name, column in zip(head, columns, strict=True)]
-    sentences = [connector.note.rstrip(".").split(". ") for connector in device.connectors]
-    notes = [
-        text(sentence(sentence_of_note))
-        for sentence_of_note in (sentences or [[]])[0]
-        if sentence_of_note and all(sentence_of_note in connector_sentences for connector_sentences in sentences)
-    ]
-    errata = tuple(f"connectors.{connector.name}" for connector in device.connectors)
-    return Wiring((*head, "Signal"), tuple(rows), tuple(about), tuple(notes), errata)
+
+
+def _heads(columns: Sequence[Sequence[Connector]]) -> list[str]:
+    """Return Pin or Wire for each column, or the short name of its connector if there are several of this kind."""
+    words = [_word_for_contact(column[0]) for column in columns]
+    heads = _short_names([column[0].title for column in columns])
+    for index, word in enumerate(words):
+        if words.count(word) == 1:
+            heads[index] = word
+    return heads
+
+
+def _word_for_contact(connector: Connector) -> str:
+    return "Wire" if connector.kind == "cable" else "Pin"
+
+
+def _row(columns: Sequence[Sequence[Connector]], signal: str, order_codes: Sequence[str]) -> Row:
+    return (*(_contacts_cell(column, signal, order_codes) for column in columns), signal)
+
+
+def _common_sentences(connectors: Sequence[Connector]) -> list[str]:
+    """Return the sentences that the notes of all connectors have."""
+    notes = [connector.note.rstrip(".").split(". ") for connector in connectors]
+    first_note = notes[0] if notes else []
+    common = set(first_note).intersection(*notes)
+    return [text(sentence(note_sentence)) for note_sentence in first_note if note_sentence and note_sentence in common]
 
 
 def _columns(connectors: Sequence[Connector], order_codes: Sequence[str]) -> list[list[Connector]]:
@@ -59,9 +83,7 @@ def _columns(connectors: Sequence[Connector], order_codes: Sequence[str]) -> lis
     columns: list[list[Connector]] = []
     for connector in connectors:
         for column in columns:
-            own_contacts, column_contacts = _by_signal(connector, order_codes), _by_signal(column[0], order_codes)
-            matches = sum(own_contacts.get(signal) == contacts for signal, contacts in column_contacts.items())
-            if connector.kind == column[0].kind and 2 * matches > min(len(own_contacts), len(column_contacts)):
+            if _have_similar_contacts(connector, column[0], order_codes):
                 column.append(connector)
                 break
         else:
@@ -69,14 +91,21 @@ def _columns(connectors: Sequence[Connector], order_codes: Sequence[str]) -> lis
     return columns
 
 
-def _by_signal(connector: Connector, order_codes: Sequence[str]) -> dict[str, list[str]]:
+def _have_similar_contacts(connector: Connector, other: Connector, order_codes: Sequence[str]) -> bool:
+    """Return whether connectors of one kind have the same contacts for most signals of the one with fewer."""
+    contacts, other_contacts = _contacts_by_signal(connector, order_codes), _contacts_by_signal(other, order_codes)
+    matches = sum(contacts.get(signal) == other_contacts[signal] for signal in other_contacts)
+    return connector.kind == other.kind and 2 * matches > min(len(contacts), len(other_contacts))
+
+
+def _contacts_by_signal(connector: Connector, order_codes: Sequence[str]) -> dict[str, list[str]]:
     contacts_by_signal: dict[str, list[str]] = {}
     for contact in connector.contacts:
-        contacts_by_signal.setdefault(_signal(contact, order_codes), []).append(contact.contact)
+        contacts_by_signal.setdefault(_signal_cell(contact, order_codes), []).append(contact.contact)
     return contacts_by_signal
 
 
-def _signal(contact: Contact, order_codes: Sequence[str]) -> str:
+def _signal_cell(contact: Contact, order_codes: Sequence[str]) -> str:
     """Return the signal of a contact in Markdown, and which of these order codes have it unless all do."""
     if not contact.only:
         return text(contact.signal)
@@ -86,25 +115,30 @@ def _signal(contact: Contact, order_codes: Sequence[str]) -> str:
     return f"{text(contact.signal)} <small>(only {text(', '.join(patterns))})</small>"
 
 
-def _contacts(column: Sequence[Connector], signal: str, order_codes: Sequence[str]) -> str:
+def _contacts_cell(column: Sequence[Connector], signal: str, order_codes: Sequence[str]) -> str:
     """Return the contacts of a signal, marked with the name of their connector if they differ."""
-    signal_contacts = [_in_short(_by_signal(connector, order_codes).get(signal, [])) for connector in column]
+    contacts_of_connectors = [
+        _contact_list(_contacts_by_signal(connector, order_codes).get(signal, [])) for connector in column
+    ]
     names = _short_names([connector.title for connector in column])
-    marked = [f"{contacts} ({name})" for contacts, name in zip(signal_contacts, names, strict=True) if contacts]
-    return text(signal_contacts[0] if len(set(signal_contacts)) == 1 else ", ".join(marked))
+    marked = [f"{contacts} ({name})" for contacts, name in zip(contacts_of_connectors, names, strict=True) if contacts]
+    are_alike = len(set(contacts_of_connectors)) == 1
+    return text(contacts_of_connectors[0] if are_alike else ", ".join(marked))
 
 
 def _short_names(titles: Sequence[str]) -> list[str]:
     """Return the first words by which titles differ, such as M12 and M23, or 8 pins and 12 pins."""
-    for pieces in zip(*(title.split(", ") for title in titles), strict=False):
-        for count in range(1, max(len(piece.split()) for piece in pieces) + 1):
-            names = [" ".join(piece.split()[:count]) for piece in pieces]
+    titles_in_pieces = [title.split(", ") for title in titles]
+    for pieces in zip(*titles_in_pieces, strict=False):
+        words_of_pieces = [piece.split() for piece in pieces]
+        for count in range(1, max(map(len, words_of_pieces)) + 1):
+            names = [" ".join(words[:count]) for words in words_of_pieces]
             if len(set(names)) == len(names) and not any(name.isdecimal() for name in names):
                 return names
     return [f"connector {index}" for index, _ in enumerate(titles, 1)]
 
 
-def _in_short(contacts: Sequence[str]) -> str:
+def _contact_list(contacts: Sequence[str]) -> str:
     """Return contacts as a list, with three or more consecutive numbers as a range."""
     numbers = [int(contact) for contact in contacts if contact.isdecimal()]
     if len(numbers) == len(contacts) > 2 and numbers == list(range(numbers[0], numbers[-1] + 1)):
@@ -112,20 +146,21 @@ def _in_short(contacts: Sequence[str]) -> str:
     return ", ".join(contacts)
 
 
-def _named(connector: Connector) -> str:
+def _anchored_title(connector: Connector) -> str:
     return f"{anchor(f'connector-{connector.name}')}{text(connector.title)}"
 
 
-def supply(device: Device, variants: Sequence[Variant]) -> list[str]:
+def supply_lines(device: Device, variants: Sequence[Variant]) -> list[str]:
     """Return the supply of each order code, or of all if it is the same, with its source."""
     codes_by_supply: dict[str, list[str]] = {}
     for variant in variants:
         variant_supply = device.supply_of(variant)
         if variant_supply is not None:
-            supply_text = (
-                f"{volts(variant_supply.min_mv)} to {volts(variant_supply.max_mv)} ({cited(variant_supply.source)})"
-            )
-            codes_by_supply.setdefault(supply_text, []).append(variant.code)
+            codes_by_supply.setdefault(_supply_text(variant_supply), []).append(variant.code)
     if len(codes_by_supply) == 1:
         return list(codes_by_supply)
-    return [f"{value} with {', '.join(map(code, codes))}" for value, codes in codes_by_supply.items()]
+    return [f"{supply} with {', '.join(map(code, codes))}" for supply, codes in codes_by_supply.items()]
+
+
+def _supply_text(supply: Supply) -> str:
+    return f"{volts(supply.min_mv)} to {volts(supply.max_mv)} ({cited(supply.source)})"

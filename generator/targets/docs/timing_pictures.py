@@ -20,7 +20,8 @@ from ...say.mentions import Subject, mentions
 from ...say.name import words
 from ...say.timing import bounds_with_codes
 from ...say.words import counted, microseconds, timeout_words
-from .svg import card, number, rect, text, width
+from .svg import card, number, rect, text
+from .svg import width as text_width
 
 _HIGH, _ROW, _NAME, _MARGIN = 24.0, 58.0, 70.0, 16.0
 #: Width of a clock pulse, including its low and high parts.
@@ -41,8 +42,8 @@ class Trace(Enum):
 class Part:
     """Part of a line: a level, clock pulses, or a box of data with its colour class ``fill``."""
 
-    what: Trace
-    wide: float
+    trace: Trace
+    width: float
     label: str = ""
     fill: str = ""
 
@@ -57,46 +58,46 @@ class Span:
 
 
 @dataclass(frozen=True, slots=True)
-class Wave:
+class TimingDiagram:
     """Stacked signal lines, with a row of times below them.
 
-    ``told`` is the text alternative, and ``also`` is a further source.
+    ``text`` is the text alternative.
     """
 
     title: str
     lines: tuple[tuple[str, tuple[Part, ...]], ...]
     spans: tuple[Span, ...]
-    told: str
-    also: str = ""
+    text: str
+    further_source: str = ""
 
 
-def wave(device: Device, interface: Interface) -> Wave | None:
+def timing_diagram(device: Device, interface: Interface) -> TimingDiagram | None:
     """Return the timing diagram, or None if the interface has no frame."""
     if not interface.layouts:
         return None
     match interface:
         case Ssi():
-            return _ssi(interface)
+            return _ssi_diagram(interface)
         case Biss():
-            return _biss(device, interface)
+            return _biss_diagram(device, interface)
         case Rs485():
-            return _rs485(device, interface)
+            return _rs485_diagram(device, interface)
         case Spi():
-            return _spi(interface)
+            return _spi_diagram(interface)
         case _:
             assert_never(interface)
 
 
-def _time(interface: Interface, symbol: str) -> str:
+def _symbol_with_times(interface: Interface, symbol: str) -> str:
     """Return a symbol with its times, each with the order codes to which it applies."""
     timings = [timing for timing in interface.timings if timing.symbol == symbol]
     return ", ".join([symbol, *map(bounds_with_codes, timings)])
 
 
-def _ssi(interface: Ssi) -> Wave:
+def _ssi_diagram(interface: Ssi) -> TimingDiagram:
     """Return a word with its clocks. After the word, the data line stays low for some time and then goes high."""
     up, down = Trace.UP, Trace.DOWN
-    first = "the most significant bit" if interface.alignment.end == "msb_left" else "leading zeros"
+    first_bits = "the most significant bit" if interface.alignment.end == "msb_left" else "leading zeros"
     clock = (
         Part(up, 40),
         Part(Trace.CLOCK, 3 * _PERIOD),
@@ -114,52 +115,62 @@ def _ssi(interface: Ssi) -> Wave:
         Part(down, 60),
         Part(up, 150),
     )
-    monoflop, pause = _time(interface, "Tm"), _time(interface, "Tp")
-    return Wave(
-        "SSI: a word",
-        (("Clock", clock), ("Data", data)),
-        (Span(212, 272, monoflop), Span(212, 374, pause)),
-        "Clock and data are high between words. Each rising edge of the clock shifts out one bit, starting with "
-        f"{first}. After the last bit the data line is low ({monoflop}) and then high again. "
+    monoflop, pause = _symbol_with_times(interface, "Tm"), _symbol_with_times(interface, "Tp")
+    return TimingDiagram(
+        title="SSI: a word",
+        lines=(("Clock", clock), ("Data", data)),
+        spans=(Span(212, 272, monoflop), Span(212, 374, pause)),
+        text="Clock and data are high between words. Each rising edge of the clock shifts out one bit, starting with "
+        f"{first_bits}. After the last bit the data line is low ({monoflop}) and then high again. "
         f"Pause between two words: {pause}.",
     )
 
 
-def _spi(interface: Spi) -> Wave:
+def _spi_diagram(interface: Spi) -> TimingDiagram:
     """Return two words, with the request and the reply of each."""
     up, down = Trace.UP, Trace.DOWN
     has_requests = bool(interface.exchanges)
-    late = has_requests and interface.reply == "next_word"
-    replies = ("reply to the request before", "reply to request 1") if late else ("reply 1", "reply 2")
+    replies = ("reply 1", "reply 2")
+    if has_requests and interface.reply == "next_word":
+        replies = ("reply to the request before", "reply to request 1")
     select = (Part(up, 40), Part(down, 180), Part(up, 40), Part(down, 180), Part(up, 40))
     clock = (
         Part(down, 56),
-        *(Part(Trace.CLOCK, 6 * _PERIOD), Part(down, 76), Part(Trace.CLOCK, 6 * _PERIOD)),
+        Part(Trace.CLOCK, 6 * _PERIOD),
+        Part(down, 76),
+        Part(Trace.CLOCK, 6 * _PERIOD),
         Part(down, 60),
     )
 
-    def words_of(first: str, second: str) -> tuple[Part, ...]:
-        boxes = Part(Trace.EITHER, 172, first, "data"), Part(Trace.EITHER, 172, second, "data")
-        return (Part(down, 44), boxes[0], Part(down, 48), boxes[1], Part(down, 44))
-
-    requests = (("MOSI", words_of("request 1", "request 2")),) if has_requests else ()
-    return Wave(
-        "SPI: two words",
-        (("CS", select), ("Clock", clock), *requests, ("MISO", words_of(*replies))),
-        (),
-        f"Chip select is low during each word of {word_lengths(interface.lengths)}, and high between words. "
-        + (
-            f"{REPLIES[interface.reply].capitalize()}."
-            if has_requests
-            else "The encoder ignores the words of the master."
-        ),
+    lines: list[tuple[str, tuple[Part, ...]]] = [("CS", select), ("Clock", clock), ("MISO", _spi_words(*replies))]
+    behaviour = "The encoder ignores the words of the master."
+    if has_requests:
+        lines.insert(2, ("MOSI", _spi_words("request 1", "request 2")))
+        behaviour = f"{REPLIES[interface.reply].capitalize()}."
+    lengths = word_lengths(interface.lengths)
+    return TimingDiagram(
+        title="SPI: two words",
+        lines=tuple(lines),
+        spans=(),
+        text=f"Chip select is low during each word of {lengths}, and high between words. {behaviour}",
     )
 
 
-def _biss(device: Device, interface: Biss) -> Wave:
+def _spi_words(first: str, second: str) -> tuple[Part, ...]:
+    """Return the data line with two words of these labels."""
+    return (
+        Part(Trace.DOWN, 44),
+        Part(Trace.EITHER, 172, first, "data"),
+        Part(Trace.DOWN, 48),
+        Part(Trace.EITHER, 172, second, "data"),
+        Part(Trace.DOWN, 44),
+    )
+
+
+def _biss_diagram(device: Device, interface: Biss) -> TimingDiagram:
     """Return a frame: acknowledge, start bit, CDS, the fields of the single cycle data, time-out."""
-    fields = list(_fields(codec_of(device, interface.layouts[0]), device.position_names(interface.name)))
-    boxes = [Part(Trace.EITHER, max(34.0, width(name, 11) + 10), name, fill) for name, fill in fields]
+    fields = list(_data_boxes(codec_of(device, interface.layouts[0]), device.position_names(interface.name)))
+    boxes = [Part(Trace.EITHER, max(34.0, text_width(name, 11) + 10), name, fill) for name, fill in fields]
     data = (
         Part(Trace.UP, 76),  # up to the second rising edge of MA
         Part(Trace.DOWN, 60, "Ack"),
@@ -169,139 +180,152 @@ def _biss(device: Device, interface: Biss) -> Wave:
         Part(Trace.DOWN, 90, "stop"),
         Part(Trace.UP, 46),
     )
-    total = sum(part.wide for part in data)
-    end = total - 136
-    clocks = (end - 176) // _PERIOD * _PERIOD
+    timeout_start = sum(part.width for part in data) - 136
+    clocks = (timeout_start - 176) // _PERIOD * _PERIOD
     clock = (
         Part(Trace.UP, 40),
         Part(Trace.CLOCK, 4 * _PERIOD),
-        Part(Trace.GAP, end - 136 - clocks),
+        Part(Trace.GAP, timeout_start - 136 - clocks),
         Part(Trace.CLOCK, clocks),
         Part(Trace.EITHER, 90, "not CDM", "choice"),
         Part(Trace.UP, 46),
     )
-    timeout = timeout_words(interface.timeout) if interface.timeout is not None else _no_timeout(device, interface)
+    timeout = (
+        timeout_words(interface.timeout) if interface.timeout is not None else _words_without_timeout(device, interface)
+    )
     names = ", ".join(name for name, _ in fields)
-    return Wave(
-        "BiSS C-mode: a frame",
-        (("MA", clock), ("SLO", data)),
-        (Span(end, end + 90, f"time-out: {timeout}"),),
-        "MA and SLO are high between frames. SLO is low (acknowledge) from the second rising edge of MA until the "
+    return TimingDiagram(
+        title="BiSS C-mode: a frame",
+        lines=(("MA", clock), ("SLO", data)),
+        spans=(Span(timeout_start, timeout_start + 90, f"time-out: {timeout}"),),
+        text="MA and SLO are high between frames. SLO is low (acknowledge) from the second rising edge of MA until the "
         f"start bit, which is high. The CDS bit, {names} and a low stop bit follow, until the time-out ({timeout}). "
         "During the time-out, MA is the inverse of the CDM bit.",
-        "the public protocol description of BiSS C-mode",
+        further_source="the public protocol description of BiSS C-mode",
     )
 
 
-def _no_timeout(device: Device, interface: Biss) -> str:
+def _words_without_timeout(device: Device, interface: Biss) -> str:
     """Return the words in place of the time-out. A text of the manual may have it."""
     return "see the times" if mentions(device, interface, Subject.TIMEOUT) else f"not in the {document(device)}"
 
 
-def _fields(codec: Codec, position: Container[str]) -> Iterator[tuple[str, str]]:
+def _data_boxes(codec: Codec, position_names: Container[str]) -> Iterator[tuple[str, str]]:
     """Yield the name and colour class of each field of the single cycle data, with the position as one field."""
-    done = False
+    has_position = False
     for field in codec.layout.fields:
         if field is codec.layout.crc_field:
             yield "CRC", colour(field)
         elif isinstance(meaning_of(field), Active):
             yield words(field.name), colour(field)
-        elif field.name in position:
-            if not done:
+        elif field.name in position_names:
+            if not has_position:
                 yield "position", DATA
-            done = True
+            has_position = True
         elif field.name not in codec.constants:
             yield words(field.name), DATA
 
 
-def _rs485(device: Device, interface: Rs485) -> Wave:
+def _rs485_diagram(device: Device, interface: Rs485) -> TimingDiagram:
     """Return a request with its reply, and a repetition of the request."""
-    request, reply = _lengths(interface, "master"), _lengths(interface, "encoder")
-    request_size = f"{'at least ' if len(request) > 1 else ''}{counted(request[0], 'byte')}"
+    requests, replies = _byte_counts(interface, "master"), _byte_counts(interface, "encoder")
+    request_size = f"{'at least ' if len(requests) > 1 else ''}{counted(requests[0], 'byte')}"
+    reply_size = f"{'up to ' if len(replies) > 1 else ''}{counted(replies[-1], 'byte')}"
     label = f"request, {request_size}"
-    reply_size = f"{'up to ' if len(reply) > 1 else ''}{counted(reply[-1], 'byte')}"
-    master = [Part(Trace.UP, 40), Part(Trace.EITHER, width(label, 11) + 12, label, "choice")]
-    asking = sum(part.wide for part in master)
-    encoder = [Part(Trace.UP, asking + 40), Part(Trace.EITHER, 170, f"reply, {reply_size}", "data"), Part(Trace.UP, 40)]
+    master = [Part(Trace.UP, 40), Part(Trace.EITHER, text_width(label, 11) + 12, label, "choice")]
+    request_end = sum(part.width for part in master)
+    reply = Part(Trace.EITHER, 170, f"reply, {reply_size}", "data")
+    encoder = [Part(Trace.UP, request_end + 40), reply, Part(Trace.UP, 40)]
     description = f"The master sends a request of {request_size}. The encoder answers with {reply_size}."
     spans: tuple[Span, ...] = ()
-    if again := _between_requests(device, interface):
-        box, first = 60.0, asking + 270
-        between = f"between repeated requests: at least {microseconds(again)}"
-        repeated = [Part(Trace.EITHER, box, name, "choice") for name in ("1st", "2nd")]
-        master += [Part(Trace.UP, 270), repeated[0], Part(Trace.UP, box), repeated[1], Part(Trace.GAP, 40)]
+    pause_us = _pause_between_requests(device, interface)
+    if pause_us:
+        box = 60.0
+        first_repetition_end = request_end + 270 + box
+        pause = f"between repeated requests: at least {microseconds(pause_us)}"
+        first, second = (Part(Trace.EITHER, box, name, "choice") for name in ("1st", "2nd"))
+        master += [Part(Trace.UP, 270), first, Part(Trace.UP, box), second, Part(Trace.GAP, 40)]
         encoder.append(Part(Trace.UP, 240))
-        spans = (Span(first + box, first + 2 * box, between),)
-        description += f" {between.capitalize()}."
-    lines = (("Master", tuple(master)), ("Encoder", tuple(encoder)))
-    return Wave("RS-485: requests and replies", lines, spans, description)
-
-
-def _between_requests(device: Device, interface: Interface) -> int:
-    """Return the microseconds between the repeated requests of a procedure, or 0 if no procedure repeats a request."""
-    steps = (
-        step for procedure in device.procedures if procedure.interface == interface.name for step in procedure.steps
+        spans = (Span(first_repetition_end, first_repetition_end + box, pause),)
+        description += f" {pause.capitalize()}."
+    return TimingDiagram(
+        title="RS-485: requests and replies",
+        lines=(("Master", tuple(master)), ("Encoder", tuple(encoder))),
+        spans=spans,
+        text=description,
     )
+
+
+def _pause_between_requests(device: Device, interface: Interface) -> int:
+    """Return the microseconds between the repeated requests of a procedure, or 0 if no procedure repeats a request."""
+    procedures = [procedure for procedure in device.procedures if procedure.interface == interface.name]
+    steps = [step for procedure in procedures for step in procedure.steps]
     return max((step.microseconds for step in steps if isinstance(step, SendStep)), default=0)
 
 
-def _lengths(interface: Interface, sender: str) -> list[int]:
+def _byte_counts(interface: Interface, sender: str) -> list[int]:
     """Return the different lengths in bytes of the frames sent by one side, shortest first."""
     return sorted({layout.widest // 8 for layout in interface.layouts if layout.sender == sender}) or [1]
 
 
-def drawn(diagram: Wave) -> str:
+def diagram_picture(diagram: TimingDiagram) -> str:
     """Return the picture of a timing diagram."""
     body: list[str] = []
+    left = _MARGIN + _NAME
     right_end = 0.0
     for row, (name, parts) in enumerate(diagram.lines):
         top = _MARGIN + 14 + row * _ROW
         body.append(text(_MARGIN, top + _HIGH - 7, name, 12, "start", bold=True))
-        body += _line(parts, _MARGIN + _NAME, top)
-        right_end = max(right_end, _MARGIN + _NAME + sum(part.wide for part in parts))
-    below = _MARGIN + 14 + len(diagram.lines) * _ROW - 18
+        body += _line_elements(parts, left, top)
+        right_end = max(right_end, left + sum(part.width for part in parts))
+    spans_top = _MARGIN + 14 + len(diagram.lines) * _ROW - 18
     for row, span in enumerate(diagram.spans):
-        middle = below + 10 + row * 22
-        span_start, end = _MARGIN + _NAME + span.start, _MARGIN + _NAME + span.end
-        body.append(
-            f'<path d="M{number(span_start)} {number(middle - 6)}v12m0 -6H{number(end)}m0 -6v12" class="line"/>'
-        )
-        after = end + 8 + width(span.label, 11) <= right_end
-        x, anchor = (end + 8, "start") if after else (span_start - 8, "end")
-        body.append(text(x, middle + 4, span.label, 11, anchor))
-    return card(diagram.title, body, right_end + _MARGIN, below + 10 + 22 * len(diagram.spans) + 4, diagram.told)
+        body += _span_elements(span, left, spans_top + 10 + row * 22, right_end)
+    height = spans_top + 10 + 22 * len(diagram.spans) + 4
+    return card(diagram.title, body, right_end + _MARGIN, height, diagram.text)
 
 
-def _line(parts: Sequence[Part], part_start: float, top: float) -> Iterator[str]:
+def _span_elements(span: Span, left: float, middle: float, right_end: float) -> Iterator[str]:
+    """Yield the bar of a time span, and its label after the bar, or before it if there is no space after it."""
+    start, end = left + span.start, left + span.end
+    yield f'<path d="M{number(start)} {number(middle - 6)}v12m0 -6H{number(end)}m0 -6v12" class="line"/>'
+    fits_after = end + 8 + text_width(span.label, 11) <= right_end
+    x, anchor = (end + 8, "start") if fits_after else (start - 8, "end")
+    yield text(x, middle + 4, span.label, 11, anchor)
+
+
+def _line_elements(parts: Sequence[Part], left: float, top: float) -> Iterator[str]:
+    """Yield the boxes and labels of a line, then its path."""
     path: list[str] = []
+    part_start = left
     for part in parts:
-        match part.what:
+        match part.trace:
             case Trace.UP | Trace.DOWN:
-                y = top if part.what is Trace.UP else top + _HIGH
-                path.append(f"{'L' if path else 'M'}{number(part_start)} {number(y)}H{number(part_start + part.wide)}")
+                y = top if part.trace is Trace.UP else top + _HIGH
+                path.append(f"{'L' if path else 'M'}{number(part_start)} {number(y)}H{number(part_start + part.width)}")
                 if part.label:
-                    yield text(part_start + part.wide / 2, top + _HIGH - 8, part.label, 11, "middle", faint=True)
+                    yield text(part_start + part.width / 2, top + _HIGH - 8, part.label, 11, "middle", faint=True)
             case Trace.CLOCK:
-                path += _pulses(part_start, top, part, starts=not path)
+                path += _pulse_path(part_start, top, part, starts=not path)
             case Trace.GAP:
-                yield text(part_start + part.wide / 2, top + _HIGH - 7, "· · ·", 12, "middle", faint=True)
-                path.append(f"M{number(part_start + part.wide)} {number(top)}")
+                yield text(part_start + part.width / 2, top + _HIGH - 7, "· · ·", 12, "middle", faint=True)
+                path.append(f"M{number(part_start + part.width)} {number(top)}")
             case Trace.EITHER:
-                yield rect(part_start, top, part.wide, _HIGH, part.fill)
-                yield text(part_start + part.wide / 2, top + _HIGH - 8, part.label, 11, "middle")
-                path.append(f"M{number(part_start + part.wide)} {number(top)}")
+                yield rect(part_start, top, part.width, _HIGH, part.fill)
+                yield text(part_start + part.width / 2, top + _HIGH - 8, part.label, 11, "middle")
+                path.append(f"M{number(part_start + part.width)} {number(top)}")
             case _:
-                assert_never(part.what)
-        part_start += part.wide
+                assert_never(part.trace)
+        part_start += part.width
     yield f'<path d="{"".join(path)}" class="wave"/>'
 
 
-def _pulses(pulses_start: float, top: float, part: Part, *, starts: bool) -> Iterator[str]:
+def _pulse_path(pulses_start: float, top: float, part: Part, *, starts: bool) -> Iterator[str]:
     """Yield the path of adjacent pulses. Each pulse is first low and then high."""
-    count = round(part.wide / _PERIOD)
-    half = part.wide / count / 2
+    count = round(part.width / _PERIOD)
+    half = part.width / count / 2
     if starts:
         yield f"M{number(pulses_start)} {number(top)}"
     for index in range(count):
-        at = pulses_start + 2 * half * index
-        yield f"L{number(at)} {number(top + _HIGH)}H{number(at + half)}V{number(top)}H{number(at + 2 * half)}"
+        x = pulses_start + 2 * half * index
+        yield f"L{number(x)} {number(top + _HIGH)}H{number(x + half)}V{number(top)}H{number(x + 2 * half)}"

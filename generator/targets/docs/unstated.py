@@ -11,18 +11,19 @@ from ...say.mentions import Subject, mentions
 from ...say.text import BY_NAME, listed, statement
 
 
-def unstated(family: Device, interface: Interface, subjects: Mapping[str, Subject]) -> Iterator[str]:
+def unstated_facts(family: Device, interface: Interface, subjects: Mapping[str, Subject]) -> Iterator[str]:
     """Yield the facts that the manual does not state, and links for those that a text may have, in one line.
 
     ``family`` has the texts about all order codes, because a text about others may be valid for this one too.
     """
-    silent = [label for label, subject in subjects.items() if not mentions(family, interface, subject)]
-    sentences = [f"{_capitalized(silent)}: the {document(family)} does not say."] if silent else []
-    mentioned = [label for label in subjects if label not in silent]
+    unmentioned = [label for label, subject in subjects.items() if not mentions(family, interface, subject)]
+    sentences = [f"{_capitalized(unmentioned)}: the {document(family)} does not say."] if unmentioned else []
+    mentioned = [label for label in subjects if label not in unmentioned]
     if mentioned:
-        places = [link("times", "#timings"), link("characteristics", "hardware.md#characteristics")]
-        shown_places = places if family.characteristics else places[:1]
-        sentences.append(f"{_capitalized(mentioned)}: see {' and '.join(shown_places)}.")
+        places = [link("times", "#timings")]
+        if family.characteristics:
+            places.append(link("characteristics", "hardware.md#characteristics"))
+        sentences.append(f"{_capitalized(mentioned)}: see {' and '.join(places)}.")
     if sentences:
         yield " ".join(sentences)
 

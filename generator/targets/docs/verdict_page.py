@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, TypedDict
 
-from ...model import Alarm, Device, Field, Interface, Layout, Sign, Verdict
+from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign, Verdict
+from ...model.record import dataclass
 from ...plan.reports import Reporting, reportings, reports_of, sums_up
 from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Only, verdict_of
@@ -14,7 +15,7 @@ from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import own_names
 from ...say.report import alarm_of, by_hand, conditions, deciding, meaning, remedy_text, source
 from ...say.text import Code, listed, statement
-from .page_links import to_erratum, to_layout, to_steps
+from .page_links import link_to_erratum, link_to_layout, links_to_steps
 
 #: File name of the page, which no family can have.
 PAGE = "usable-or-not.md"
@@ -28,167 +29,183 @@ class UsablePage(TypedDict):
 
 
 def page_values(devices: Sequence[Device]) -> UsablePage:
-    families = [(device, list(reportings(device))) for device in devices]
-    return {
-        "decides_rows": [
-            row for device, frames in families for row in _of_family(device, _decides(device, frames), device.name)
-        ],
-        "frame_rows": [row for device, frames in families for row in _of_family(device, _frames(device, frames))],
-        "report_rows": [row for device in devices for row in _of_family(device, _reports(device))],
-    }
+    values: UsablePage = {"decides_rows": [], "frame_rows": [], "report_rows": []}
+    for device in devices:
+        reporting_frames = list(reportings(device))
+        deciding_rows = _deciding_rows(device, reporting_frames)
+        values["decides_rows"] += _with_family(device, deciding_rows, device.name)
+        values["frame_rows"] += _with_family(device, _frame_rows(device, reporting_frames))
+        values["report_rows"] += _with_family(device, _report_rows(device))
+    return values
 
 
-def _of_family(device: Device, rows: Iterator[Row], name: str = "") -> Iterator[Row]:
-    """Yield the rows, with the family in the first row. ``name`` is its anchor."""
-    family = (anchor(name) if name else "") + link(text(device.title), f"{device.name}.md")
+def _with_family(device: Device, rows: Iterable[Row], anchor_name: str = "") -> Iterator[Row]:
+    """Yield the rows, with the family in the first row."""
+    family_anchor = anchor(anchor_name) if anchor_name else ""
+    family_cell = family_anchor + link(text(device.title), f"{device.name}.md")
     for index, row in enumerate(rows):
-        yield family if index == 0 else "", *row
+        first_cell = family_cell if index == 0 else ""
+        yield first_cell, *row
 
 
-def _decides(device: Device, reporting_frames: Sequence[Reporting]) -> Iterator[Row]:
+def _deciding_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Iterator[Row]:
     """Yield rows of interface, frames, deciding field, its active value, verdict, source, errata."""
     layouts_by_rows: dict[tuple[str, tuple[Row, ...]], list[Layout]] = {}
     for reporting in reporting_frames:
         if reporting.judgement is not None:
-            layout = reporting.codec.layout
-            rows = tuple(_speaking(device, reporting.interface, layout, reporting.judgement))
-            last_row = (
-                "none of these" if rows else "no field decides",
-                "",
-                code(reporting.judgement.otherwise.value),
-                "",
-                "",
-            )
-            layouts_by_rows.setdefault((reporting.interface.title, (*rows, last_row)), []).append(layout)
-    if not layouts_by_rows:
-        yield (
-            ", ".join(interface.title for interface in device.interfaces),
-            "no frame with a position",
-            "",
-            "",
-            "",
-            "",
-            "",
-        )
+            layout, judgement = reporting.codec.layout, reporting.judgement
+            rows = tuple(_rows_of_frame(device, reporting.interface, layout, judgement))
+            layouts_by_rows.setdefault((reporting.interface.title, rows), []).append(layout)
     for (title, rows), layouts in layouts_by_rows.items():
-        for index, row in enumerate(rows):
-            yield *((title, _links(device, layouts)) if index == 0 else ("", "")), *row
+        first_row, *further_rows = rows
+        yield title, _layout_links(device, layouts), *first_row
+        yield from (("", "", *row) for row in further_rows)
+    if not layouts_by_rows:
+        titles = ", ".join(interface.title for interface in device.interfaces)
+        yield titles, "no frame with a position", "", "", "", "", ""
 
 
-def _speaking(device: Device, interface: Interface, layout: Layout, judgement: Judgement) -> Iterator[Row]:
-    """Yield the fields that decide the verdict on a frame, worst verdict first."""
-    speaking: list[tuple[Verdict, Field, tuple[Only, ...]]] = [
-        (verdict, cause.by.field, cause.conditions) for verdict, causes in judgement.worst_first for cause in causes
-    ]
+def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgement: Judgement) -> Iterator[Row]:
+    """Yield a row for each field that decides the verdict on a frame, then one for all other cases."""
     signs = {sign.flag.name: sign for sign in layout.signs}
-    order = [*(field.name for field in layout.fields), *signs]
+    deciders = _deciders(layout, judgement)
+    for decider in deciders:
+        yield _decider_row(device, interface, layout, decider, signs.get(decider.field.name))
+    last_name = "none of these" if deciders else "no field decides"
+    yield last_name, "", code(judgement.otherwise.value), "", ""
+
+
+@dataclass(frozen=True, slots=True)
+class _Decider:
+    """Field that decides the verdict on a frame, with the order codes and the answer that it needs."""
+
+    verdict: Verdict
+    field: Field
+    conditions: tuple[Only, ...] = ()
+
+
+def _deciders(layout: Layout, judgement: Judgement) -> list[_Decider]:
+    """Return the fields that decide the verdict on a frame, worst verdict first."""
+    fields = (*layout.fields, *(sign.flag for sign in layout.signs))
+    names = [field.name for field in fields]
+    deciders: list[_Decider] = []
+    for verdict, causes in judgement.worst_first:
+        deciders += (_Decider(verdict, cause.by.field, cause.conditions) for cause in causes)
     if judgement.otherwise is Verdict.UNKNOWN:
         # A warning does not improve on an unknown position.
         not_better = (Verdict.USABLE_WITH_WARNING, Verdict.UNKNOWN)
-        warning = (field for field in layout.fields if verdict_of(field) in not_better)
-        speaking += [(judgement.otherwise, field, ()) for field in warning]
-    speaking.sort(key=lambda speaker: ([*Verdict].index(speaker[0]), order.index(speaker[1].name)))
-    fields = (*layout.fields, *(sign.flag for sign in signs.values()))
-    speaking += [(Verdict.USABLE, field, ()) for field in fields if verdict_of(field) is Verdict.USABLE]
-    for verdict, field, conditions_on_codes in speaking:
-        sign = signs.get(field.name)
-        yield (
-            _named(field),
-            _when(device, field, conditions_on_codes) + _unless(field, layout)
-            if sign is None
-            else _conditions(layout, sign),
-            code(verdict.value),
-            _cited(device, field),
-            _errata(device, interface, layout, field, sign),
-        )
+        warning_fields = [field for field in layout.fields if verdict_of(field) in not_better]
+        deciders += (_Decider(judgement.otherwise, field) for field in warning_fields)
+    verdicts = [*Verdict]
+    deciders.sort(key=lambda decider: (verdicts.index(decider.verdict), names.index(decider.field.name)))
+    usable_fields = [field for field in fields if verdict_of(field) is Verdict.USABLE]
+    return [*deciders, *(_Decider(Verdict.USABLE, field) for field in usable_fields)]
 
 
-def _when(device: Device, field: Field, conditions_on_codes: Sequence[Only]) -> str:
+def _decider_row(device: Device, interface: Interface, layout: Layout, decider: _Decider, sign: Sign | None) -> Row:
+    """Return a row of deciding field, its active value, verdict, source, errata. ``sign`` is the sign of the field."""
+    field = decider.field
+    if sign is None:
+        value = _active_value(device, field, decider.conditions) + _condition_on_lower_flags(field, layout)
+    else:
+        value = _values_of_sign(layout, sign)
+    errata_links = _errata_links(device, interface, layout, field, sign)
+    return _name_cell(field), value, code(decider.verdict.value), _source_cell(device, field), errata_links
+
+
+def _active_value(device: Device, field: Field, conditions_on_codes: Sequence[Only]) -> str:
     """Return the value of a field that decides the verdict, with the order codes and the answer that it needs."""
-    return " ".join((deciding(field), *(_condition(device, only) for only in conditions_on_codes)))
+    return " ".join((deciding(field), *(_condition_text(device, only) for only in conditions_on_codes)))
 
 
-def _condition(device: Device, only: Only) -> str:
+def _condition_text(device: Device, only: Only) -> str:
     """Return the order codes, or the answer to a question with a link to it."""
-    open_question = next(
-        (alternative for alternative in device.optional_alternatives if alternative.parameter == only.parameter), None
-    )
-    if open_question is None:
-        return f"with {code(only.codes)}" if only.holds else "with all others"
-    names = [code(answer.name) for answer in open_question.answers if bool(answer.sets[only.parameter]) == only.holds]
-    interface = next(
-        interface.name for interface, layout in device.layouts() if open_question in device.verdict_alternatives(layout)
-    )
-    question = link("your choice", f"{device.name}/{interface}.md#alternative-{open_question.name}")
+    for alternative in device.optional_alternatives:
+        if alternative.parameter == only.parameter:
+            return _answer_text(device, alternative, only)
+    return f"with {code(only.codes)}" if only.holds else "with all others"
+
+
+def _answer_text(device: Device, question: Alternative, only: Only) -> str:
+    """Return the answers to a question for which a condition holds."""
+    answers = [answer for answer in question.answers if bool(answer.sets[only.parameter]) == only.holds]
+    names = " or ".join(code(answer.name) for answer in answers)
+    frames = device.layouts()
+    interfaces = (interface for interface, layout in frames if question in device.verdict_alternatives(layout))
+    page = f"{device.name}/{next(interfaces).name}.md#alternative-{question.name}"
     default = "" if only.holds else ", the default"
-    return f"and {question} is {' or '.join(names)}{default}"
+    return f"and {link('your choice', page)} is {names}{default}"
 
 
-def _conditions(layout: Layout, sign: Sign) -> str:
+def _values_of_sign(layout: Layout, sign: Sign) -> str:
     """Return the values of fields that decide the verdict together."""
     return STYLE.phrase(conditions((layout.field(name), value) for name, value in sign.conditions))
 
 
-def _unless(field: Field, layout: Layout) -> str:
+def _condition_on_lower_flags(field: Field, layout: Layout) -> str:
     """Return the flags of the frame that must be inactive if a flag that combines them is to decide."""
-    lower_flags = [Code(name) for name in sums_up(field) if any(field.name == name for field in layout.fields)]
+    names_in_layout = {field.name for field in layout.fields}
+    lower_flags = [Code(name) for name in sums_up(field) if name in names_in_layout]
     return f", with {STYLE.phrase(statement(*listed(lower_flags)))} inactive" if lower_flags else ""
 
 
-def _frames(device: Device, reporting: Sequence[Reporting]) -> Iterator[Row]:
+def _frame_rows(device: Device, reporting_frames: Sequence[Reporting]) -> Iterator[Row]:
     """Yield rows of interface, frames, possible reports."""
-    reports_by_frame = {reporting.codec.layout.name: reporting.causes for reporting in reporting}
+    reports_by_frame = {reporting.codec.layout.name: reporting.causes for reporting in reporting_frames}
     layouts_by_reports: dict[tuple[str, tuple[str, ...]], list[Layout]] = {}
     for interface, layout in device.layouts():
         if layout.sender == "encoder":
             names = tuple(reported.report.name for reported in reports_by_frame.get(layout.name, ()))
             layouts_by_reports.setdefault((interface.title, names), []).append(layout)
     for (title, names), layouts in layouts_by_reports.items():
-        yield title, _links(device, layouts), ", ".join(map(code, names)) or "nothing"
+        yield title, _layout_links(device, layouts), ", ".join(map(code, names)) or "nothing"
 
 
-def _reports(device: Device) -> Iterator[Row]:
+def _report_rows(device: Device) -> Iterator[Row]:
     """Yield rows of report, meaning, remedy, source."""
     for report in reports_of(device):
         alarm = alarm_of(device, report.field)
         name = joined([code(report.name), text(own_names(report.field))])
-        steps = to_steps(f"{device.name}/", by_hand(report.field, alarm))
-        advised = joined([text(remedy_text(report.field, alarm)), *steps])
-        what_to_do = advised or _clearing(device, alarm) or f"The {document(device)} gives no remedy"
-        yield name, text(meaning(report.field, alarm)), what_to_do, cited(source(report.field, alarm))
+        steps = links_to_steps(f"{device.name}/", by_hand(report.field, alarm))
+        remedy_and_steps = joined([text(remedy_text(report.field, alarm)), *steps])
+        remedy = remedy_and_steps or _clearing_procedures(device, alarm) or f"The {document(device)} gives no remedy"
+        yield name, text(meaning(report.field, alarm)), remedy, cited(source(report.field, alarm))
 
 
-def _clearing(device: Device, alarm: Alarm | None) -> str:
+def _clearing_procedures(device: Device, alarm: Alarm | None) -> str:
     """Return links to the procedures that clear an alarm, or an empty string."""
-    names = alarm.cleared_by if alarm is not None else ()
-    procedures = map(device.procedure, names)
-    links = [
-        link(text(procedure.title), f"{device.name}/{procedure.interface}.md#procedure-{procedure.name}")
-        for procedure in procedures
-    ]
-    return f"Cleared by: {', '.join(links)}" if links else ""
+    if alarm is None or not alarm.cleared_by:
+        return ""
+    links = []
+    for procedure in map(device.procedure, alarm.cleared_by):
+        page = f"{device.name}/{procedure.interface}.md#procedure-{procedure.name}"
+        links.append(link(text(procedure.title), page))
+    return f"Cleared by: {', '.join(links)}"
 
 
-def _named(field: Field) -> str:
+def _name_cell(field: Field) -> str:
     return joined([code(field.name), text(own_names(field))])
 
 
-def _cited(device: Device, field: Field) -> str:
+def _source_cell(device: Device, field: Field) -> str:
     return cited(source(field, alarm_of(device, field)))
 
 
-def _links(device: Device, layouts: Sequence[Layout]) -> str:
-    return ", ".join(to_layout(device, layout, code(layout.name)) for layout in layouts)
+def _layout_links(device: Device, layouts: Sequence[Layout]) -> str:
+    return ", ".join(link_to_layout(device, layout, code(layout.name)) for layout in layouts)
 
 
-def _errata(device: Device, interface: Interface, layout: Layout, field: Field, sign: Sign | None) -> str:
+def _errata_links(device: Device, interface: Interface, layout: Layout, field: Field, sign: Sign | None) -> str:
     """Return links to the errata about a field and, for a flag, about its group. A sign has those of all its fields."""
     frame = f"interfaces.{interface.name}.{layout.name}"
     paths = {f"{frame}.{field.name}"}
-    for field_of_sign in [field] if sign is None else [layout.field(name) for name, _ in sign.conditions]:
-        paths |= {f"{frame}.{field_of_sign.name}", f"field_groups.{field_of_sign.group}.{field_of_sign.name}"}
-        if field_of_sign.group and isinstance(meaning_of(field_of_sign), Active):
-            paths.add(f"field_groups.{field_of_sign.group}")
-    errata = (erratum for erratum in device.errata if not erratum.edition and not paths.isdisjoint(erratum.affects))
-    erratum_names = (erratum.name for erratum in errata if erratum.severity != "wording")
-    return ", ".join(to_erratum(device, name) for name in erratum_names)
+    deciding_fields = [field]
+    if sign is not None:
+        deciding_fields = [layout.field(name) for name, _ in sign.conditions]
+    for deciding_field in deciding_fields:
+        paths |= {f"{frame}.{deciding_field.name}", f"field_groups.{deciding_field.group}.{deciding_field.name}"}
+        if deciding_field.group and isinstance(meaning_of(deciding_field), Active):
+            paths.add(f"field_groups.{deciding_field.group}")
+    errata = [erratum for erratum in device.errata if not erratum.edition and erratum.severity != "wording"]
+    affecting_errata = [erratum for erratum in errata if not paths.isdisjoint(erratum.affects)]
+    return ", ".join(link_to_erratum(device, erratum.name) for erratum in affecting_errata)

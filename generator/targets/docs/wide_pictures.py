@@ -8,14 +8,14 @@ from textwrap import wrap
 from ...model import PlacedLayout
 from ...model.record import dataclass
 from ...say.place import bit_range
-from .layout_pictures import Stack, bit_stack, byte_stack, runs_of, told
+from .layout_pictures import Stack, bit_stack, byte_stack, runs_of, text_alternative
 from .svg import card, number, rect, text, width
 
 #: Width of the picture, and of the narrowest screen on which it is shown instead of the stacked picture.
 WIDE, SCREEN = 720.0, 700
 _MARGIN, _RULER, _BOX, _LINE, _SIZE = 8.0, 24.0, 44.0, 18.0, 11
 #: Average width of a letter as a fraction of the font size.
-_LETTER = 0.54
+_LETTER_WIDTH = 0.54
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,106 +32,142 @@ class _Cell:
     @property
     def lines(self) -> list[str]:
         """Return the lines inside the box, or none if the name does not fit."""
-        letters = int((self.right - self.left - 4) / (_SIZE * _LETTER))
-        words = self.name.split(" ")
-        if max(map(len, [*words, self.place])) > letters:
+        letters = int((self.right - self.left - 4) / (_SIZE * _LETTER_WIDTH))
+        longest_word = max(len(word) for word in (*self.name.split(" "), self.place))
+        if longest_word > letters:
             return []
         name_lines = wrap(self.name, letters)
-        return [*name_lines, *([self.place] if self.place else [])] if len(name_lines) <= 2 else []
+        if len(name_lines) > 2:
+            return []
+        return [*name_lines, self.place] if self.place else name_lines
 
 
 def wide_picture(title: str, shapes: Sequence[tuple[str, PlacedLayout]]) -> str:
     """Return the picture of a frame, with its first bit or byte on the left, once for each shape with its caption."""
     body: list[str] = []
     stacks, top = [], _MARGIN
-    for caption, placed in shapes:
-        stack = byte_stack(caption, placed) if placed.layout.in_bytes else bit_stack(caption, placed)
+    for caption, placed_layout in shapes:
+        stack = (
+            byte_stack(caption, placed_layout) if placed_layout.layout.in_bytes else bit_stack(caption, placed_layout)
+        )
+        stacks.append(stack)
         if caption:
             body.append(text(_MARGIN, top + 13, caption, _SIZE, "start", bold=True))
             top += _LINE
-        drawn, top = _line(placed, stack, top)
-        body += drawn
-        stacks.append(stack)
-    return card(title, body, WIDE, top, told(stacks))
+        elements, top = _frame_elements(placed_layout, stack, top)
+        body += elements
+    return card(title, body, WIDE, top, text_alternative(stacks))
 
 
-def _line(placed: PlacedLayout, stack: Stack, top: float) -> tuple[list[str], float]:
-    """Return the elements of one line below ``top``, and the top of the next one."""
-    cells = list(_bytes(stack) if placed.layout.in_bytes else _bits(placed))
-    marks = _byte_marks(stack) if placed.layout.in_bytes else _bit_marks(placed)
+def _frame_elements(placed_layout: PlacedLayout, stack: Stack, top: float) -> tuple[list[str], float]:
+    """Return the elements of one frame below ``top``, and the top of the next one."""
+    box_top = top + _RULER
+    if placed_layout.layout.in_bytes:
+        cells, marks = list(_byte_cells(stack)), list(_byte_marks(stack))
+    else:
+        cells, marks = list(_bit_cells(placed_layout)), list(_bit_marks(placed_layout))
     body = [text(x, top + 12, words, _SIZE, anchor, faint=True) for x, words, anchor in marks]
     for cell in cells:
-        body.append(rect(cell.left, top + _RULER, cell.right - cell.left, _BOX, cell.fill))
-        first = top + _RULER + _BOX / 2 + 4.5 - 7 * (len(cell.lines) - 1)
-        for index, line in enumerate(cell.lines):
-            faint = bool(cell.place) and index == len(cell.lines) - 1
-            body.append(text((cell.left + cell.right) / 2, first + 14 * index, line, _SIZE, "middle", faint=faint))
-    if not placed.layout.in_bytes:
-        body.append(f'<path d="{_ticks(placed.bits, top + _RULER)}" class="line"/>')
-    below = list(_below(cells, top + _RULER + _BOX + 4))
-    body += [drawn_name for _, drawn_name in below]
-    return body, max((bottom for bottom, _ in below), default=top + _RULER + _BOX) + _MARGIN
+        body += _cell_elements(cell, box_top)
+    if not placed_layout.layout.in_bytes:
+        body.append(f'<path d="{_ticks(placed_layout.bits, box_top)}" class="line"/>')
+    bottom = box_top + _BOX
+    for line_bottom, element in _names_below(cells, bottom + 4):
+        body.append(element)
+        bottom = max(bottom, line_bottom)
+    return body, bottom + _MARGIN
 
 
-def _bits(placed: PlacedLayout) -> Iterator[_Cell]:
-    bit = _bit(placed.bits)
-    for run in runs_of(placed):
-        cell_start = _MARGIN + (placed.bits - 1 - run.high) * bit
+def _cell_elements(cell: _Cell, top: float) -> Iterator[str]:
+    """Yield the box of a cell, and the lines inside it, of which the last one is the place."""
+    yield rect(cell.left, top, cell.right - cell.left, _BOX, cell.fill)
+    first_baseline = top + _BOX / 2 + 4.5 - 7 * (len(cell.lines) - 1)
+    for index, line in enumerate(cell.lines):
+        is_place = bool(cell.place) and index == len(cell.lines) - 1
+        baseline = first_baseline + 14 * index
+        yield text((cell.left + cell.right) / 2, baseline, line, _SIZE, "middle", faint=is_place)
+
+
+def _bit_cells(placed_layout: PlacedLayout) -> Iterator[_Cell]:
+    """Yield the box of each field of a frame that is one number."""
+    bit_width = _bit_width(placed_layout.bits)
+    for run in runs_of(placed_layout):
+        left = _MARGIN + (placed_layout.bits - 1 - run.high) * bit_width
         place = f"bit{'s' * (run.high > run.low)} {bit_range(run.high, run.low)}"
-        active = ", 0 = active" if run.active_low else ""
-        about = f"{run.name} ({place}{active})"
-        wide = (run.high - run.low + 1) * bit
-        yield _Cell(cell_start, cell_start + wide, f"{run.name}{active}", "", about, run.fill)
+        level = ", 0 = active" if run.active_low else ""
+        yield _Cell(
+            left=left,
+            right=left + (run.high - run.low + 1) * bit_width,
+            name=f"{run.name}{level}",
+            place="",
+            about=f"{run.name} ({place}{level})",
+            fill=run.fill,
+        )
 
 
-def _bytes(stack: Stack) -> Iterator[_Cell]:
+def _byte_cells(stack: Stack) -> Iterator[_Cell]:
     """Yield the boxes of each byte. The parts of a byte have its highest bit on the left."""
-    byte = (WIDE - 2 * _MARGIN) / len(stack.rows)
+    byte_width = _byte_width(stack)
     for index, row in enumerate(stack.rows):
         for box in row.boxes:
-            cell_start = _MARGIN + byte * (index + (7 - box.high) / 8)
+            left = _MARGIN + byte_width * (index + (7 - box.high) / 8)
             bits = f" {box.place}" if box.place else ""
-            cell_end = cell_start + byte * (box.high - box.low + 1) / 8
-            yield _Cell(cell_start, cell_end, box.name, box.place, f"{box.name}{bits} ({row.label})", box.fill)
+            yield _Cell(
+                left=left,
+                right=left + byte_width * (box.high - box.low + 1) / 8,
+                name=box.name,
+                place=box.place,
+                about=f"{box.name}{bits} ({row.label})",
+                fill=box.fill,
+            )
 
 
-def _bit(bits: int) -> float:
+def _bit_width(bits: int) -> float:
     return (WIDE - 2 * _MARGIN) / bits
 
 
-def _bit_marks(placed: PlacedLayout) -> Iterator[tuple[float, str, str]]:
+def _byte_width(stack: Stack) -> float:
+    return (WIDE - 2 * _MARGIN) / len(stack.rows)
+
+
+def _bit_marks(placed_layout: PlacedLayout) -> Iterator[tuple[float, str, str]]:
     """Yield the place, text and anchor of the numbers of the first and the last bit of each box."""
-    bit = _bit(placed.bits)
-    for run in runs_of(placed):
-        box_start, box_end = (_MARGIN + (placed.bits - 1 - end) * bit for end in (run.high, run.low - 1))
+    bit_width = _bit_width(placed_layout.bits)
+    for run in runs_of(placed_layout):
+        left = _MARGIN + (placed_layout.bits - 1 - run.high) * bit_width
+        right = _MARGIN + (placed_layout.bits - run.low) * bit_width
         if run.high == run.low:
-            yield (box_start + box_end) / 2, f"{run.high}", "middle"
+            yield (left + right) / 2, f"{run.high}", "middle"
         else:
-            yield box_start + 2, f"{run.high}", "start"
-            yield box_end - 2, f"{run.low}", "end"
+            yield left + 2, f"{run.high}", "start"
+            yield right - 2, f"{run.low}", "end"
 
 
 def _byte_marks(stack: Stack) -> Iterator[tuple[float, str, str]]:
-    byte = (WIDE - 2 * _MARGIN) / len(stack.rows)
+    """Yield the place, text and anchor of the name of each byte."""
+    byte_width = _byte_width(stack)
     for index, row in enumerate(stack.rows):
-        yield _MARGIN + byte * (index + 0.5), row.label, "middle"
+        yield _MARGIN + byte_width * (index + 0.5), row.label, "middle"
 
 
 def _ticks(bits: int, top: float) -> str:
     """Return the ticks of the ruler, longer at every eighth bit."""
-    bit = _bit(bits)
-    places = ((_MARGIN + index * bit, 8 if (bits - index) % 8 == 0 else 4) for index in range(bits + 1))
-    return " ".join(f"M{number(x)} {number(top)}v-{high}" for x, high in places)
+    ticks = []
+    for index in range(bits + 1):
+        x = _MARGIN + index * _bit_width(bits)
+        height = 8 if (bits - index) % 8 == 0 else 4
+        ticks.append(f"M{number(x)} {number(top)}v-{height}")
+    return " ".join(ticks)
 
 
-def _below(cells: Sequence[_Cell], top: float) -> Iterator[tuple[float, str]]:
+def _names_below(cells: Sequence[_Cell], top: float) -> Iterator[tuple[float, str]]:
     """Yield the names that do not fit into their boxes, side by side, each with the bottom of its line."""
-    name_start = _MARGIN
+    left = _MARGIN
     for cell in cells:
         if not cell.lines:
-            wide = 16 + width(cell.about, _SIZE) + 16
-            if name_start + wide > WIDE - _MARGIN and name_start > _MARGIN:
-                name_start, top = _MARGIN, top + _LINE
-            yield top + _LINE, rect(name_start, top + 4, 10, 10, cell.fill)
-            yield top + _LINE, text(name_start + 16, top + 13, cell.about, _SIZE, "start")
-            name_start += wide
+            entry_width = 16 + width(cell.about, _SIZE) + 16
+            if left + entry_width > WIDE - _MARGIN and left > _MARGIN:
+                left, top = _MARGIN, top + _LINE
+            yield top + _LINE, rect(left, top + 4, 10, 10, cell.fill)
+            yield top + _LINE, text(left + 16, top + 13, cell.about, _SIZE, "start")
+            left += entry_width

@@ -9,7 +9,7 @@ from typing import Any
 from ...language.master_items import FILE_FORMATS, PLACE_KINDS, FileFormat
 from ...masters.places import Place
 from ...masters.sheet import Setting, Sheet
-from ...masters.text import condition
+from ...masters.text import condition_text
 from ...masters.writing import Write, write_order
 from ...model.record import dataclass
 
@@ -18,7 +18,7 @@ Value = int | bool | str
 
 
 @dataclass(frozen=True, slots=True)
-class Entry:
+class FileValue:
     """A value and its location on one channel. ``name`` is the name of the setting, and ``key`` its name in the file.
 
     ``word`` is the value in the notation of the file, and ``mark`` says whether the value is derived or a bound.
@@ -69,21 +69,21 @@ class Channel:
     """The values for one channel of a device. The first channel also has the values that all channels share."""
 
     name: str
-    entries: tuple[Entry, ...]
+    entries: tuple[FileValue, ...]
 
     @property
-    def registers(self) -> list[tuple[str, list[Entry]]]:
-        """The entries of each register, in the order of their first bits."""
-        ordered = sorted(self.entries, key=lambda entry: (entry.register, entry.place.low_bit or 0))
-        groups = groupby(ordered, key=lambda entry: entry.register)
-        return [(name, list(register_entries)) for name, register_entries in groups]
+    def registers(self) -> list[tuple[str, list[FileValue]]]:
+        """The values of each register, in the order of their first bits."""
+        ordered = sorted(self.entries, key=lambda file_value: (file_value.register, file_value.place.low_bit or 0))
+        groups = groupby(ordered, key=lambda file_value: file_value.register)
+        return [(register, list(file_values)) for register, file_values in groups]
 
     @property
-    def structures(self) -> list[tuple[str, list[Entry]]]:
-        """The entries of each structure."""
-        ordered = sorted(self.entries, key=lambda entry: entry.symbol[0])
-        groups = groupby(ordered, key=lambda entry: entry.symbol[0])
-        return [(name, list(structure_entries)) for name, structure_entries in groups]
+    def structures(self) -> list[tuple[str, list[FileValue]]]:
+        """The values of each structure."""
+        ordered = sorted(self.entries, key=lambda file_value: file_value.symbol[0])
+        groups = groupby(ordered, key=lambda file_value: file_value.symbol[0])
+        return [(structure, list(file_values)) for structure, file_values in groups]
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +95,7 @@ class Content:
     conditions: tuple[str, ...]
 
     @property
-    def entries(self) -> tuple[Entry, ...]:
+    def entries(self) -> tuple[FileValue, ...]:
         """The values of the first channel."""
         return self.channels[0].entries if self.channels else ()
 
@@ -103,33 +103,36 @@ class Content:
 def content(sheet: Sheet, rule: Raw, device: str) -> Content:
     """Return the content of a file in this format for a device."""
     format_ = FILE_FORMATS[rule["format"]]
-    entries: list[Entry] = []
-    left_out: list[str] = []
-    for setting, writes in _in_order(sheet):
+    file_values: list[FileValue] = []
+    omissions: list[str] = []
+    for setting, writes_before, writes_after in _settings_in_write_order(sheet):
         reason = _reason_to_leave_out(setting, sheet, format_)
         if reason:
-            left_out.append(f"{setting.name}: {reason}.")
+            omissions.append(f"{setting.name}: {reason}.")
             continue
-        written_values: tuple[Setting | Write, ...] = (*writes[0], setting, *writes[1])
-        for written in written_values:
-            _add_entries(written, rule, format_, device, entries, left_out)
-    return Content(_channels(sheet, device, entries), tuple(left_out), tuple(map(condition, sheet.writing)))
+        to_write: tuple[Setting | Write, ...] = (*writes_before, setting, *writes_after)
+        for setting_or_write in to_write:
+            reason = _reason_for_misfit(setting_or_write, rule, format_, device)
+            if reason:
+                omissions.append(f"{_name(setting_or_write)} = {setting_or_write.text}: {reason}.")
+            else:
+                file_values += _file_values(setting_or_write, rule, device)
+    return Content(_channels(sheet, device, file_values), tuple(omissions), tuple(map(condition_text, sheet.writing)))
 
 
-def _in_order(sheet: Sheet) -> Iterator[tuple[Setting, tuple[tuple[Write, ...], tuple[Write, ...]]]]:
+def _settings_in_write_order(sheet: Sheet) -> Iterator[tuple[Setting, list[Write], list[Write]]]:
     """Yield the settings in the order of writing, each with the values to write before and after it."""
-    settings = list(sheet.settings)
-    order = write_order([setting.name for setting in settings], sheet.writing)
-    settings.sort(key=lambda setting: order.index(setting.name))
+    order = write_order([setting.name for setting in sheet.settings], sheet.writing)
+    settings = sorted(sheet.settings, key=lambda setting: order.index(setting.name))
     names = [setting.name for setting in settings]
     for number, setting in enumerate(settings):
-        before: list[Write] = []
-        after: list[Write] = []
+        writes_before: list[Write] = []
+        writes_after: list[Write] = []
         for rule in sheet.writing:
             concerned = [index for index, name in enumerate(names) if name in (rule.of or names)]
-            before += rule.needs if concerned[0] == number else ()
-            after += rule.then if concerned[-1] == number else ()
-        yield setting, (tuple(before), tuple(after))
+            writes_before += rule.needs if concerned[0] == number else ()
+            writes_after += rule.then if concerned[-1] == number else ()
+        yield setting, writes_before, writes_after
 
 
 def _reason_to_leave_out(setting: Setting, sheet: Sheet, format_: FileFormat) -> str:
@@ -144,28 +147,53 @@ def _reason_to_leave_out(setting: Setting, sheet: Sheet, format_: FileFormat) ->
     return ""
 
 
-def _add_entries(
-    written: Setting | Write, rule: Raw, format_: FileFormat, device: str, entries: list[Entry], left_out: list[str]
-) -> None:
-    name = written.name if isinstance(written, Setting) else written.title
-    places = [place for place in written.places if place.device == device]
-    value = written.value
-    assert value is not None
-    key = rule.get("names", {}).get(name, "")
-    misfits = (_misfit(place, value, key, format_) for place in places)
-    reasons = {misfit for misfit in misfits if misfit}
-    if reasons:
-        left_out.append(f"{name} = {written.text}: {reasons.pop()}.")
-        return
-    file_number = int(value) if isinstance(value, bool) else value
-    word = str(rule.get("words", {}).get(name, {}).get(str(value), file_number))
-    marks = ["derived"] if isinstance(written, Setting) and written.standing == "inferred" else []
-    if isinstance(written, Setting) and written.bound:
-        marks.append(written.bound.replace("_", " "))
-    entries += [Entry(name, key, value, word, ", ".join(marks), place) for place in places]
+def _name(setting_or_write: Setting | Write) -> str:
+    return setting_or_write.name if isinstance(setting_or_write, Setting) else setting_or_write.title
 
 
-def _misfit(place: Place, value: Value, key: str, format_: FileFormat) -> str:
+def _reason_for_misfit(setting_or_write: Setting | Write, rule: Raw, format_: FileFormat, device: str) -> str:
+    """Return the reason that a format cannot write a value to a location on a device, or an empty string."""
+    key = _key(setting_or_write, rule)
+    for place in setting_or_write.places:
+        if place.device == device:
+            reason = _reason_for_misfit_at(place, _value(setting_or_write), key, format_)
+            if reason:
+                return reason
+    return ""
+
+
+def _file_values(setting_or_write: Setting | Write, rule: Raw, device: str) -> list[FileValue]:
+    """Return a value with each of its locations on a device."""
+    name, value = _name(setting_or_write), _value(setting_or_write)
+    number_or_text = int(value) if isinstance(value, bool) else value
+    words = rule.get("words", {}).get(name, {})
+    marks = _marks(setting_or_write) if isinstance(setting_or_write, Setting) else []
+    word = str(words.get(str(value), number_or_text))
+    key, mark = _key(setting_or_write, rule), ", ".join(marks)
+    places = [place for place in setting_or_write.places if place.device == device]
+    return [FileValue(name=name, key=key, value=value, word=word, mark=mark, place=place) for place in places]
+
+
+def _marks(setting: Setting) -> list[str]:
+    """Return the words that say that a value is derived, or that it is a bound."""
+    marks = ["derived"] if setting.standing == "inferred" else []
+    if setting.bound:
+        marks.append(setting.bound.replace("_", " "))
+    return marks
+
+
+def _key(setting_or_write: Setting | Write, rule: Raw) -> str:
+    """Return the name of a setting in the file, or an empty string."""
+    key: str = rule.get("names", {}).get(_name(setting_or_write), "")
+    return key
+
+
+def _value(setting_or_write: Setting | Write) -> Value:
+    assert setting_or_write.value is not None
+    return setting_or_write.value
+
+
+def _reason_for_misfit_at(place: Place, value: Value, key: str, format_: FileFormat) -> str:
     """Return the reason that a format cannot write a value to this location, or an empty string."""
     if format_.needs == "name":
         return "" if key else "the file has no name for it"
@@ -181,17 +209,17 @@ def _misfit(place: Place, value: Value, key: str, format_: FileFormat) -> str:
     return ""
 
 
-def _channels(sheet: Sheet, device: str, entries: Sequence[Entry]) -> tuple[Channel, ...]:
-    names = next(master_device.channels for master_device in sheet.master.devices if master_device.name == device)
-    shared = tuple(entry for entry in entries if not entry.place.channel)
-    if not entries:
+def _channels(sheet: Sheet, device: str, file_values: Sequence[FileValue]) -> tuple[Channel, ...]:
+    """Return the channels of a device with their values, or one channel if all of them are shared."""
+    if not file_values:
         return ()
-    if len(shared) == len(entries):
-        return (Channel(names[0] if len(names) == 1 else "", shared),)
+    names = next(master_device.channels for master_device in sheet.master.devices if master_device.name == device)
+    if not any(file_value.place.channel for file_value in file_values):
+        return (Channel(names[0] if len(names) == 1 else "", tuple(file_values)),)
     # The first channel also has the shared values.
-    channel_marks = {name: (name,) for name in names} | {names[0]: (names[0], "")}
-    return tuple(Channel(name, _on_channel(entries, marks)) for name, marks in channel_marks.items())
+    first_channel = Channel(names[0], _values_of_channels(file_values, (names[0], "")))
+    return (first_channel, *(Channel(name, _values_of_channels(file_values, (name,))) for name in names[1:]))
 
 
-def _on_channel(entries: Sequence[Entry], marks: Collection[str]) -> tuple[Entry, ...]:
-    return tuple(entry for entry in entries if entry.place.channel in marks)
+def _values_of_channels(file_values: Sequence[FileValue], names: Collection[str]) -> tuple[FileValue, ...]:
+    return tuple(file_value for file_value in file_values if file_value.place.channel in names)

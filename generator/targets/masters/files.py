@@ -11,11 +11,11 @@ from typing import Annotated, TypedDict
 
 from ...language.master_items import FILE_FORMATS
 from ...language.problems import listed
-from ...masters.groups import sheets_of
+from ...masters.groups import GroupSheets, sheets_of
 from ...masters.places import Place
 from ...masters.record import Record
 from ...masters.sheet import Master, Sheet, shipped_masters
-from ...masters.text import cited, condition
+from ...masters.text import cited, condition_text
 from ...model import Device
 from ...render import Templates, our_templates
 from ...say.lines import plain, wrapped
@@ -26,8 +26,10 @@ from ..licence import licence_in
 from .entries import Channel, Content, Raw, content
 
 _WIDTH = 120
-_EACH = "each"
-_BY_CODE = Option("order-codes", "each: a file that the tool loads for each order code", "bulk", ("bulk", _EACH))
+_ONE_FILE_EACH = "each"
+_ORDER_CODES_OPTION = Option(
+    "order-codes", "each: a file that the tool loads for each order code", "bulk", ("bulk", _ONE_FILE_EACH)
+)
 
 
 class MasterFile(TypedDict):
@@ -67,14 +69,14 @@ def file_text(
         is_short: True to leave out the text that all order codes of a family share.
         file_content: The content of the file, if it is known already.
     """
-    name = rule["format"]
-    file_content = content(sheet, rule, master_device) if file_content is None else file_content
-    written_keys = {entry.key for entry in file_content.entries}
+    if file_content is None:
+        file_content = content(sheet, rule, master_device)
+    written_keys = {file_value.key for file_value in file_content.entries}
+    head = list(_paragraphs_on_content(file_content, is_short))
+    if not is_short:
+        head = [*_first_paragraphs(device, codes, sheet, rule, master_device), *head]
     values: MasterFile = {
-        "head": [
-            *([] if is_short else _heading(device, codes, sheet, rule, master_device)),
-            *_content_comments(file_content, is_short),
-        ],
+        "head": head,
         "content": file_content,
         "channels": file_content.channels[:1] if is_short else file_content.channels,
         "name": re.sub(r"\W|^(?=\d)", "_", codes[0], flags=re.ASCII),
@@ -82,42 +84,50 @@ def file_text(
         "also": {key: value for key, value in rule.get("also", {}).items() if key not in written_keys},
         "line": rule.get("line", ""),
     }
-    return TEMPLATES.render(f"{name}.jinja", values, library.own_templates if library is not None else None)
+    return TEMPLATES.render(f"{rule['format']}.jinja", values, library.own_templates if library is not None else None)
 
 
-def _heading(device: Device, codes: Sequence[str], sheet: Sheet, rule: Raw, master_device: str) -> Iterator[str]:
+def _first_paragraphs(
+    device: Device, codes: Sequence[str], sheet: Sheet, rule: Raw, master_device: str
+) -> Iterator[str]:
     format_ = FILE_FORMATS[rule["format"]]
     yield f"{master_device} with {', '.join(codes)}. For {format_.title}."
-    yield from _origin(device, sheet, rule, master_device)
+    yield from _paragraphs_on_origin(device, sheet, rule, master_device)
 
 
-def _origin(device: Device, sheet: Sheet, rule: Raw, master_device: str) -> Iterator[str]:
+def _paragraphs_on_origin(device: Device, sheet: Sheet, rule: Raw, master_device: str) -> Iterator[str]:
     format_, manual = FILE_FORMATS[rule["format"]], device.manual
     yield f"From the spec of {device.title}, manual {manual.title}, revision {manual.revision}."
-    used = {word for place in _places(sheet, master_device) for word in re.split(r"[;:]\s*", place.source)}
-    documents = (document for document in sheet.master.documents if document.key in used)
+    sources = [place.source for place in _places_on_device(sheet, master_device)]
+    cited_keys = {key for source in sources for key in re.split(r"[;:]\s*", source)}
+    documents = [document for document in sheet.master.documents if document.key in cited_keys]
     cited_documents = "; ".join(f"{document.key}: {document.title}" for document in documents)
     yield f"From the documents of the master: {cited_documents}."
-    read = f"Read by {format_.reader}, see docs/master-files.md." if format_.reader else "Not yet read by its tool."
-    yield f"Not yet tested on hardware. {read} Form of the file: {cited(rule['source'])}."
+    reader = f"Read by {format_.reader}, see docs/master-files.md." if format_.reader else "Not yet read by its tool."
+    yield f"Not yet tested on hardware. {reader} Form of the file: {cited(rule['source'])}."
 
 
-def _places(sheet: Sheet, master_device: str) -> Iterator[Place]:
+def _places_on_device(sheet: Sheet, master_device: str) -> Iterator[Place]:
     """Yield the locations of all settings on a device."""
     yield from (place for setting in sheet.settings for place in setting.places if place.device == master_device)
 
 
-def _content_comments(file_content: Content, is_short: bool) -> Iterator[str]:
-    derived = list(dict.fromkeys(entry.name for entry in file_content.entries if "derived" in entry.mark))
+def _paragraphs_on_content(file_content: Content, is_short: bool) -> Iterator[str]:
+    derived = _names_with_mark(file_content, "derived")
     if derived:
         yield f"Derived, not stated in a document: {listed(derived)}."
-    starts = list(dict.fromkeys(entry.name for entry in file_content.entries if "start with" in entry.mark))
+    starts = _names_with_mark(file_content, "start with")
     if starts:
         yield f"Only a value to start with, because the highest clock of the encoder is not known: {listed(starts)}."
     for sentence in file_content.left_out:
         yield f"Not in this file: {sentence}"
     if not is_short:
         yield from file_content.conditions
+
+
+def _names_with_mark(file_content: Content, mark: str) -> list[str]:
+    """Return the names of the values with a mark, each once."""
+    return list(dict.fromkeys(file_value.name for file_value in file_content.entries if mark in file_value.mark))
 
 
 def comment(paragraphs: Sequence[str], prefix: str) -> str:
@@ -138,8 +148,8 @@ def note(text: object) -> str:
 
 def filled(pattern: str, file_content: Content) -> str:
     """Return the pattern with each name in braces replaced by the value of that name."""
-    for entry in file_content.entries:
-        pattern = pattern.replace(f"{{{entry.key}}}", entry.word)
+    for file_value in file_content.entries:
+        pattern = pattern.replace(f"{{{file_value.key}}}", file_value.word)
     return pattern
 
 
@@ -151,35 +161,45 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """
     files: dict[str, str] = {}
     for device in library.devices:
-        files |= library.part(_family, device, options)
+        files |= library.part(_family_files, device, options)
     return files | {"masters/README.md": _index(library, files)} | licence_in("masters")
 
 
-def _family(device: Device, library: Library, options: Options) -> dict[str, str]:
+def _family_files(device: Device, library: Library, options: Options) -> dict[str, str]:
     """Return the files of a family by path."""
-    write = _files_by_code if options.get(_BY_CODE.name, _BY_CODE.default) == _EACH else _bulk_file
+    is_one_file_each = options.get(_ORDER_CODES_OPTION.name, _ORDER_CODES_OPTION.default) == _ONE_FILE_EACH
+    write = _file_of_each_order_code if is_one_file_each else _bulk_file
     files: dict[str, str] = {}
     masters = shipped_masters()
     interface_sheets = sheets_of(device, masters)
     for number, master in enumerate(masters):
-        usable: list[SheetOfCodes] = []
-        for group_sheets in interface_sheets:
-            pairs = zip(group_sheets.sheets[number][1], group_sheets.groups, strict=True)
-            usable += ((sheet, group.record, group.codes) for sheet, group in pairs if not sheet.refusals)
+        usable = list(_usable_sheets(interface_sheets, number))
         for rule in master.files:
-            for master_device in dict.fromkeys(name for sheet, _, _ in usable for name in sheet.devices_with(rule)):
-                folder = f"masters/{master.name}/{rule['format']}"
-                stem = "" if len(master.devices) == 1 else f"{names_of_codes([master_device])[0]}-"
-                sheets = [sheet_of_codes for sheet_of_codes in usable if master_device not in sheet_of_codes[0].barred]
-                files |= write(f"{folder}/{stem}", device, sheets, rule, master_device, library)
+            names = dict.fromkeys(name for sheet, _, _ in usable for name in sheet.devices_with(rule))
+            for master_device in names:
+                device_prefix = "" if len(master.devices) == 1 else f"{names_of_codes([master_device])[0]}-"
+                start = f"masters/{master.name}/{rule['format']}/{device_prefix}"
+                sheets = [codes_sheet for codes_sheet in usable if master_device not in codes_sheet[0].unusable_devices]
+                files |= write(start, device, sheets, rule, master_device, library)
     return files
+
+
+def _usable_sheets(interface_sheets: Sequence[GroupSheets], number: int) -> Iterator[SheetOfCodes]:
+    """Yield the settings of the master with this number for each group of order codes that it can use."""
+    for group_sheets in interface_sheets:
+        _, sheets = group_sheets.sheets[number]
+        for sheet, group in zip(sheets, group_sheets.groups, strict=True):
+            if not sheet.refusals:
+                yield sheet, group.record, group.codes
 
 
 def _index(library: Library, files: Iterable[str]) -> str:
     folders = {path.rpartition("/")[0].removeprefix("masters/") for path in files}
     rows = [_index_row(master, rule["format"]) for master in shipped_masters() for rule in master.files]
-    rows = [row for row in rows if row["folder"] in folders]
-    values: Index = {"families": [markdown(device.title) for device in library.devices], "rows": rows}
+    values: Index = {
+        "families": [markdown(device.title) for device in library.devices],
+        "rows": [row for row in rows if row["folder"] in folders],
+    }
     return TEMPLATES.render("README.md.jinja", values, library.own_templates)
 
 
@@ -198,19 +218,19 @@ def _index_row(master: Master, format_name: str) -> dict[str, str]:
 SheetOfCodes = tuple[Sheet, Record, Sequence[str]]
 
 
-def _files_by_code(
+def _file_of_each_order_code(
     start: str, device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library
 ) -> dict[str, str]:
     suffix = FILE_FORMATS[rule["format"]].suffix
     labels: list[str] = []
     texts: list[str] = []
     for sheet, record, codes in sheets:
-        labels += (_label(code, record) for code in codes)
+        labels += (_code_and_answers(code, record) for code in codes)
         texts += (file_text(device, [code], sheet, rule, master_device, library) for code in codes)
     return {f"{start}{name}{suffix}": text for name, text in zip(names_of_codes(labels), texts, strict=True)}
 
 
-def _label(code: str, record: Record) -> str:
+def _code_and_answers(code: str, record: Record) -> str:
     return "-".join((code, *record.answers.values()))
 
 
@@ -219,17 +239,17 @@ def _bulk_file(
 ) -> dict[str, str]:
     """Return one file in which order codes with the same content share a block."""
     format_ = FILE_FORMATS[rule["format"]]
-    alike: dict[tuple[Content, Sequence[tuple[str, str]]], list[SheetOfCodes]] = {}
-    for sheet_of_codes in sheets:
-        sheet, record, _ = sheet_of_codes
-        file_content = content(sheet, rule, master_device)
-        alike.setdefault((file_content, tuple(record.answers.items())), []).append(sheet_of_codes)
+    codes_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], list[str]] = {}
+    sheet_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], Sheet] = {}
+    for sheet, record, codes in sheets:
+        key = (content(sheet, rule, master_device), tuple(record.answers.items()))
+        codes_by_content.setdefault(key, []).extend(codes)
+        sheet_by_content.setdefault(key, sheet)
     blocks = []
-    for (file_content, answers), sheets_alike in alike.items():
-        codes = [code for _, _, codes_of_sheet in sheets_alike for code in codes_of_sheet]
+    for (file_content, answers), codes in codes_by_content.items():
         choices = " and ".join(f"{name}={answer}" for name, answer in answers)
         title = f"{', '.join(codes)} with {choices}" if choices else ", ".join(codes)
-        sheet = sheets_alike[0][0]
+        sheet = sheet_by_content[file_content, answers]
         text = file_text(device, codes, sheet, rule, master_device, library, is_short=True, file_content=file_content)
         blocks.append((title, text))
     return {f"{start}{device.name}{format_.suffix}": _joined_blocks(device, blocks, sheet, rule, master_device)}
@@ -242,9 +262,9 @@ def _joined_blocks(
     format_ = FILE_FORMATS[rule["format"]]
     head = [
         f"{master_device} with the order codes of {device.title}. For {format_.title}.",
-        *_origin(device, sheet, rule, master_device),
+        *_paragraphs_on_origin(device, sheet, rule, master_device),
     ]
-    head += dict.fromkeys(condition(writing_rule) for writing_rule in sheet.writing)
+    head += dict.fromkeys(condition_text(writing_rule) for writing_rule in sheet.writing)
     head.append(
         "Each block is for the first channel. A file that codewheel prints for one order code has all channels."
     )
@@ -273,7 +293,7 @@ TARGET = Target(
     name="masters",
     summary="files that BiSS and SSI masters load",
     files=generate,
-    options=(_BY_CODE,),
+    options=(_ORDER_CODES_OPTION,),
     templates=TEMPLATES,
-    family=_family,
+    family=_family_files,
 )
