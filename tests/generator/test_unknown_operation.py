@@ -58,7 +58,7 @@ ASKING = {
         ("structs", "_check_supported"),
         ("structs", "member"),
     },
-    "rust": {("family", "too_wide")},
+    "rust": {("family", "width_problems")},
     "biss": set[Place](),
     "python": {("codec", "usable")},
     "browser": set[Place](),
