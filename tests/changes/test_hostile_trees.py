@@ -69,7 +69,7 @@ SPEC = (BASE / "demo.yaml").read_bytes()
 
 
 @pytest.mark.parametrize(
-    ("parts", "path_text", "bad"),
+    ("parts", "path_text", "unsafe_name"),
     [
         (["..", "..", "..", "victim.yaml"], "../../../victim.yaml", ".."),
         (["../../../victim.yaml"], "../../../victim.yaml", ".."),
