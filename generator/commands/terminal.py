@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import codecs
 import io
+import json
 import os
 import sys
 import unicodedata
 from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 from ..say.ascii import STAND_INS
 from ..say.numbers import counted
@@ -124,16 +125,17 @@ def _in_words(error: UnicodeError) -> tuple[str | bytes, int]:
     character = error.object[error.start]
     if "\udc80" <= character <= "\udcff":
         return bytes([ord(character) - 0xDC00]), error.start + 1
-    plain = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
-    return STAND_INS.get(character, plain or "?"), error.start + 1
+    base_letters = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
+    return STAND_INS.get(character, base_letters or "?"), error.start + 1
 
 
 def _in_json(error: UnicodeError) -> tuple[str, int]:
     """Handle an encoding error in JSON, where all such characters are in strings."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
-    units = error.object[error.start].encode("utf-16-be", "surrogatepass").hex()
-    return "".join(f"\\u{units[start : start + 4]}" for start in range(0, len(units), 4)), error.start + 1
+    digits = error.object[error.start].encode("utf-16-be", "surrogatepass").hex()
+    escapes = [f"\\u{digits[start : start + 4]}" for start in range(0, len(digits), 4)]
+    return "".join(escapes), error.start + 1
 
 
 codecs.register_error("codewheel", _in_words)
@@ -146,16 +148,21 @@ def refuse_missing(paths: Sequence[Path]) -> None:
     Raises:
         Stop: A path does not exist. The exit code is 2.
     """
-    missing = [str(path) for path in paths if not _is_there(path)]
+    missing = [str(path) for path in paths if not _exists(path)]
     if missing:
         raise Stop(f"no such file or folder: {', '.join(missing)}", 2)
 
 
-def _is_there(path: Path) -> bool:
+def _exists(path: Path) -> bool:
     try:
         return path.exists() or path.is_symlink()
     except (OSError, ValueError):
         return True  # It exists, and reading it will report the error.
+
+
+def print_json(data: Any) -> None:
+    """Print data as JSON, in indented lines."""
+    print(json.dumps(data, indent=2, ensure_ascii=False))
 
 
 def problems(report: Report) -> Stop:

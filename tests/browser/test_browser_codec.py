@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from browser_harness import Asker, Case, cases, compared
-from codewheel.commands.frame_text import FrameTextError, checked, frame_bytes, frame_number
+from codewheel.commands.decode.frames import FrameTextError, checked, frame_bytes, frame_number
 from codewheel.loading.library import load_library
 from codewheel.model import Choice, Decimal, Device, Flag, FrameExample, RegisterExample, Text, number_to_bytes
 from codewheel.model.limits import bounded, bounds

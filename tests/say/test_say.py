@@ -7,8 +7,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from codewheel.commands.show import device_text, variant_text
-from codewheel.commands.show_parts import at
+from codewheel.commands.show.text import at, device_text, variant_text
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.model.expressions import Expression
