@@ -1,6 +1,6 @@
 """``codewheel decode``: name every bit of frames, check their CRC, and list the reports of the encoder.
 
-``frames`` reads and decodes their text, ``text`` explains them, and ``run`` prints one after another.
+``frames`` reads and decodes their text, ``text`` explains them, and ``decoding`` prints one after another.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ..terminal import Stop, release
 if TYPE_CHECKING:
     import argparse
 
-    from .run import Request
+    from .decoding import Request
 
 EXAMPLES = (
     "codewheel decode MY-ENCODER-13-SC 0b0001111101000_1_1_011010",
@@ -73,7 +73,7 @@ def run(chosen: argparse.Namespace) -> int:
     Raises:
         Stop: There is no such order code or edition, or an answer or a register value is wrong.
     """
-    from .run import Decoding, argument_lines
+    from .decoding import Decoding, argument_lines
 
     decoding = Decoding(_request(chosen))
     try:
@@ -95,7 +95,7 @@ def _request(chosen: argparse.Namespace) -> Request:
     from ..choose import answers_of
     from ..find_encoder import find_requested
     from ..read_specs import cache_for, specs_to_read
-    from .run import Request
+    from .decoding import Request
 
     cache = cache_for(chosen)
     device, match, register_bytes = find_requested(chosen, specs_to_read(chosen.specs, cache), cache)
