@@ -241,7 +241,7 @@ def _rendering(current: _Run, families: Sequence[Family], report: Report, progre
     else:
         digests = {family.device.name: family.digest or digest_of(family.device) for family in families}
     cannot_begin = bool(report) or chosen.templates is not None
-    return Rendering(devices, [] if cannot_begin else plain_targets, Kept(current.cache, digests, progress.begun))
+    return Rendering(devices, [] if cannot_begin else plain_targets, Kept(current.cache, digests, progress.report_part))
 
 
 def _render(

@@ -77,7 +77,7 @@ class Progress:
         if self._shown:
             self._write("\r\x1b[K")
 
-    def begun(self, part: int, parts: int) -> None:
+    def report_part(self, part: int, parts: int) -> None:
         """Note that a part of the work has begun."""
         self.text = f"codewheel: rendering part {part + 1} of {parts}"
 
@@ -118,7 +118,7 @@ class _ClosedInput(io.StringIO):
     read = __next__ = readline  # type: ignore[assignment]
 
 
-def _in_words(error: UnicodeError) -> tuple[str | bytes, int]:
+def _replace_in_text(error: UnicodeError) -> tuple[str | bytes, int]:
     """Handle an encoding error in text: return an ASCII replacement, or the raw byte of a file name."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
@@ -129,7 +129,7 @@ def _in_words(error: UnicodeError) -> tuple[str | bytes, int]:
     return STAND_INS.get(character, base_letters or "?"), error.start + 1
 
 
-def _in_json(error: UnicodeError) -> tuple[str, int]:
+def _replace_in_json(error: UnicodeError) -> tuple[str, int]:
     """Handle an encoding error in JSON, where all such characters are in strings."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
@@ -138,8 +138,8 @@ def _in_json(error: UnicodeError) -> tuple[str, int]:
     return "".join(escapes), error.start + 1
 
 
-codecs.register_error("codewheel", _in_words)
-codecs.register_error("codewheel-json", _in_json)
+codecs.register_error("codewheel", _replace_in_text)
+codecs.register_error("codewheel-json", _replace_in_json)
 
 
 def refuse_missing(paths: Sequence[Path]) -> None:
