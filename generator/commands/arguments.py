@@ -81,7 +81,7 @@ def _unexpected(parser: argparse.ArgumentParser, argument: str) -> str:
     return f"unexpected argument '{argument}'"
 
 
-def complete(parser: Parser, name: str, examples: Sequence[str]) -> None:
+def add_examples(parser: Parser, name: str, examples: Sequence[str]) -> None:
     """Add the examples to the help of a command, and the parser to its arguments."""
     parser.set_defaults(parser=parser)
     needs_spec = name not in ("new", "explain")

@@ -45,12 +45,14 @@ def refuse_undecided(device: Device, layout: Layout, answers: Container[str]) ->
     Raises:
         UndecidedError: The layout needs an answer that is not among ``answers``.
     """
-    message = undecided(device, layout, answers)
+    message = open_questions(device, layout, answers)
     if message:
         raise UndecidedError(message)
 
 
-def undecided(device: Device, layout: Layout, answers: Container[str], predicate: str = "cannot be decoded") -> str:
+def open_questions(
+    device: Device, layout: Layout, answers: Container[str], predicate: str = "cannot be decoded"
+) -> str:
     """Return the questions to answer before a frame of this layout can be used, or an empty string if there are none.
 
     ``predicate`` is the predicate of the message about the action that needs the answers.

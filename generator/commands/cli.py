@@ -16,8 +16,8 @@ from contextlib import suppress
 from importlib import import_module
 from typing import Protocol, cast
 
-from .arguments import Parser, ShowVersion, complete, parse
-from .terminal import Stop, prepare, release
+from .arguments import Parser, ShowVersion, add_examples, parse
+from .terminal import Stop, prepare_streams, release_streams
 
 _DESCRIPTION = (
     "Describe an absolute encoder once and get a Python codec, C headers, a BiSS XML description and documentation."
@@ -72,7 +72,7 @@ def parser_for(arguments: Sequence[str]) -> argparse.ArgumentParser:
         if name in arguments:
             command = command_named(name)
             command.add_arguments(command_parser)
-            complete(command_parser, name, command.EXAMPLES)
+            add_examples(command_parser, name, command.EXAMPLES)
     parser.formatter_class = argparse.HelpFormatter
     return parser
 
@@ -90,7 +90,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         # Models have no cycles, so a process that ends soon gains nothing from a search for them, not even at its end.
         gc.set_threshold(1_000_000, 50, 100)
         atexit.register(gc.freeze)
-    prepare()
+    prepare_streams()
     try:
         code = _run(arguments)
         sys.stdout.flush()
@@ -98,14 +98,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return code
     except BrokenPipeError:
         # The reader closed our output early. Return the code that a shell gives for SIGPIPE.
-        release()
+        release_streams()
         return 141
     except OSError as error:
-        release()
+        release_streams()
         with suppress(OSError):
             place = error.filename or "the output"
             print(f"codewheel: cannot write {place}: {error.strerror or error}", file=sys.stderr, flush=True)
-        release()
+        release_streams()
         return 1
     except KeyboardInterrupt:
         return 130
@@ -114,7 +114,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(arguments: Sequence[str] | None) -> int:
     try:
         chosen = parse(parser_for(sys.argv[1:] if arguments is None else arguments), arguments)
-        prepare(as_json=getattr(chosen, "json", False))
+        prepare_streams(as_json=getattr(chosen, "json", False))
         return command_named(chosen.command).run(chosen)
     except Stop as stop:
         print(f"codewheel: {stop}", file=sys.stderr)

@@ -131,7 +131,7 @@ def _requested_record(chosen: argparse.Namespace) -> tuple[Device, Match, Record
     """
     from ..masters.record import NoRecord, Undecided, record
     from ..order_codes.run_time import RegisterError, with_registers
-    from .choose import answers_of, undecided
+    from .choose import answers_of, open_questions
     from .find_encoder import find_requested
     from .read_specs import cache_for, specs_to_read
 
@@ -144,7 +144,7 @@ def _requested_record(chosen: argparse.Namespace) -> tuple[Device, Match, Record
     except RegisterError as error:
         raise Stop(str(error), 2) from None
     except Undecided as error:
-        raise Stop(undecided(device, error.layout, answers, "has no settings"), 2) from None
+        raise Stop(open_questions(device, error.layout, answers, "has no settings"), 2) from None
     except NoRecord as error:
         raise Stop(str(error), 1) from None
 

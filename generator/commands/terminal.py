@@ -31,7 +31,7 @@ class Stop(Exception):
         self.code = code
 
 
-def prepare(as_json: bool = False) -> None:
+def prepare_streams(as_json: bool = False) -> None:
     """Make the standard streams accept any text. JSON keeps every character, as an escape if necessary.
 
     A closed output stream discards everything. A closed input has nothing to read.
@@ -90,7 +90,7 @@ class Progress:
             os.write(sys.stderr.fileno(), text.encode("ascii", "replace"))
 
 
-def release() -> None:
+def release_streams() -> None:
     """Redirect streams that cannot be written, so that the interpreter does not fail on them at exit."""
     for stream in (sys.stdout, sys.stderr):
         try:

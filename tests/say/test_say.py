@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from codewheel.commands.show.text import at, device_text, variant_text
+from codewheel.commands.show.text import device_text, style_with, variant_text
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.model.expressions import Expression
@@ -294,4 +294,4 @@ def test_an_order_code_turns_expressions_into_numbers(device: Device) -> None:
     assert BY_NAME.sentence(codes) == "The register holds a code: 0 means 8, 16 means 12, 20 means 14."
     (equals,) = parameter.origin(device, next(item for item in device.parameters if item.name == "doubled"))
     assert BY_NAME.sentence(equals) == "Equals position_bits + position_bits."
-    assert at({"position_bits": 16}).sentence(equals) == "Equals 32."
+    assert style_with({"position_bits": 16}).sentence(equals) == "Equals 32."

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
 
     from ...cache import Cache
     from ...language.problems import Problem, Report
+    from ...readings.coverage import Coverage
     from ..earlier import Earlier
     from ..review_formats import Finding
 
@@ -101,8 +102,12 @@ def _check(paths: Sequence[Path], chosen: argparse.Namespace, cache: Cache, resu
     with Progress("codewheel: checking the specs"):
         checked = check_specs(paths, targets, None if chosen.coverage else cache)
     names = [family.device.name for family in checked.families]
-    covered = coverage.cover(checked, chosen.write) if chosen.coverage else []
-    counts = coverage.as_data(covered) if chosen.coverage else {}
+    covered: Sequence[Coverage] = []
+    counts: dict[str, Any] = {}
+    if chosen.coverage:
+        coverage.check_counts(checked, write=chosen.write)
+        covered = checked.readings
+        counts = coverage.as_data(covered)
     _print_problems(names, checked.report, counts, chosen)
     if chosen.coverage and not chosen.json:
         print(coverage.as_text(covered, checked))

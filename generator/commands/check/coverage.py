@@ -29,15 +29,15 @@ _COLUMNS = ("twice", "explained", "decided", "once", "derived")
 _OUT_OF_DATE = "the counts do not match the readings; update them with codewheel check --coverage --write"
 
 
-def cover(checked: Checked, write: bool) -> Sequence[Coverage]:
-    """Return the coverage. Write the counts next to the specs, or report those that are out of date."""
-    for reading in checked.readings:
-        place = coverage_path(Path(reading.spec.file))
+def check_counts(checked: Checked, *, write: bool) -> None:
+    """Report the counts next to the specs that are out of date, or write them all."""
+    for family_coverage in checked.readings:
+        place = coverage_path(Path(family_coverage.spec.file))
+        counts = counts_text(family_coverage.total)
         if write:
-            place.write_text(counts_text(reading.total), encoding="utf-8")
-        elif place.is_file() and place.read_text(encoding="utf-8") != counts_text(reading.total):
+            place.write_text(counts, encoding="utf-8")
+        elif place.is_file() and place.read_text(encoding="utf-8") != counts:
             checked.report.add_at(str(place), 1, 1, RULE, _OUT_OF_DATE)
-    return checked.readings
 
 
 def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache | None = None) -> None:
@@ -58,7 +58,7 @@ def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache | 
             continue
         problems_before = len(report)
         check_editions([family], report)
-        cover(check_families([family], (), report), write=False)
+        check_counts(check_families([family], (), report), write=False)
         # A second reading may have changed since the content was read.
         is_unchanged = family.content and content_of(family_files(Path(family.document.file))) == family.content
         if is_unchanged and len(report) == problems_before:

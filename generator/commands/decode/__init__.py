@@ -15,7 +15,7 @@ from ..arguments import (
     add_register_option,
     add_specs_option,
 )
-from ..terminal import Stop, release
+from ..terminal import Stop, release_streams
 
 if TYPE_CHECKING:
     import argparse
@@ -79,7 +79,7 @@ def run(chosen: argparse.Namespace) -> int:
     try:
         decoding.run(argument_lines(chosen.frame))
     except BrokenPipeError:
-        release()
+        release_streams()
     return decoding.code
 
 

@@ -68,7 +68,7 @@ def frame_lines(lines: Iterable[str]) -> Iterator[Line]:
             yield Line(number, "", text)
 
 
-def checked(text: str) -> str:
+def undecorated(text: str) -> str:
     """Return the text of a frame without brackets, quotes and other marks of the program that it was copied from.
 
     Raises:
@@ -191,15 +191,15 @@ def text_decoder(device: Device, variant: Variant, sender: str, layout: str | No
     is_exact = have_lengths(layouts, sender)
 
     def decode(text: str) -> codec.Decoded:
-        text = checked(text)
+        text = undecorated(text)
         if placed is None:
             raise FrameTextError(_no_layout(device, variant, sender, layout))
         if layout is not None:
-            return decoded_as(device, variant, placed, text, exact=is_exact)
+            return decode_as(device, variant, placed, text, exact=is_exact)
         if placed.layout.in_bytes:
             return codec.decode_bytes(device, variant, sender, placed_bytes(placed, variant, text))
         fitting_layout = _of_length(text, placed, layouts, variant) if is_exact else placed
-        return decoded_as(device, variant, fitting_layout, text, exact=is_exact)
+        return decode_as(device, variant, fitting_layout, text, exact=is_exact)
 
     return decode
 
@@ -227,7 +227,7 @@ def decode_register_text(device: Device, variant: Variant, name: str, text: str)
         FrameTextError: The text is not hex bytes.
         RegisterError: There is no such register, or it has another length.
     """
-    return decode_register(device, variant, name, frame_bytes(checked(text)))
+    return decode_register(device, variant, name, frame_bytes(undecorated(text)))
 
 
 def _of_length(text: str, first: PlacedLayout, layouts: Sequence[Layout], variant: Variant) -> PlacedLayout:
@@ -246,8 +246,8 @@ def _has_length(placed: PlacedLayout, text: str) -> bool:
     return frame.bits == bits if frame.exact else frame.bits <= bits
 
 
-def decoded_as(device: Device, variant: Variant, placed: PlacedLayout, text: str, *, exact: bool) -> codec.Decoded:
-    """Decode ``checked`` text with a known layout. ``exact`` is that of ``frame_number``.
+def decode_as(device: Device, variant: Variant, placed: PlacedLayout, text: str, *, exact: bool) -> codec.Decoded:
+    """Decode ``undecorated`` text with a known layout. ``exact`` is that of ``frame_number``.
 
     Raises:
         FrameTextError: The text cannot be read as a frame.
@@ -270,7 +270,7 @@ def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: 
         return None
     from ...why.mistakes import explain_bytes
 
-    hex_text = checked(text)
+    hex_text = undecorated(text)
     data = placed_bytes(placed, variant, hex_text) if placed is not None else frame_bytes(hex_text)
     return explain_bytes(device, variant, sender, placed, data)
 
@@ -288,7 +288,7 @@ def _why_bits(
     from ...why.mistakes import explain_bits, explain_constant
 
     is_exact = have_lengths(device.interface(variant.interface).layouts, sender)
-    frame = frame_number(placed, checked(text), exact=is_exact)
+    frame = frame_number(placed, undecorated(text), exact=is_exact)
     if is_suspicious:
         return explain_bits(device, variant, placed, frame, is_valid=not faults)
     return explain_constant(device, variant, placed, frame)
@@ -320,7 +320,9 @@ class OtherFrames:
         if candidate.bits != decoded.layout.bits and not has_other_length:
             return False
         try:
-            return not decoded_as(self._device, self._variant, candidate, checked(text), exact=self._is_exact).problems
+            return not decode_as(
+                self._device, self._variant, candidate, undecorated(text), exact=self._is_exact
+            ).problems
         except FrameTextError:  # another number of bits
             return False
 

@@ -85,13 +85,11 @@ def variant_text(device: Device, match: Match) -> str:
     return "\n".join(lines)
 
 
-def at(parameters: Mapping[str, int]) -> Style:
-    """Return the style for statements about an order code, with expressions as numbers."""
+def style_with(parameters: Mapping[str, int] | None) -> Style:
+    """Return the style for statements about an order code, with expressions as numbers, or else about a family."""
+    if parameters is None:
+        return BY_NAME
     return replace(BY_NAME, resolve=lambda expression: Expression(expression.value(parameters)))
-
-
-def _style(parameters: Mapping[str, int] | None) -> Style:
-    return at(parameters) if parameters is not None else BY_NAME
 
 
 def _manual_lines(device: Device) -> list[str]:
@@ -186,7 +184,7 @@ def _position_lines(
     for title, measurement in measurements:
         if measurement is None:
             continue
-        counts = _style(parameters).phrase(say_measurement.measurement(measurement))
+        counts = style_with(parameters).phrase(say_measurement.measurement(measurement))
         length = _whole_length(measurement, parameters)
         rows.append((title or measurement.of, f"{counts}{length}  [{cite(measurement.source)}]"))
     return ["", "Position", *pairs(rows, 2)] if rows else []
@@ -207,7 +205,7 @@ def _whole_length(measurement: Measurement, parameters: Mapping[str, int] | None
 
 def _range_lines(device: Device, interface: str, parameters: Mapping[str, int] | None) -> list[str]:
     """Return the lines about layouts in which the position has another range."""
-    style = _style(parameters)
+    style = style_with(parameters)
     rows = []
     for name, own_range in say_measurement.own_ranges(device, interface):
         text = style.phrase(say_measurement.position_range(own_range))
@@ -258,7 +256,7 @@ def _fixed_value(field: Field) -> str:
 def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
     """Return the lines about a frame of an order code: a title, a picture, and what registers may change in it."""
     interface, placed = device.interface(variant.interface), layout.place(variant.parameters)
-    style = at(variant.parameters)
+    style = style_with(variant.parameters)
     name = f"{layout.name} ({layout.printed_name})" if layout.printed_name else layout.name
     head = style.sentence(say_layout.head(interface, layout, name, device.alternatives))
     notes = [style.sentence(fact) for fact in say_layout.carries(interface, layout)]
@@ -336,7 +334,7 @@ def register_lines(device: Device, variant: Variant | None) -> list[str]:
 
 
 def _lines_about_register(device: Device, register: Register, variant: Variant | None) -> list[str]:
-    style = _style(variant.parameters if variant is not None else None)
+    style = style_with(variant.parameters if variant is not None else None)
     head = style.sentence(say_register.head(device, register, register.name))
     lines = [wrapped(head, WIDTH, "    ", "  ")]
     fields = register.layout.fields
