@@ -107,7 +107,8 @@ def run(chosen: argparse.Namespace) -> int:
     """
     if chosen.record and not Path(chosen.new).is_dir():
         raise Stop("--record needs a folder of specs: all families of a manufacturer share a version", 2)
-    before, after = _side(chosen.old, chosen.lenient, is_old=True), _side(chosen.new, chosen.lenient, is_old=False)
+    before = _load_side(chosen.old, chosen.lenient, is_old=True)
+    after = _load_side(chosen.new, chosen.lenient, is_old=False)
     comparison = _compare(before, after)
     if chosen.record:
         if not chosen.unchecked:
@@ -186,7 +187,12 @@ def _compare(before: _Side, after: _Side) -> Found:
     olds, news = _devices(before, after), _devices(after, before)
     changes = compare(olds, news)
     files = _changed_files(olds, news) if changes else None
-    return Found(changes, packages(olds, news, changes), files, (*before.notices, *after.notices))
+    return Found(
+        changes=changes,
+        packages=packages(olds, news, changes),
+        files=files,
+        notices=(*before.notices, *after.notices),
+    )
 
 
 def _devices(side: _Side, other_side: _Side) -> tuple[Device, ...]:
@@ -216,7 +222,7 @@ def _record(comparison: Found, after: _Side) -> Found:
     return replace(comparison, packages=packages, notices=notices)
 
 
-def _side(text: str, lenient: bool, *, is_old: bool) -> _Side:
+def _load_side(text: str, lenient: bool, *, is_old: bool) -> _Side:
     """Return the families of one side. For the old side, those that the current language can still read.
 
     Raises:
@@ -307,7 +313,7 @@ def _findings(changes: Sequence[Change], side: _Side) -> list[Finding]:
     findings = []
     for change in changes:
         document = documents.get(change.family, first_document)
-        path = _path(document, change.path) if change.family in documents else ()
+        path = _place_in_spec(document, change.path) if change.family in documents else ()
         findings.append(_finding(change, document, path, side.file_names))
     return findings
 
@@ -328,7 +334,7 @@ def _finding(change: Change, document: Document, path: SpecPath, file_names: Map
     )
 
 
-def _path(document: Document, text: str) -> SpecPath:
+def _place_in_spec(document: Document, text: str) -> SpecPath:
     """Return the place of a path of keys and names, as far as it exists."""
     from ..language.schema import value_at
 

@@ -36,7 +36,7 @@ def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Matc
     Raises:
         Stop: There is no such code (exit code 2), or no valid spec has it and others have problems (exit code 1).
     """
-    device, match, paths = _locate(specs, text, cache, is_name=False)
+    device, match, paths = _find(specs, text, cache, is_name=False)
     if match is None:  # Only a name has no match.
         raise _unknown([device], text)
     return device, match, paths
@@ -68,14 +68,14 @@ def find_family_or_code(specs: Specs, text: str, cache: Cache) -> Located:
     Raises:
         Stop: As for ``find_order_code``.
     """
-    return _locate(specs, text, cache, is_name=True)
+    return _find(specs, text, cache, is_name=True)
 
 
-def _locate(specs: Specs, text: str, cache: Cache, is_name: bool) -> Located:
+def _find(specs: Specs, text: str, cache: Cache, is_name: bool) -> Located:
     """Return the family or order code of the first group that has it, and report that a later group also has it."""
     skipped: list[Report] = []
     for index, paths in enumerate(specs.groups):
-        family_and_code = _in_group(paths, text, cache, is_name, skipped)
+        family_and_code = _find_in_group(paths, text, cache, is_name, skipped)
         if family_and_code is None:
             continue
         device, match = family_and_code
@@ -93,17 +93,17 @@ def _group_has(paths: Sequence[Path], family: str, text: str, cache: Cache, is_n
     """Return True if a group also has the family, or the order code or name."""
     from ..loading.selected import has_family
 
-    return has_family(paths, family, cache) or _in_group(paths, text, cache, is_name, []) is not None
+    return has_family(paths, family, cache) or _find_in_group(paths, text, cache, is_name, []) is not None
 
 
-def _in_group(
+def _find_in_group(
     paths: Sequence[Path], text: str, cache: Cache, is_name: bool, skipped: list[Report]
 ) -> tuple[Device, Match | None] | None:
     """Return the family or order code in a group of specs, or None. Reports of specs with problems are added."""
     from ..loading.selected import families_for
 
     selected = families_for(paths, text, cache)
-    matches = _matches(selected, text, is_name) if selected is not None else None
+    matches = _all_matches(selected, text, is_name) if selected is not None else None
     # Several may share an order code by mistake, which only the check of all specs finds.
     if matches is not None and len(matches) < 2:
         return matches[0] if matches else None
@@ -112,12 +112,12 @@ def _in_group(
     devices, report = load_sound(paths)
     if report:
         skipped.append(report)
-    return _match(devices, text, is_name)
+    return _best_match(devices, text, is_name)
 
 
-def _match(devices: Sequence[Device], text: str, is_name: bool) -> tuple[Device, Match | None] | None:
+def _best_match(devices: Sequence[Device], text: str, is_name: bool) -> tuple[Device, Match | None] | None:
     """Return the family with this name, or the order code with the shortest tail after it, or None."""
-    return min(_matches(devices, text, is_name), key=_tail_length, default=None)
+    return min(_all_matches(devices, text, is_name), key=_tail_length, default=None)
 
 
 def _tail_length(family_and_code: tuple[Device, Match | None]) -> int:
@@ -125,7 +125,7 @@ def _tail_length(family_and_code: tuple[Device, Match | None]) -> int:
     return len(match.tail) if match is not None else 0
 
 
-def _matches(devices: Sequence[Device], text: str, is_name: bool) -> list[tuple[Device, Match | None]]:
+def _all_matches(devices: Sequence[Device], text: str, is_name: bool) -> list[tuple[Device, Match | None]]:
     """Return the family with this name, or all families with the order code."""
     from ..order_codes.labels import UnknownOrderCode
     from ..order_codes.labels import find as match_of
@@ -169,7 +169,7 @@ def _no_such_encoder(specs: Specs, text: str, cache: Cache, is_name: bool) -> St
             return problems(report)
         devices += group_devices
     reason = _unknown(devices, text)
-    if not specs.packaged and _in_group(packaged_families(), text, cache, is_name, []):
+    if not specs.packaged and _find_in_group(packaged_families(), text, cache, is_name, []):
         return Stop(f"{reason}; the packaged specs have it, so leave out the names of specs", reason.code)
     return reason
 
@@ -180,7 +180,7 @@ def find_among(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
     Raises:
         Stop: There is no such code. The exit code is 2.
     """
-    device, match = _match(devices, text, is_name=False) or (None, None)
+    device, match = _best_match(devices, text, is_name=False) or (None, None)
     if device is None or match is None:
         raise _unknown(devices, text)
     return device, match
@@ -192,12 +192,12 @@ def _candidates(devices: Sequence[Device], text: str) -> list[Device]:
     Other special models and older editions are left out, since they share order codes with a family.
     """
     code = "".join(text.split()).upper()
-    special_models = [device for device in devices if _has_suffix(device, code)]
+    special_models = [device for device in devices if _is_special_model(device, code)]
     return [*special_models, *(device for device in devices if not device.base)]
 
 
-def _has_suffix(device: Device, code: str) -> bool:
-    """Return whether a code ends with the suffix of a special model."""
+def _is_special_model(device: Device, code: str) -> bool:
+    """Return whether a device is a special model whose suffix ends the code."""
     return any(overlay.special and code.endswith(f"/{overlay.special}") for overlay in device.overlays)
 
 

@@ -205,9 +205,9 @@ def _generate(current: _Run, families: Sequence[Family], report: Report, models:
 
     chosen = current.chosen
     progress = Progress("codewheel: checking the specs")
-    with _rendering(current, families, report, progress) as rendering:
+    with _begin_rendering(current, families, report, progress) as rendering:
         targets = targets_named(chosen.target)
-        devices, files = _render(current, families, report, targets, rendering, progress)
+        devices, files = _check_and_render(current, families, report, targets, rendering, progress)
     if chosen.templates is None and are_built_in(targets, chosen.target):
         names = [device.name for device in devices]
         result = {"hashes": {name: hashes(texts) for name, texts in files.items()}, "owners": owners(devices)}
@@ -222,7 +222,7 @@ def _generate(current: _Run, families: Sequence[Family], report: Report, models:
     return generate.run(chosen, files, gate, current.selection.guard(chosen, devices, report.files))
 
 
-def _rendering(current: _Run, families: Sequence[Family], report: Report, progress: Progress) -> Rendering:
+def _begin_rendering(current: _Run, families: Sequence[Family], report: Report, progress: Progress) -> Rendering:
     """Begin to render in other processes, unless the run will end with problems.
 
     These processes do not know the user's templates and options.
@@ -244,7 +244,7 @@ def _rendering(current: _Run, families: Sequence[Family], report: Report, progre
     return Rendering(devices, [] if cannot_begin else plain_targets, Kept(current.cache, digests, progress.report_part))
 
 
-def _render(
+def _check_and_render(
     current: _Run,
     families: Sequence[Family],
     report: Report,

@@ -105,7 +105,8 @@ def _placeholders_of(path: Path) -> Iterator[Placeholder]:
         return
     paths = placeholder_paths(document.data)
     for line, column, place in sorted((*document.position(place), place) for place in paths):
-        yield Placeholder(document.file, line, column, placeholder_name(document.data, place))
+        name = placeholder_name(document.data, place)
+        yield Placeholder(file=document.file, line=line, column=column, name=name)
 
 
 def placeholders_data(files: Iterable[str]) -> list[dict[str, Any]]:

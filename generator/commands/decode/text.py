@@ -158,7 +158,7 @@ def _report_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
     if findings.reports:
         yield "the encoder reports:"
         for report in findings.reports:
-            yield wrapped(_reported(report), WIDTH, " " * 6, "  - ")
+            yield wrapped(_report_text(report), WIDTH, " " * 6, "  - ")
         if findings.verdict:
             yield f"so {WORTH[findings.verdict]}"
         return
@@ -186,7 +186,7 @@ def _no_crc(decoded: codec.Decoded) -> str:
     return f"this frame has no CRC{', only parity' if has_parity else ''}"
 
 
-def _reported(report: Report) -> str:
+def _report_text(report: Report) -> str:
     name = f"{report.field} ({report.printed_name})" if report.printed_name else report.field
     if not report.remedy:
         return f"{name}: {report.meaning}"
@@ -281,12 +281,12 @@ def _mistake_lines(why: Why) -> list[str]:
 
 
 def _chance_and_values(explanation: Explanation) -> str:
-    chance = f"matches by chance in {_one_in(explanation.one_in)} frames"
+    chance = f"matches by chance in {_frequency(explanation.one_in)} frames"
     values = ", ".join(f"{name} {value}" for name, value in explanation.reads.items())
     return f"{chance}, and gives {values}" if values else chance
 
 
-def _one_in(number: int) -> str:
+def _frequency(number: int) -> str:
     return f"1 of {number:,}" if number < 1_000_000 else "fewer than 1 of a million"
 
 
