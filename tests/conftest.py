@@ -18,7 +18,8 @@ from typing import Any
 import pytest
 import working_tools
 from codewheel import cache
-from codewheel.commands import check, outputs
+from codewheel.commands import outputs
+from codewheel.commands.check import specs as checked_specs
 from codewheel.loading import library as loading
 from codewheel.masters import sheet
 from codewheel.model import Device
@@ -83,7 +84,7 @@ def _specs_read_once() -> Iterator[None]:
     """Commands and tests of one process read the specs of this repository only once. Others are read each time."""
     families, masters = _once(loading.load_families), _once(sheet.load_masters)
     with pytest.MonkeyPatch.context() as patch:
-        for module in (loading, outputs, check):
+        for module in (loading, outputs, checked_specs):
             patch.setattr(module, "load_families", families)
         patch.setattr(sheet, "load_masters", masters)
         yield

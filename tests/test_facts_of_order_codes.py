@@ -19,7 +19,7 @@ READERS = {
         "targets/python/readme.py",
     },
     "reads a device that reduced_to_codes has reduced to the order codes": {
-        "commands/show.py",
+        "commands/show/text.py",
         "targets/docs/order_code_page.py",
     },
     "finds the alarm of a flag, which has the same only, and callers treat the flag of other codes as unexplained": {

@@ -1,53 +1,30 @@
-"""Arguments of the command line: help with examples, and errors that suggest a correction."""
+"""Arguments of the command line: options that several commands share, help with examples, and errors with a hint."""
 
 from __future__ import annotations
 
 import argparse
-import math
 import textwrap
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .. import __version__
 from .terminal import Stop
 
+if TYPE_CHECKING:
+    from ..cache import Cache
+
 _WIDTH = 79
-#: Examples by command, using the spec that ``new`` writes.
-EXAMPLES = {
-    "generate": (
-        "codewheel generate",
-        "codewheel generate my_encoder.yaml -o out --target c",
-        "codewheel generate --check",
-    ),
-    "check": ("codewheel check my_encoder.yaml", "codewheel check .", "codewheel check --json"),
-    "list": ("codewheel list", "codewheel list my_encoder.yaml"),
-    "show": ("codewheel show my_encoder", "codewheel show MY-ENCODER-13-SC"),
-    "decode": (
-        "codewheel decode MY-ENCODER-13-SC 0b0001111101000_1_1_011010",
-        'codewheel decode MY-ENCODER-13-SC --as preset "00 00 03 E8"',
-    ),
-    "master": ("codewheel master", "codewheel master MY-ENCODER-13-SC"),
-    "simulate": (
-        "codewheel simulate MY-ENCODER-13-SC --position 1000",
-        "codewheel simulate MY-ENCODER-13-SC --position sine:0.5Hz --fault flip:1e-3",
-    ),
-    "diff": (
-        "codewheel diff old/my_encoder.yaml my_encoder.yaml",
-        "codewheel diff old/my_encoder.yaml my_encoder.yaml --fail-on behaviour",
-    ),
-    "reread": ("codewheel reread manual-1.0.txt manual-1.1.txt --family my_encoder",),
-    "facts": ("codewheel facts my_encoder --section 6.2", "codewheel facts my_encoder --section 1 --json"),
-    "explain": ("codewheel explain", "codewheel explain register-gone"),
-    "new": ("codewheel new my_encoder", "codewheel new my_encoder -o specs/my_encoder.yaml"),
-    "migrate": ("codewheel migrate my_encoder.yaml", "codewheel migrate --check my_encoder.yaml"),
-}
-
-
 #: Forms of the output of check and diff.
 FORMATS = ("text", "json", "github", "sarif")
 FORMATS_HELP = "text, json, github for comments in a pull request, or sarif (version 2.1.0) for review tools"
+_SPECS_HELP = (
+    "spec files, or folders. In a folder and below it, all .yaml files with the keys of a spec are read (default: the "
+    "specs under [tool.codewheel], or else those in the current folder and below it{})"
+)
+#: End of the help of specs for commands that also know the packaged ones.
+AND_PACKAGED = ", and the packaged ones"
 
 
 class Parser(argparse.ArgumentParser):
@@ -63,7 +40,8 @@ class Parser(argparse.ArgumentParser):
         super().__init__(formatter_class=partial(argparse.HelpFormatter, width=_WIDTH), **options)
 
     def format_help(self) -> str:
-        return super().format_help() + (f"\n{self.more_help()}\n" if self.more_help is not None else "")
+        help_text = super().format_help()
+        return f"{help_text}\n{self.more_help()}\n" if self.more_help is not None else help_text
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
         if action.choices is not None and value not in action.choices:
@@ -86,6 +64,41 @@ class ShowVersion(argparse.Action):
         parser.exit()
 
 
+def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> argparse.Namespace:
+    """Parse the arguments. An extra one is an error that shows the usage of its command."""
+    chosen, extra = parser.parse_known_args(arguments)
+    if extra:
+        chosen.parser.error(_unexpected(chosen.parser, extra[0]))
+    return chosen
+
+
+def _unexpected(parser: argparse.ArgumentParser, argument: str) -> str:
+    """Return the message about an argument that the command does not have."""
+    from ..language.problems import suggestion
+
+    options = sorted(name for action in parser._actions for name in action.option_strings)
+    if argument.startswith("-"):
+        return f"there is no option '{argument}'{suggestion(argument.partition('=')[0], options)}"
+    if "--specs" in options and (Path(argument).suffix in (".yaml", ".yml") or Path(argument).exists()):
+        return f"unexpected argument '{argument}'; give a spec as --specs {argument}"
+    return f"unexpected argument '{argument}'"
+
+
+def add_examples(parser: Parser, name: str, examples: Sequence[str]) -> None:
+    """Add the examples to the help of a command, and the parser to its arguments."""
+    parser.set_defaults(parser=parser)
+    needs_spec = name not in ("new", "explain")
+    condition = ", with the spec that codewheel new my_encoder writes" if needs_spec else ""
+    example_lines = [f"examples{condition}:", *(f"  {line}" for line in examples)]
+    epilog_lines = [textwrap.fill(parser.epilog, _WIDTH), ""] if parser.epilog else []
+    parser.epilog = "\n".join([*epilog_lines, *example_lines])
+    parser.description = textwrap.fill(parser.description or "", _WIDTH)
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+
+
+# -- arguments and options of several commands
+
+
 def a_path(text: str) -> Path:
     """Return the path, but reject empty text, such as from an unset variable."""
     if not text:
@@ -93,18 +106,52 @@ def a_path(text: str) -> Path:
     return Path(text)
 
 
-def metres(text: str) -> int:
-    """Return a cable length in metres, rounded up."""
-    try:
-        length = math.ceil(float(text))
-    except (ValueError, OverflowError):
-        length = 0
-    if not 0 < length <= 100_000:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a length in metres, such as 30")
-    return length
+def add_specs(parser: argparse.ArgumentParser, other_specs: str = "") -> None:
+    """Add the argument ``SPECS``, and ``--specs`` with the same meaning."""
+    add_specs_argument(parser, other_specs)
+    parser.add_argument(
+        "--specs", dest="more_specs", action="append", type=a_path, default=[], metavar="PATH", help="the same as SPECS"
+    )
 
 
-def held_bytes(pairs: Sequence[str]) -> dict[int, int]:
+def add_specs_argument(parser: argparse.ArgumentParser, other_specs: str = "") -> None:
+    """Add the argument ``SPECS``. ``other_specs`` is the end of its help."""
+    parser.add_argument("specs", nargs="*", type=a_path, metavar="SPECS", help=_SPECS_HELP.format(other_specs))
+
+
+def add_specs_option(parser: argparse.ArgumentParser, other_specs: str = AND_PACKAGED) -> None:
+    """Add ``--specs`` for commands whose arguments are not specs, and the options ``--json`` and ``--no-cache``."""
+    parser.add_argument(
+        "--specs", action="append", type=a_path, default=[], metavar="PATH", help=_SPECS_HELP.format(other_specs)
+    )
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    add_cache_option(parser)
+
+
+def add_cache_option(parser: argparse.ArgumentParser) -> None:
+    """Add ``--no-cache``."""
+    parser.add_argument("--no-cache", action="store_true", help="neither use nor store results of earlier runs")
+
+
+def cache_for(chosen: argparse.Namespace) -> Cache:
+    """Return the cache of a run. With ``--no-cache``, it keeps nothing."""
+    from ..cache import Cache, default_folder
+
+    return Cache(None if getattr(chosen, "no_cache", False) else default_folder())
+
+
+def add_register_option(parser: argparse.ArgumentParser) -> None:
+    """Add ``--register``, whose values ``bytes_by_address`` reads."""
+    parser.add_argument(
+        "--register",
+        action="append",
+        default=[],
+        metavar="ADDRESS=BYTE",
+        help="value of a register, such as 0x56=0x10 (may be repeated, default: the factory defaults)",
+    )
+
+
+def bytes_by_address(pairs: Sequence[str]) -> dict[int, int]:
     """Return pairs such as ``0x56=0x10`` as bytes by address.
 
     Raises:
@@ -112,46 +159,32 @@ def held_bytes(pairs: Sequence[str]) -> dict[int, int]:
     """
     register_bytes = {}
     for pair in pairs:
-        address, equals, value = pair.partition("=")
+        address, equals, byte = pair.partition("=")
         try:
-            register_bytes[int(address, 0)] = int(value, 0)
+            register_bytes[int(address, 0)] = int(byte, 0)
         except ValueError:
             raise Stop(f"'{pair}' is not a register and a byte; write it like 0x56=0x10", 2) from None
-        if not equals or not 0 <= int(value, 0) <= 255:
+        if not equals or not 0 <= int(byte, 0) <= 255:
             raise Stop(f"'{pair}' is not a register and a byte; write it like 0x56=0x10", 2)
     return register_bytes
 
 
-def parse(parser: argparse.ArgumentParser, arguments: Sequence[str] | None) -> argparse.Namespace:
-    """Parse the arguments. An extra one is an error that shows the usage of its command."""
-    chosen, extra = parser.parse_known_args(arguments)
-    if extra:
-        chosen.parser.error(_left_over(chosen.parser, extra[0]))
-    return chosen
+def add_choose_option(parser: argparse.ArgumentParser, default: str) -> None:
+    """Add ``--choose``. ``default`` says what the command does without an answer."""
+    parser.add_argument(
+        "--choose",
+        action="append",
+        default=[],
+        metavar="NAME=ANSWER",
+        help="answer a question that the manual leaves open. show lists these questions (may be repeated, default: "
+        f"{default})",
+    )
 
 
-def _left_over(parser: argparse.ArgumentParser, text: str) -> str:
-    from ..language.problems import suggestion
-
-    options = sorted(name for action in parser._actions for name in action.option_strings)
-    if text.startswith("-"):
-        return f"there is no option '{text}'{suggestion(text.partition('=')[0], options)}"
-    if "--specs" in options and (Path(text).suffix in (".yaml", ".yml") or Path(text).exists()):
-        return f"unexpected argument '{text}'; give a spec as --specs {text}"
-    return f"unexpected argument '{text}'"
-
-
-def complete(parser: Parser, name: str) -> None:
-    """Add the examples to the help of a command, and the parser to its arguments."""
-    parser.set_defaults(parser=parser)
-    of_what = "" if name in ("new", "explain") else ", with the spec that codewheel new my_encoder writes"
-    lines = [f"examples{of_what}:", *(f"  {line}" for line in EXAMPLES[name])]
-    text = [textwrap.fill(parser.epilog, _WIDTH), ""] if parser.epilog else []
-    parser.epilog = "\n".join([*text, *lines])
-    parser.description = textwrap.fill(parser.description or "", _WIDTH)
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
-
-
-def add_cache_option(parser: argparse.ArgumentParser) -> None:
-    """Add the option that every command with a cache has."""
-    parser.add_argument("--no-cache", action="store_true", help="neither use nor store results of earlier runs")
+def add_edition_option(parser: argparse.ArgumentParser) -> None:
+    """Add ``--edition`` for commands that know register values."""
+    parser.add_argument(
+        "--edition",
+        metavar="EDITION",
+        help="use another edition of the manual: a revision, a date, or 'label' or 'registers' to infer it",
+    )

@@ -45,29 +45,33 @@ def refuse_undecided(device: Device, layout: Layout, answers: Container[str]) ->
     Raises:
         UndecidedError: The layout needs an answer that is not among ``answers``.
     """
-    message = undecided(device, layout, answers)
+    message = open_questions(device, layout, answers)
     if message:
         raise UndecidedError(message)
 
 
-def undecided(device: Device, layout: Layout, answers: Container[str], predicate: str = "cannot be decoded") -> str:
+def open_questions(
+    device: Device, layout: Layout, answers: Container[str], predicate: str = "cannot be decoded"
+) -> str:
     """Return the questions to answer before a frame of this layout can be used, or an empty string if there are none.
 
     ``predicate`` is the predicate of the message about the action that needs the answers.
     """
     unanswered = [alternative for alternative in device.alternatives_of(layout) if alternative.name not in answers]
-    if unanswered:
-        questions = " ".join(
-            f"{alternative.meaning}: add {' or '.join(_explained(alternative))}." for alternative in unanswered
-        )
-        return f"{quoted(layout.name)} {predicate} until you decide. {questions}".removesuffix(".")
-    return ""
+    if not unanswered:
+        return ""
+    questions = " ".join(_question(alternative) for alternative in unanswered)
+    return f"{quoted(layout.name)} {predicate} until you decide. {questions}".removesuffix(".")
+
+
+def _question(alternative: Alternative) -> str:
+    return f"{alternative.meaning}: add {' or '.join(_explained_options(alternative))}."
 
 
 def _options(alternative: Alternative) -> Iterator[str]:
     return (f"--choose {alternative.name}={answer.name}" for answer in alternative.answers)
 
 
-def _explained(alternative: Alternative) -> Iterator[str]:
+def _explained_options(alternative: Alternative) -> Iterator[str]:
     for option, answer in zip(_options(alternative), alternative.answers, strict=True):
         yield f"{option} ({answer.meaning})"

@@ -3,37 +3,47 @@
 from __future__ import annotations
 
 import argparse
-import json
+import re
 import sys
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from datetime import datetime
+from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from ..cache import Cache
 from ..changes.impact import IMPACTS, Impact
-from .arguments import FORMATS, FORMATS_HELP, Parser, a_path, add_cache_option
-from .terminal import Stop, refuse_missing
+from .arguments import FORMATS, FORMATS_HELP, Parser, a_path, add_cache_option, cache_for
+from .terminal import Stop, print_json, refuse_missing
 
 if TYPE_CHECKING:
+    from ..cache import Cache
     from ..changes.change import Change
     from ..changes.report import DiffResult, Files
-    from ..language.problems import Problem
+    from ..language.document import Document
+    from ..language.document import Path as SpecPath
+    from ..language.problems import Problem, Report
     from ..loading.library import Family
     from ..model import Device
+    from .review_formats import Finding
 
-_MOST_SHOWN = 3
-#: Return the generated files that differ between old and new devices, or None if nothing can be generated.
-Generate = Callable[["Sequence[Device]", "Sequence[Device]"], "Files | None"]
+EXAMPLES = (
+    "codewheel diff old/my_encoder.yaml my_encoder.yaml",
+    "codewheel diff old/my_encoder.yaml my_encoder.yaml --fail-on behaviour",
+)
+#: Most problems of a side that are printed.
+_MOST_PROBLEMS = 3
+#: Levels of GitHub by impact. All others are notices.
+_LEVELS = {Impact.BREAKING: "error", Impact.BEHAVIOUR: "warning"}
+_STEPS = re.compile(r"[^.\[\]]+")
 
 
-def add_diff(parser: Parser) -> None:
-    """Add the command to the command line."""
+def add_arguments(parser: Parser) -> None:
+    """Add the arguments of the command."""
     parser.description = "List each change with the outputs and order codes that it affects. Exit 1 if there are any."
-    where = "a file, a folder, or either in a git revision, such as v1.0:specs/lika"
-    parser.add_argument("old", metavar="OLD", help=f"the old specs: {where}")
+    place = "a file, a folder, or either in a git revision, such as v1.0:specs/lika"
+    parser.add_argument("old", metavar="OLD", help=f"the old specs: {place}")
     parser.add_argument("new", metavar="NEW", help="the new specs, given in the same way")
     form = parser.add_mutually_exclusive_group()
     form.add_argument("--json", action="store_true", help="print JSON")
@@ -45,16 +55,7 @@ def add_diff(parser: Parser) -> None:
         choices=IMPACTS,
         help=f"exit 1 only for changes of at least this impact: {', '.join(IMPACTS)} (default: any change)",
     )
-    parser.add_argument(
-        "--record",
-        action="store_true",
-        help="save the changes next to the specs of NEW, and the next version in the manufacturer's file",
-    )
-    parser.add_argument(
-        "--unchecked",
-        action="store_true",
-        help="with --record: record even if second readings disagree or coverage is out of date",
-    )
+    _add_record_options(parser)
     parser.add_argument(
         "--editions",
         action="store_true",
@@ -74,47 +75,65 @@ def add_diff(parser: Parser) -> None:
     add_cache_option(parser)
 
 
+def _add_record_options(parser: Parser) -> None:
+    parser.add_argument(
+        "--record",
+        action="store_true",
+        help="save the changes next to the specs of NEW, and the next version in the manufacturer's file",
+    )
+    parser.add_argument(
+        "--unchecked",
+        action="store_true",
+        help="with --record: record even if second readings disagree or coverage is out of date",
+    )
+
+
 @dataclass(frozen=True)
 class _Side:
     """One side of the comparison: the families that were read, and the names of those that could not be.
 
-    ``names`` has the original names of files from a git revision.
+    ``file_names`` has the original names of files from a git revision.
     """
 
     families: tuple[Family, ...]
-    left_out: frozenset[str]
-    notices: tuple[str, ...]
-    names: Mapping[str, str]
+    file_names: Mapping[str, str]
+    notices: tuple[str, ...] = ()
+    excluded_names: frozenset[str] = frozenset()
 
 
-def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence[Family]], None], cache: Cache) -> int:
+def run(chosen: argparse.Namespace) -> int:
     """Compare, print, and return the exit code.
 
-    ``gate`` raises ``Stop`` to refuse recording families that must not be released.
-
     Raises:
-        Stop: Something cannot be read.
+        Stop: Something cannot be read, or families that must not be released would be recorded.
     """
     if chosen.record and not Path(chosen.new).is_dir():
         raise Stop("--record needs a folder of specs: all families of a manufacturer share a version", 2)
-    before = _side(chosen.old, True, cache, chosen.lenient)
-    after = _side(chosen.new, False, cache, chosen.lenient)
-    comparison = _look(before, after, generate)
+    cache = cache_for(chosen)
+    before = _load_side(chosen.old, cache, chosen.lenient, is_old=True)
+    after = _load_side(chosen.new, cache, chosen.lenient, is_old=False)
+    comparison = _compare(before, after, cache)
     if chosen.record:
         if not chosen.unchecked:
-            gate(after.families)
+            _refuse_unproved(after.families, cache)
         comparison = _record(comparison, after)
-    relevant_changes, notices = _accept(comparison.changes, chosen)
+    relevant_changes, notices = _without_accepted(comparison.changes, chosen)
     comparison = replace(comparison, notices=(*comparison.notices, *notices))
     if chosen.format in ("github", "sarif"):
-        from .diff_places import findings
-        from .formats import as_review
+        from .review_formats import as_review
 
-        print(as_review(findings(relevant_changes, after.families, after.names), chosen.format))
-    elif chosen.json or chosen.format == "json":
+        print(as_review(_findings(relevant_changes, after), chosen.format))
+    else:
+        _print_comparison(comparison, before, after, chosen)
+    threshold = Impact[chosen.fail_on.upper()] if chosen.fail_on else Impact.DOCUMENTATION
+    return int(any(change.impact >= threshold for change in relevant_changes))
+
+
+def _print_comparison(comparison: DiffResult, before: _Side, after: _Side, chosen: argparse.Namespace) -> None:
+    if chosen.json or chosen.format == "json":
         from ..changes.report import as_data
 
-        print(json.dumps(as_data(comparison), indent=2, ensure_ascii=False))
+        print_json(as_data(comparison))
     elif chosen.markdown:
         from ..changes.report_markdown import as_markdown
 
@@ -123,19 +142,28 @@ def run(chosen: argparse.Namespace, generate: Generate, gate: Callable[[Sequence
         from ..changes.report_text import as_text
 
         print(as_text(comparison))
-        for offer in _offers(before, after, comparison.changes) if chosen.editions else ():
-            print(f"\n{offer}")
-    least = Impact[chosen.fail_on.upper()] if chosen.fail_on else Impact.DOCUMENTATION
-    return 1 if max((change.impact for change in relevant_changes), default=Impact.NONE) >= least else 0
+        if chosen.editions:
+            from .edition_entry import edition_entries
+
+            for entry in edition_entries(before.families, after.families, comparison.changes):
+                print(f"\n{entry}")
 
 
-def _offers(before: _Side, after: _Side, changes: Sequence[Change]) -> Iterator[str]:
-    from .edition_entry import edition_entries
-
-    return edition_entries(before.families, after.families, changes)
+# The comparison loads targets only if something has changed or is recorded, so it imports these modules by their names.
 
 
-def _accept(changes: Sequence[Change], chosen: argparse.Namespace) -> tuple[Sequence[Change], Sequence[str]]:
+def _changed_files(olds: Sequence[Device], news: Sequence[Device], cache: Cache) -> Files | None:
+    """Return the generated files that differ, or None if nothing can be generated."""
+    files: Files | None = import_module(f"{__package__}.changed_files").changed_files(olds, news, cache)
+    return files
+
+
+def _refuse_unproved(families: Sequence[Family], cache: Cache) -> None:
+    """Raise ``Stop`` if families must not be released."""
+    import_module(f"{__package__}.check.coverage").refuse_unproved(families, "recorded", cache)
+
+
+def _without_accepted(changes: Sequence[Change], chosen: argparse.Namespace) -> tuple[Sequence[Change], Sequence[str]]:
     """Return the changes that count, and the notices about accepted ones.
 
     Raises:
@@ -153,20 +181,26 @@ def _accept(changes: Sequence[Change], chosen: argparse.Namespace) -> tuple[Sequ
         raise Stop(str(error), 2) from None
 
 
-def _look(before: _Side, after: _Side, generate: Generate) -> DiffResult:
-    """Return the changes."""
+def _compare(before: _Side, after: _Side, cache: Cache) -> DiffResult:
+    """Return the changes in the families that could be read on both sides."""
     from ..changes.families import compare
     from ..changes.report import DiffResult
     from ..changes.version import packages
 
-    left_out = before.left_out | after.left_out
-    olds, news = (
-        tuple(family.device for family in side.families if family.device.name not in left_out)
-        for side in (before, after)
-    )
+    olds, news = _devices(before, after), _devices(after, before)
     changes = compare(olds, news)
-    files = generate(olds, news) if changes else None
-    return DiffResult(changes, packages(olds, news, changes), files, (*before.notices, *after.notices))
+    files = _changed_files(olds, news, cache) if changes else None
+    return DiffResult(
+        changes=changes,
+        packages=packages(olds, news, changes),
+        files=files,
+        notices=(*before.notices, *after.notices),
+    )
+
+
+def _devices(side: _Side, other_side: _Side) -> tuple[Device, ...]:
+    excluded_names = side.excluded_names | other_side.excluded_names
+    return tuple(family.device for family in side.families if family.device.name not in excluded_names)
 
 
 def _record(comparison: DiffResult, after: _Side) -> DiffResult:
@@ -191,60 +225,75 @@ def _record(comparison: DiffResult, after: _Side) -> DiffResult:
     return replace(comparison, packages=packages, notices=notices)
 
 
-def _side(text: str, is_old: bool, cache: Cache, lenient: bool = False) -> _Side:
-    """Return the families of one side. For the old side, those that the current language can still read."""
+def _load_side(text: str, cache: Cache, lenient: bool, *, is_old: bool) -> _Side:
+    """Return the families of one side. For the old side, those that the current language can still read.
+
+    Raises:
+        Stop: The specs do not exist, or have problems that prevent a comparison.
+    """
+    from ..loading.library import sound_families
+    from ..say.numbers import counted
+
+    families, report, file_names = _read_side(text, cache, is_old)
+    problems = [replace(problem, file=file_names.get(problem.file, problem.file)) for problem in report.problems]
+    if not problems:
+        return _Side(tuple(families), file_names)
+    count = counted(len(problems), "problem")
+    if lenient and families:
+        _print_first(problems)
+        omission = "The faulty parts are omitted and may be listed as new"
+        notice = f"the current spec language finds {count} in {text}. {omission}"
+        return _Side(tuple(families), file_names, notices=(notice,))
+    sound = sound_families(families, report)
+    if not is_old or not sound:
+        raise _not_comparable(text, problems, is_old)
+    excluded_names = [family.device.name for family in families if family not in sound]
+    reason = f"because of {count} in the current spec language"
+    notice = f"not compared {reason}: {', '.join(excluded_names)} of {text}"
+    _print_first(problems)
+    return _Side(tuple(sound), file_names, notices=(notice,), excluded_names=frozenset(excluded_names))
+
+
+def _read_side(text: str, cache: Cache, is_old: bool) -> tuple[Sequence[Family], Report, Mapping[str, str]]:
+    """Read specs from the disk or from a git revision, with the original names of files from the latter.
+
+    Raises:
+        Stop: There is no such file, folder or revision. The exit code is 2.
+    """
     from tempfile import TemporaryDirectory
 
     from ..language.migrate import migrate
-    from ..loading.library import load_families, sound_families
+    from ..loading.library import load_families
     from ..loading.revisions import RevisionError, revision_in, write_revision
-    from ..say.numbers import counted
 
-    place = revision_in(text)
+    place_in_revision = revision_in(text)
     with ExitStack() as stack:
-        names: Mapping[str, str] = {}
-        if place is None:
+        file_names: Mapping[str, str] = {}
+        if place_in_revision is None:
             path = Path(text)
             refuse_missing([path])
         else:
             folder = stack.enter_context(TemporaryDirectory(prefix="codewheel-"))
             try:
-                laid_out = write_revision(place, Path(folder))
+                laid_out = write_revision(place_in_revision, Path(folder))
             except RevisionError as error:
                 raise Stop(str(error), 2) from None
-            path, names = laid_out.place, laid_out.names
+            path, file_names = laid_out.place, laid_out.names
         families, report = load_families([path], cache, prepare=migrate if is_old else None)
-    problems = [replace(problem, file=names.get(problem.file, problem.file)) for problem in report.problems]
-    if not problems:
-        return _Side(tuple(families), frozenset(), (), names)
-    if lenient and families:
-        _show(problems)
-        count = counted(len(problems), "problem")
-        notice = (
-            f"the current spec language finds {count} in {text}. The faulty parts are omitted and may be listed as new"
-        )
-        return _Side(tuple(families), frozenset(), (notice,), names)
-    sound = sound_families(families, report)
-    if not is_old or not sound:
-        raise _unread(text, problems, is_old)
-    left_out = [family.device.name for family in families if family not in sound]
-    because = f"because of {counted(len(problems), 'problem')} in the current spec language"
-    notice = f"not compared {because}: {', '.join(left_out)}"
-    _show(problems)
-    return _Side(tuple(sound), frozenset(left_out), (f"{notice} of {text}",), names)
+    return families, report, file_names
 
 
-def _show(problems: Sequence[Problem]) -> None:
-    for problem in problems[:_MOST_SHOWN]:
+def _print_first(problems: Sequence[Problem]) -> None:
+    for problem in problems[:_MOST_PROBLEMS]:
         print(problem.format(), file=sys.stderr)
-    if len(problems) > _MOST_SHOWN:
-        print(f"and {len(problems) - _MOST_SHOWN} more", file=sys.stderr)
+    if len(problems) > _MOST_PROBLEMS:
+        print(f"and {len(problems) - _MOST_PROBLEMS} more", file=sys.stderr)
 
 
-def _unread(text: str, problems: Sequence[Problem], is_old: bool) -> Stop:
+def _not_comparable(text: str, problems: Sequence[Problem], is_old: bool) -> Stop:
     from ..say.numbers import counted
 
-    _show(problems)
+    _print_first(problems)
     count = counted(len(problems), "problem")
     if not is_old:
         return Stop(f"{text} has {count} and is not compared", 1)
@@ -253,3 +302,66 @@ def _unread(text: str, problems: Sequence[Problem], is_old: bool) -> Stop:
         "the language: add --lenient, use a later revision, or run the version of codewheel from that time",
         1,
     )
+
+
+# -- places in the new specs, for review tools
+
+
+def _findings(changes: Sequence[Change], side: _Side) -> list[Finding]:
+    """Return the changes with their places in the new specs. A removed item is at the nearest place that is left."""
+    documents = {family.device.name: family.document for family in side.families}
+    if not documents:
+        return []
+    first_document = next(iter(documents.values()))
+    findings = []
+    for change in changes:
+        document = documents.get(change.family, first_document)
+        path = _place_in_spec(document, change.path) if change.family in documents else ()
+        findings.append(_finding(change, document, path, side.file_names))
+    return findings
+
+
+def _finding(change: Change, document: Document, path: SpecPath, file_names: Mapping[str, str]) -> Finding:
+    from ..changes.report import about
+    from .review_formats import Finding
+
+    line, column = document.position(path)
+    file = document.file_of(path) or document.file
+    return Finding(
+        file=file_names.get(file, file),
+        line=line,
+        column=column,
+        rule=change.rule.name,
+        message=f"{change.text} ({change.impact.word}: {about(change)})",
+        level=_LEVELS.get(change.impact, "notice"),
+    )
+
+
+def _place_in_spec(document: Document, text: str) -> SpecPath:
+    """Return the place of a path of keys and names, as far as it exists."""
+    from ..language.schema import value_at
+
+    path: SpecPath = ()
+    for step in _STEPS.findall(text):
+        relative_path = next(_paths_to(step, value_at(document.data, path)), None)
+        if relative_path is None:
+            break
+        path = (*path, *relative_path)
+    return path
+
+
+def _paths_to(step: str, node: Any) -> Iterator[SpecPath]:
+    """Yield the paths to a key or name in a map or list, or in a list or map that is a value of the map."""
+    yield from _children_named(step, node)
+    if isinstance(node, dict):
+        for key, inner_node in node.items():
+            yield from ((key, *path) for path in _children_named(step, inner_node))
+
+
+def _children_named(step: str, node: Any) -> Iterator[SpecPath]:
+    from ..language.document import label_of
+
+    if isinstance(node, list):
+        yield from ((index,) for index, child in enumerate(node) if label_of(child) == step)
+    elif isinstance(node, dict) and step in node:
+        yield (step,)

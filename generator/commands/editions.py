@@ -18,7 +18,7 @@ from .terminal import Stop, problems
 BY_LABEL, BY_REGISTERS = "label", "registers"
 
 
-def asked_for(
+def in_requested_edition(
     specs: Sequence[Path],
     device: Device,
     match: Match | None,
@@ -41,13 +41,14 @@ def asked_for(
     Raises:
         Stop: There is no such edition, it cannot be inferred, or it has no such order code. The exit code is 2.
     """
+    remaining_bytes = dict(register_bytes)
     try:
         revision = _revision(device, match, wanted_edition, register_bytes)
         device_in_edition = _in_edition(specs, device, revision)
-        remaining_bytes = (
-            without_tests(device, register_bytes) if wanted_edition == BY_REGISTERS else dict(register_bytes)
-        )
-        return device_in_edition, find(device_in_edition, text) if match is not None else None, remaining_bytes
+        if wanted_edition == BY_REGISTERS:
+            remaining_bytes = without_tests(device, register_bytes)
+        match_in_edition = find(device_in_edition, text) if match is not None else None
+        return device_in_edition, match_in_edition, remaining_bytes
     except UnknownOrderCode as error:
         raise Stop(f"in edition {revision} of the manual: {error}", 2) from None
     except (UnknownEdition, ValueError) as error:
@@ -81,8 +82,8 @@ def _in_edition(specs: Sequence[Path], device: Device, revision: str) -> Device:
     return edition_family.device
 
 
-def beside(families: Iterable[Family], wanted: Iterable[str], report: Report) -> list[Device]:
-    """Return the families in editions given by arguments such as ``FAMILY=1.6``.
+def edition_devices(families: Iterable[Family], wanted: Iterable[str], report: Report) -> list[Device]:
+    """Return the devices of families in the editions given by arguments such as ``FAMILY=1.6``.
 
     Raises:
         Stop: An argument is malformed, or there is no such family or edition. The exit code is 2.
@@ -92,11 +93,9 @@ def beside(families: Iterable[Family], wanted: Iterable[str], report: Report) ->
     for text in wanted:
         name, equals, revision = text.partition("=")
         if not equals or name not in by_name:
+            example = f"{next(iter(by_name), 'FAMILY')}=1.0"
             names = ", ".join(by_name)
-            raise Stop(
-                f"'{text}' is not a family and an edition; write it like {next(iter(by_name), 'FAMILY')}=1.0 ({names})",
-                2,
-            )
+            raise Stop(f"'{text}' is not a family and an edition; write it like {example} ({names})", 2)
         family = by_name[name]
         try:
             chosen_revision = revision_for(family.device, revision)
@@ -111,7 +110,7 @@ def beside(families: Iterable[Family], wanted: Iterable[str], report: Report) ->
     return list(devices.values())
 
 
-def check_all(families: Iterable[Family], report: Report) -> None:
+def check_editions(families: Iterable[Family], report: Report) -> None:
     """Report the problems in all editions of the families."""
     for family in families:
         # With an overlay, a family may lack the parts that an edition changes. A request for the edition reports that.

@@ -4,11 +4,15 @@ from __future__ import annotations
 
 import json
 import textwrap
-from typing import TypedDict
+from typing import TYPE_CHECKING, TypedDict
 
 from .arguments import Parser
 from .terminal import Stop
 
+if TYPE_CHECKING:
+    import argparse
+
+EXAMPLES = ("codewheel explain", "codewheel explain register-gone")
 #: Rules about several files, for which the tests have no single broken file to show as an example.
 _SEVERAL_FILES = {
     "coverage-file": "the coverage file next to a spec differs from what 'check --coverage --write' would write.",
@@ -27,12 +31,22 @@ class Example(TypedDict):
     lines: list[str]
 
 
-def add_explain(parser: Parser) -> None:
-    """Add the command to the command line."""
+def add_arguments(parser: Parser) -> None:
+    """Add the arguments of the command."""
     parser.description = (
         "Explain a rule of check with an example, or a rule of diff with its impact and the reason for it."
     )
     parser.add_argument("rule", nargs="?", metavar="RULE", help="name of the rule (default: list all rules)")
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Print the description of the rule, or the list of all rules.
+
+    Raises:
+        Stop: There is no such rule. The exit code is 2.
+    """
+    print(explain(chosen.rule))
+    return 0
 
 
 def explain(name: str | None) -> str:
@@ -46,12 +60,12 @@ def explain(name: str | None) -> str:
 
     examples = rules_of_check()
     if name is None:
-        return _list(examples)
-    described = [*_in_check(name, examples), *_in_diff(name)]
-    if not described:
+        return _list_rules(examples)
+    descriptions = [*_describe_rule_of_check(name, examples), *_describe_rule_of_diff(name)]
+    if not descriptions:
         hint = suggestion(name, [*examples, *_SEVERAL_FILES, *RULES]) or "; codewheel explain lists the rules"
         raise Stop(f"there is no rule '{name}'{hint}", 2)
-    return "\n\n".join(described)
+    return "\n\n".join(descriptions)
 
 
 def rules_of_check() -> dict[str, Example]:
@@ -64,32 +78,32 @@ def rules_of_check() -> dict[str, Example]:
     return examples
 
 
-def _list(examples: dict[str, Example]) -> str:
+def _list_rules(examples: dict[str, Example]) -> str:
     from ..changes.rules import RULES
     from ..say.lines import WIDTH, wrapped
 
-    changes = [
-        wrapped(rule.when, WIDTH, " " * 38, f"{rule.name:<22} {rule.impact.word:<14} ") for rule in RULES.values()
-    ]
+    rule_lines = []
+    for rule in RULES.values():
+        columns = f"{rule.name:<22} {rule.impact.word:<14} "
+        rule_lines.append(wrapped(rule.when, WIDTH, " " * 38, columns))
     names = textwrap.fill(", ".join(sorted([*examples, *_SEVERAL_FILES])), WIDTH, break_on_hyphens=False)
-    return "\n".join(["Rules of diff:", "", *changes, "", "Rules of check:", "", names])
+    return "\n".join(["Rules of diff:", "", *rule_lines, "", "Rules of check:", "", names])
 
 
-def _in_check(name: str, examples: dict[str, Example]) -> list[str]:
+def _describe_rule_of_check(name: str, examples: dict[str, Example]) -> list[str]:
     from ..say.lines import WIDTH, wrapped
 
     if name in _SEVERAL_FILES:
         return [wrapped(_SEVERAL_FILES[name], WIDTH, "  ", f"{name}, a rule of check: ")]
     if name not in examples:
         return []
-    message, lines = examples[name]["message"], examples[name]["lines"]
-    example_message = wrapped(f"{message}.", WIDTH, "  ")
-    return [
-        "\n".join([f"{name}, a rule of check. Example message:", example_message, "", "for these lines:", "", *lines])
-    ]
+    example = examples[name]
+    message = wrapped(f"{example['message']}.", WIDTH, "  ")
+    heading = f"{name}, a rule of check. Example message:"
+    return ["\n".join([heading, message, "", "for these lines:", "", *example["lines"]])]
 
 
-def _in_diff(name: str) -> list[str]:
+def _describe_rule_of_diff(name: str) -> list[str]:
     from ..changes.impact import OUTPUTS, TITLES
     from ..changes.rules import RULES
     from ..say.lines import WIDTH, wrapped
@@ -97,6 +111,6 @@ def _in_diff(name: str) -> list[str]:
     rule = RULES.get(name)
     if rule is None:
         return []
-    effects = [f"  {TITLES[output]:<7} {impact.word}" for output, impact in zip(OUTPUTS, rule.impacts, strict=True)]
-    head = wrapped(f"{rule.when}.", WIDTH, "  ", f"{rule.name}: ")
-    return ["\n".join([head, *effects, wrapped(rule.why, WIDTH, "  ")])]
+    impacts = [f"  {TITLES[output]:<7} {impact.word}" for output, impact in zip(OUTPUTS, rule.impacts, strict=True)]
+    heading = wrapped(f"{rule.when}.", WIDTH, "  ", f"{rule.name}: ")
+    return ["\n".join([heading, *impacts, wrapped(rule.why, WIDTH, "  ")])]

@@ -1,28 +1,18 @@
-"""``codewheel generate``: write the files of a library, or compare them."""
+"""Write the files that ``generate`` rendered, or compare them with those on the disk."""
 
 from __future__ import annotations
 
 import argparse
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, TypedDict
+from typing import TypedDict
 
-from ..cache import NO_CACHE, Cache
 from ..output_list import WriteError
 from ..owners import Guard, owners
 from ..say.numbers import counted
 from ..write import Change, changes, digest_of, digest_on_disk, left_stages, write
-from . import look_up
-from .cached_result import CachedResult, cached_result
-from .selection import Selection, selected
-from .terminal import Progress, Stop, problems
-
-if TYPE_CHECKING:
-    from ..language.problems import Report
-    from ..model import Device
-    from ..targets import Library, Options, Target
+from .terminal import Stop
 
 #: The files of each target, as texts by path.
 Files = Mapping[str, Mapping[str, str]]
@@ -37,49 +27,7 @@ class Generated(TypedDict):
     digest: str
 
 
-def run(chosen: argparse.Namespace, cache: Cache) -> int:
-    """Write or compare the outputs, and return the exit code.
-
-    Raises:
-        Stop: The specs or the arguments have problems, a target fails, or the output differs or cannot be written.
-    """
-    selection = selected(chosen, cache)
-    result = _cached_result(chosen, selection, cache)
-    if _is_unchanged(chosen, result.get()):
-        return 0
-    from ..loading.library import load_families
-    from ..targets import Library
-    from .outputs import are_built_in, complete, options_named, targets_named
-
-    with Progress("codewheel: reading the specs"):
-        families, report = load_families(selection.paths, cache)
-    targets = targets_named(chosen.target)
-    options = options_named(selection.options_for([family.device.name for family in families]), targets)
-    _refuse_misused_options(chosen, targets)
-    with Progress("codewheel: checking the specs"):
-        devices = complete(families, targets, chosen.edition, report)
-    if report:
-        raise problems(report)
-    read_line = _read_line(devices, report, chosen.packaged, selection.packaged)
-    print(read_line)
-    files = _rendered(Library(devices, chosen.templates), targets, options, cache)
-    if are_built_in(targets, chosen.target):
-        result.put(_generated(read_line, files, owners(devices)))
-
-    def gate() -> None:
-        import_module(f"{__package__}.coverage").refuse_unproved(families, "written", cache)
-
-    return _write_or_compare(chosen, files, gate, selection.guard(chosen, devices, report.files))
-
-
-def _cached_result(chosen: argparse.Namespace, selection: Selection, cache: Cache) -> CachedResult:
-    """Return the result of an earlier run. There is none with templates of the user or a document type."""
-    options = [*(chosen.target or ()), "", *selection.options, "", *chosen.edition, "", *chosen.packaged]
-    is_cacheable = chosen.templates is None and chosen.biss_dtd is None
-    return cached_result(cache if is_cacheable else NO_CACHE, "generate", selection.paths, options)
-
-
-def _is_unchanged(chosen: argparse.Namespace, generated: Generated | None) -> bool:
+def is_unchanged(chosen: argparse.Namespace, generated: Generated | None) -> bool:
     """Return True if the output is that of an earlier run, and print what that run printed."""
     if generated is None or digest_on_disk(chosen.output, generated["targets"]) != generated["digest"]:
         return False
@@ -88,52 +36,13 @@ def _is_unchanged(chosen: argparse.Namespace, generated: Generated | None) -> bo
     return True
 
 
-def _generated(read_line: str, files: Files, families: Sequence[str]) -> Generated:
+def result_to_store(read_line: str, files: Files, families: Sequence[str]) -> Generated:
+    """Return the result of a run that rendered these files. ``families`` are as ``owners`` returns them."""
     count = sum(map(len, files.values()))
     return Generated(read_line=read_line, targets=list(files), count=count, digest=digest_of(files, families))
 
 
-def _refuse_misused_options(chosen: argparse.Namespace, targets: Sequence[Target]) -> None:
-    """Refuse a folder of templates that does not exist, and a document type without the target that it is for.
-
-    Raises:
-        Stop: The exit code is 2.
-    """
-    if chosen.templates is not None and not chosen.templates.is_dir():
-        raise Stop(f"there is no folder {chosen.templates}", 2)
-    if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
-        raise Stop("--biss-dtd needs the target biss", 2)
-
-
-def _read_line(
-    devices: Sequence[Device], report: Report, packaged: Sequence[str], packaged_files: Sequence[Path]
-) -> str:
-    """Return the line about the specs that were read, and one about values that are still the template's."""
-    from .placeholders import short_notice
-
-    read = look_up.read_line([device.name for device in devices], report, packaged, packaged_files)
-    return "\n".join(filter(None, (read, short_notice(report.files))))
-
-
-def _rendered(
-    library: Library, targets: Sequence[Target], options: Mapping[str, Options], cache: Cache
-) -> dict[str, Mapping[str, str]]:
-    """Return the files of each target. Parts of families with the same model come from the cache."""
-    from ..family_parts import FamilyParts
-    from ..targets.registry import files_of
-    from .outputs import rendered
-
-    files_from = FamilyParts(cache).files_of if cache else files_of
-    with Progress("codewheel: rendering") as progress:
-
-        def files_with_progress(target: Target, library: Library, target_options: Options) -> Mapping[str, str]:
-            progress.text = f"codewheel: rendering {target.name}"
-            return files_from(target, library, target_options)
-
-        return rendered(library, targets, options, files_with_progress)
-
-
-def _write_or_compare(chosen: argparse.Namespace, files: Files, gate: Callable[[], None], guard: Guard) -> int:
+def write_or_compare(chosen: argparse.Namespace, files: Files, gate: Callable[[], None], guard: Guard) -> int:
     """Write or compare the files of each target, and return the exit code.
 
     ``gate`` raises ``Stop`` to refuse writing specs that must not be released. It is called if a file would change.

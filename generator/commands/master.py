@@ -3,74 +3,161 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping, Sequence
-from typing import Any
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
 
-from ..cache import Cache
-from ..language.problems import listed, suggestion
-from ..masters import sheet, text
-from ..masters.record import NoRecord, Record, Undecided, record
-from ..model import Device
-from ..order_codes.run_time import RegisterError, with_registers
-from . import look_up
-from .arguments import held_bytes
-from .choose import answers_of, undecided
-from .editions import asked_for
-from .settings_targets import refuse_unknown_targets
-from .terminal import Stop, problems, refuse_missing
-from .which_specs import specs_to_read
+from .arguments import (
+    Parser,
+    a_path,
+    add_choose_option,
+    add_edition_option,
+    add_register_option,
+    add_specs_option,
+    cache_for,
+)
+from .terminal import Stop, print_json, problems, refuse_missing
+
+if TYPE_CHECKING:
+    from ..masters.record import Record
+    from ..masters.sheet import Master, Sheet
+    from ..model import Device
+    from ..order_codes.labels import Match
+
+EXAMPLES = ("codewheel master", "codewheel master MY-ENCODER-13-SC")
 
 
-def run(chosen: argparse.Namespace, cache: Cache) -> tuple[int, str | Mapping[str, Any]]:
-    """Return the exit code, and the text to print or the data of ``--json``.
+def add_arguments(parser: Parser) -> None:
+    """Add the arguments of the command."""
+    parser.description = "Show the settings that a BiSS or SSI master needs for an encoder."
+    parser.add_argument(
+        "order_code", nargs="?", metavar="ORDER-CODE", help="the code on the label (default: list the masters)"
+    )
+    parser.add_argument(
+        "--master", metavar="NAME", help="show only this master, and exit 1 if it does not support the encoder"
+    )
+    parser.add_argument("--format", metavar="FORMAT", help="print a file for this master in one of its formats")
+    parser.add_argument("--device", metavar="DEVICE", help="device of the master for --format (default: the first)")
+    parser.add_argument(
+        "--masters",
+        action="append",
+        type=a_path,
+        default=[],
+        metavar="PATH",
+        help="your own descriptions of masters, as files or folders",
+    )
+    add_register_option(parser)
+    add_choose_option(parser, "no settings if they depend on the answer")
+    add_edition_option(parser)
+    parser.add_argument("--cable", type=metres, metavar="METRES", help="choose clocks for a cable of this length")
+    add_specs_option(parser)
+
+
+def metres(text: str) -> int:
+    """Return a cable length in metres, rounded up."""
+    try:
+        length = math.ceil(float(text))
+    except (ValueError, OverflowError):
+        length = 0
+    if not 0 < length <= 100_000:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a length in metres, such as 30")
+    return length
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Print the masters or, with an order code, its settings or a file with them.
 
     Raises:
         Stop: There is no such master, order code or edition, or there are no settings for it.
     """
+    from ..masters import sheet, text
+
     refuse_missing(chosen.masters)
     masters, report = sheet.load_masters(chosen.masters)
     if report:
         raise problems(report)
-    if (chosen.format or chosen.device) is not None and (chosen.master is None or chosen.order_code is None):
-        raise Stop(f"{'--format' if chosen.format is not None else '--device'} needs an order code and --master", 2)
+    _refuse_incomplete(chosen)
     if chosen.order_code is None:
-        if chosen.edition is not None:
-            raise Stop("--edition needs an order code", 2)
-        return 0, text.masters_data(masters) if chosen.json else text.masters_text(masters)
+        if chosen.json:
+            print_json(text.masters_data(masters))
+        else:
+            print(text.masters_text(masters))
+        return 0
+    _refuse_unknown(chosen.master, masters)
+    device, match, encoder_record = _requested_record(chosen)
+    if chosen.format is not None or chosen.device is not None:
+        print(_file(chosen, device, masters, encoder_record))
+        return 0
+    sheets = [sheet.sheet(master, encoder_record) for master in masters if chosen.master in (None, master.name)]
+    if chosen.json:
+        print_json(text.sheet_data(match, encoder_record, sheets))
+    else:
+        print(text.sheet_text(device, match, encoder_record, sheets))
+    return 1 if chosen.master is not None and sheets[0].refusals else 0
+
+
+def _refuse_incomplete(chosen: argparse.Namespace) -> None:
+    """Check that options have what they need.
+
+    Raises:
+        Stop: They do not. The exit code is 2.
+    """
+    has_format_option = chosen.format or chosen.device is not None
+    if has_format_option and (chosen.master is None or chosen.order_code is None):
+        option = "--format" if chosen.format is not None else "--device"
+        raise Stop(f"{option} needs an order code and --master", 2)
+    if chosen.order_code is None and chosen.edition is not None:
+        raise Stop("--edition needs an order code", 2)
+
+
+def _refuse_unknown(name: str | None, masters: Sequence[Master]) -> None:
+    """Check that there is a master of this name, if the user named one.
+
+    Raises:
+        Stop: There is none. The exit code is 2.
+    """
+    from ..language.problems import suggestion
+
     names = [master.name for master in masters]
-    if chosen.master is not None and chosen.master not in names:
-        hint = suggestion(chosen.master, names) or "; codewheel master lists them"
-        raise Stop(f"there is no master '{chosen.master}'{hint}", 2)
-    specs = specs_to_read(chosen.specs)
-    refuse_unknown_targets(specs.settings)
-    device, listed_match, paths = look_up.order_code(specs, chosen.order_code, cache)
-    match, register_bytes = listed_match, held_bytes(chosen.register)
-    if chosen.edition is not None:
-        device, match_in_edition, register_bytes = asked_for(
-            paths, device, listed_match, chosen.edition, chosen.order_code, register_bytes
-        )
-        match = match_in_edition or listed_match
+    if name is not None and name not in names:
+        hint = suggestion(name, names) or "; codewheel master lists them"
+        raise Stop(f"there is no master '{name}'{hint}", 2)
+
+
+def _requested_record(chosen: argparse.Namespace) -> tuple[Device, Match, Record]:
+    """Return the order code with its settings for any master.
+
+    Raises:
+        Stop: There is no such order code or edition, or there are no settings for it.
+    """
+    from ..masters.record import NoRecord, Undecided, record
+    from ..order_codes.run_time import RegisterError, with_registers
+    from .choose import answers_of, open_questions
+    from .find_encoder import find_requested
+    from .read_specs import specs_to_read
+
+    cache = cache_for(chosen)
+    device, match, register_bytes = find_requested(chosen, specs_to_read(chosen.specs), cache)
     try:
         variant = with_registers(device, match.variant, register_bytes)
         answers = answers_of(device, match.variant, chosen.choose)
-        encoder_record = record(device, variant, not register_bytes, chosen.cable, answers)
+        return device, match, record(device, variant, not register_bytes, chosen.cable, answers)
     except RegisterError as error:
         raise Stop(str(error), 2) from None
     except Undecided as error:
-        raise Stop(undecided(device, error.layout, answers, "has no settings"), 2) from None
+        raise Stop(open_questions(device, error.layout, answers, "has no settings"), 2) from None
     except NoRecord as error:
         raise Stop(str(error), 1) from None
-    if chosen.format is not None or chosen.device is not None:
-        return 0, _file(chosen, device, masters, encoder_record)
-    sheets = [sheet.sheet(master, encoder_record) for master in masters if chosen.master in (None, master.name)]
-    code = 1 if chosen.master is not None and sheets[0].refusals else 0
-    return code, text.sheet_data(match, encoder_record, sheets) if chosen.json else text.sheet_text(
-        device, match, encoder_record, sheets
-    )
 
 
-def _file(chosen: argparse.Namespace, device: Device, masters: Sequence[sheet.Master], encoder_record: Record) -> str:
-    """Return the file of the master in the format that the user chose."""
+def _file(chosen: argparse.Namespace, device: Device, masters: Sequence[Master], encoder_record: Record) -> str:
+    """Return the file of the master in the format that the user chose.
+
+    Raises:
+        Stop: There is no such format or device, or the master cannot use the encoder. The exit code is 2.
+    """
+    from ..language.problems import listed
+    from ..masters.sheet import sheet
     from ..targets.masters.files import file_text
 
     master = next(master for master in masters if master.name == chosen.master)
@@ -83,20 +170,24 @@ def _file(chosen: argparse.Namespace, device: Device, masters: Sequence[sheet.Ma
         raise Stop(f"{problem}; the formats of {master.name} are {listed(formats)}", 2)
     if chosen.json:
         raise Stop("--format prints a file; leave out --json", 2)
-    master_sheet = sheet.sheet(master, encoder_record)
+    master_sheet = sheet(master, encoder_record)
     if master_sheet.refusals:
-        able = [
-            other_master.name
-            for other_master in masters
-            if other_master.files and not sheet.sheet(other_master, encoder_record).refusals
-        ]
-        taking = f"; there are files for {listed(able)}" if able else ""
-        raise Stop(
-            f"{master.name} cannot use {encoder_record.code}: {master_sheet.refusals[0].reason.rstrip('.')}{taking}", 2
-        )
-    rule = formats[chosen.format]
-    devices = master_sheet.devices_with(rule)
-    on = devices[0] if chosen.device is None else chosen.device
-    if on not in devices:
-        raise Stop(f"'{on}' is not a device with this format; use --device {listed(devices, 'or')}", 2)
-    return file_text(device, [encoder_record.code], master_sheet, rule, on).rstrip("\n")
+        raise Stop(_cannot_use(master_sheet, masters, encoder_record), 2)
+    file_format = formats[chosen.format]
+    devices = master_sheet.devices_with(file_format)
+    master_device = devices[0] if chosen.device is None else chosen.device
+    if master_device not in devices:
+        raise Stop(f"'{master_device}' is not a device with this format; use --device {listed(devices, 'or')}", 2)
+    return file_text(device, [encoder_record.code], master_sheet, file_format, master_device).rstrip("\n")
+
+
+def _cannot_use(master_sheet: Sheet, masters: Sequence[Master], encoder_record: Record) -> str:
+    """Return the reason why a master cannot use the encoder, and the masters with files that can."""
+    from ..language.problems import listed
+    from ..masters.sheet import sheet
+
+    with_files = [master for master in masters if master.files]
+    able_names = [master.name for master in with_files if not sheet(master, encoder_record).refusals]
+    hint = f"; there are files for {listed(able_names)}" if able_names else ""
+    reason = master_sheet.refusals[0].reason.rstrip(".")
+    return f"{master_sheet.master.name} cannot use {encoder_record.code}: {reason}{hint}"

@@ -5,29 +5,52 @@ from __future__ import annotations
 import shutil
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from ..language.files import find_files, is_folder
-from ..language.migrate import edited, migrate
-from ..language.problems import Report
-from ..language.read import read_document
-from ..language.second_reading import second_reading_path
 from ..say.numbers import counted
-from . import check
-from .outputs import targets_named
+from .arguments import Parser, add_specs_argument
 from .terminal import Stop
 
+if TYPE_CHECKING:
+    import argparse
 
-def run(paths: Sequence[Path], only_check: bool) -> int:
+    from ..language.migrate import Edit
+
+EXAMPLES = ("codewheel migrate my_encoder.yaml", "codewheel migrate --check my_encoder.yaml")
+_BYTE_ORDER_MARK = b"\xef\xbb\xbf"
+
+
+def add_arguments(parser: Parser) -> None:
+    """Add the arguments of the command."""
+    parser.description = (
+        "Apply renamed keys to specs, keep comments and layout, and list what only a person can decide."
+    )
+    add_specs_argument(parser)
+    parser.add_argument("--check", action="store_true", help="list what would change, and write nothing")
+
+
+def run(chosen: argparse.Namespace) -> int:
     """Migrate specs with their second readings, print each change and each decision, and return the exit code.
 
     Raises:
-        Stop: A file cannot be written.
+        Stop: There are no specs, or a file cannot be written.
     """
-    changes = sum(_migrate(path, only_check) for path in _files(paths))
-    if only_check:
+    from .read_specs import specs_to_judge
+
+    paths = specs_to_judge(chosen.specs, "migrate").paths
+    changes = sum(_migrate(path, chosen.check) for path in _files(paths))
+    if chosen.check:
         print(f"{counted(changes, 'change')} to apply")
         return 1 if changes else 0
-    problems = check.run(paths, targets_named()).report.problems
+    return _print_decisions(paths, changes)
+
+
+def _print_decisions(paths: Sequence[Path], changes: int) -> int:
+    """Print the problems that remain after the changes, and return the exit code."""
+    from .check.specs import check_specs
+    from .outputs import targets_named
+
+    problems = check_specs(paths, targets_named()).report.problems
     for problem in problems:
         print(problem.format())
     decisions = f"{counted(len(problems), 'place')} to decide by hand" if problems else "nothing to decide"
@@ -36,27 +59,49 @@ def run(paths: Sequence[Path], only_check: bool) -> int:
 
 
 def _files(paths: Iterable[Path]) -> Iterator[Path]:
-    for spec_path in paths:
-        for spec in find_files(spec_path).specs if is_folder(spec_path) else (spec_path,):
-            yield from (path for path in (spec, second_reading_path(spec)) if path == spec or path.is_file())
+    """Yield the specs, each followed by its second reading if it has one."""
+    from ..language.files import find_files, is_folder
+    from ..language.second_reading import second_reading_path
+
+    for path in paths:
+        for spec in find_files(path).specs if is_folder(path) else (path,):
+            yield spec
+            second = second_reading_path(spec)
+            if second.is_file():
+                yield second
 
 
 def _migrate(path: Path, only_check: bool) -> int:
     """Print and apply the changes to one file, and return their number."""
+    from ..language.migrate import migrate
+    from ..language.problems import Report
+    from ..language.read import read_document
+
     document = read_document(path, Report())
     edits = migrate(document) if document is not None else ()
     for edit in edits:
         print(f"{path}:{edit.line}:{edit.column}: {edit.old} is now {edit.new}")
     if edits and not only_check:
-        content = path.read_bytes()
-        mark = b"\xef\xbb\xbf" if content.startswith(b"\xef\xbb\xbf") else b""
-        text = edited(content[len(mark) :].decode("utf-8"), edits)
-        place = path.resolve()
-        new = place.with_name(f".{place.name}.new")
-        try:
-            new.write_bytes(mark + text.encode("utf-8"))
-            shutil.copymode(place, new)
-            new.replace(place)
-        except OSError as error:
-            raise Stop(f"cannot write {path}: {error.strerror or error}", 1) from None
+        _apply(edits, path)
     return len(edits)
+
+
+def _apply(edits: Sequence[Edit], path: Path) -> None:
+    """Replace the file at once by one with the changes.
+
+    Raises:
+        Stop: It cannot be written. The exit code is 1.
+    """
+    from ..language.migrate import edited
+
+    content = path.read_bytes()
+    mark = _BYTE_ORDER_MARK if content.startswith(_BYTE_ORDER_MARK) else b""
+    text = edited(content.removeprefix(mark).decode("utf-8"), edits)
+    real_path = path.resolve()
+    new_path = real_path.with_name(f".{real_path.name}.new")
+    try:
+        new_path.write_bytes(mark + text.encode("utf-8"))
+        shutil.copymode(real_path, new_path)
+        new_path.replace(real_path)
+    except OSError as error:
+        raise Stop(f"cannot write {path}: {error.strerror or error}", 1) from None

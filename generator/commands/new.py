@@ -8,12 +8,15 @@ from collections.abc import Iterator
 from importlib import resources
 from keyword import iskeyword
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from ..language.problems import Report
-from ..language.read import read_document
-from ..language.rules.names import TAKEN
-from ..render import our_templates
+from .arguments import Parser, a_path
+from .terminal import Stop
 
+if TYPE_CHECKING:
+    import argparse
+
+EXAMPLES = ("codewheel new my_encoder", "codewheel new my_encoder -o specs/my_encoder.yaml")
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 _LONGEST_NAME = 40
 #: Encoders to start from. The rotary ones count revolutions, except over SPI.
@@ -21,6 +24,38 @@ LIKE = ("biss", "ssi", "rs485", "rs485-exchanges", "spi", "linear")
 #: Manufacturer and schema in the templates.
 _MANUFACTURER = "example"
 _SCHEMA_IN_TEMPLATES = "../../generator/language/{}.schema.json"
+
+
+def add_arguments(parser: Parser) -> None:
+    """Add the arguments of the command."""
+    parser.description = "Write a commented spec that passes check, to be filled in from a manual."
+    parser.add_argument("name", metavar="NAME", help="name of the family: lowercase letters, digits and underscores")
+    parser.add_argument(
+        "-o", dest="output", type=a_path, metavar="FILE", help="output file (default: NAME.yaml in this folder)"
+    )
+    parser.add_argument(
+        "--like",
+        choices=LIKE,
+        default="",
+        help="kind of encoder: multiturn over this interface (SPI: singleturn), or linear over BiSS. "
+        "rs485: the T-format, rs485-exchanges: other requests",
+    )
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Write the spec, and print the names of the files.
+
+    Raises:
+        Stop: The name is not valid (exit code 2), or a file exists or cannot be written (exit code 1).
+    """
+    try:
+        for path in write_spec(chosen.name, chosen.output, chosen.like):
+            print(f"written    {path.as_posix()}")
+    except NameRefused as error:
+        raise Stop(str(error), 2) from None
+    except NotWritten as error:
+        raise Stop(str(error), 1) from None
+    return 0
 
 
 class NameRefused(ValueError):
@@ -46,13 +81,7 @@ def write_spec(name: str, output: Path | None, like: str = "") -> list[Path]:
         NameRefused: The name is not valid for a family, or the file has another one.
         NotWritten: A file already exists or cannot be written.
     """
-    if not _NAME.fullmatch(name) or len(name) > _LONGEST_NAME or iskeyword(name) or name == "manufacturer":
-        raise NameRefused(
-            f"'{name[:60]}' is not a valid family name; use lowercase letters, digits and underscores, such as"
-            f" {_suggested(name)}"
-        )
-    if name in TAKEN:
-        raise NameRefused(f"'{name}' is the name of {TAKEN[name]}; choose another name for the family")
+    _refuse_name(name)
     path = output or Path(f"{name}.yaml")
     path = path / f"{name}.yaml" if path.is_dir() else path
     if path.name != f"{name}.yaml":
@@ -65,10 +94,21 @@ def write_spec(name: str, output: Path | None, like: str = "") -> list[Path]:
         copy = path.with_name(f"{kind}.schema.json")
         if not _in_one_checkout(path.parent, kind) and not copy.exists():
             files[copy] = _schema(kind).read_text(encoding="utf-8")
-    return list(_written(files))
+    return list(_write_new(files))
 
 
-def _written(files: dict[Path, str]) -> Iterator[Path]:
+def _refuse_name(name: str) -> None:
+    from ..language.rules.names import TAKEN
+
+    if not _NAME.fullmatch(name) or len(name) > _LONGEST_NAME or iskeyword(name) or name == "manufacturer":
+        rule = "use lowercase letters, digits and underscores"
+        raise NameRefused(f"'{name[:60]}' is not a valid family name; {rule}, such as {_suggested_name(name)}")
+    if name in TAKEN:
+        raise NameRefused(f"'{name}' is the name of {TAKEN[name]}; choose another name for the family")
+
+
+def _write_new(files: dict[Path, str]) -> Iterator[Path]:
+    """Write files that must not exist, and yield the path of each."""
     for path, text in files.items():
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
@@ -81,19 +121,20 @@ def _written(files: dict[Path, str]) -> Iterator[Path]:
         yield path
 
 
-def _suggested(name: str) -> str:
+def _suggested_name(name: str) -> str:
     suggestion = re.sub(r"[^a-z0-9]+", "_", name.lower()).strip("_")[:_LONGEST_NAME]
     return suggestion if _NAME.fullmatch(suggestion) and suggestion != name else "encoder_1"
 
 
 def _manufacturer(path: Path) -> str:
+    """Return the name in a manufacturer file, or that of the templates."""
+    from ..language.problems import Report
+    from ..language.read import read_document
+
     document = read_document(path, Report()) if path.is_file() else None
     manufacturer = document.data.get("manufacturer") if document is not None else None
-    return (
-        manufacturer
-        if isinstance(manufacturer, str) and re.fullmatch(r"[a-z][a-z0-9]*", manufacturer)
-        else _MANUFACTURER
-    )
+    is_name = isinstance(manufacturer, str) and re.fullmatch(r"[a-z][a-z0-9]*", manufacturer)
+    return str(manufacturer) if is_name else _MANUFACTURER
 
 
 def _schema(kind: str) -> Path:
@@ -102,10 +143,11 @@ def _schema(kind: str) -> Path:
 
 def _in_one_checkout(folder: Path, kind: str) -> bool:
     """Return whether a clone with the spec also has the tool's schema: both are in one checkout, outside a venv."""
-    resolved_folder = folder.resolve()
-    top = next((place for place in (resolved_folder, *resolved_folder.parents) if (place / ".git").exists()), None)
+    real_folder = folder.resolve()
+    checkouts = (parent for parent in (real_folder, *real_folder.parents) if (parent / ".git").exists())
+    checkout = next(checkouts, None)
     schema = _schema(kind).resolve()
-    return top is not None and schema.is_relative_to(top) and "site-packages" not in schema.parts
+    return checkout is not None and schema.is_relative_to(checkout) and "site-packages" not in schema.parts
 
 
 def _schema_path(folder: Path, kind: str) -> str:
@@ -129,4 +171,6 @@ def device_text(name: str, manufacturer: str, schema: str, like: str = "") -> st
 
 def _template(name: str) -> str:
     """Return a template. Each is a whole valid spec of ``my_encoder``, so that editors check it with the schema."""
+    from ..render import our_templates
+
     return (our_templates("new") / f"{name}.yaml").read_text(encoding="utf-8")

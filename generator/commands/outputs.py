@@ -14,7 +14,7 @@ from ..render import unused_templates
 from ..targets import Library, OptionError, Options, Target, TargetError
 from ..targets.registry import BUILT_IN, PackageMissing, files_of, load_target, problems_of, target_names
 from ..template_fault import TemplateFault
-from .editions import beside
+from .editions import edition_devices
 from .terminal import Stop
 
 _WIDTH = 79
@@ -108,7 +108,7 @@ def complete(
         Stop: A target fails. The exit code is 1.
     """
     tell_unfit(families, targets, report)
-    devices = [*(family.device for family in families), *beside(families, editions, report)]
+    devices = [*(family.device for family in families), *edition_devices(families, editions, report)]
     return tuple(sorted(devices, key=lambda device: device.name))
 
 

@@ -1,40 +1,56 @@
-"""``codewheel reread`` and ``codewheel facts``: from a new edition of a manual, or a place in it, to the facts."""
+"""``codewheel reread``: compare two editions of a manual, and list the facts that cite changed passages."""
 
 from __future__ import annotations
 
-import argparse
-import json
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..loading.library import load_families
-from ..reread.citing import Citing, citing, ranked
-from ..reread.passages import Passage, changed, numbers_changed, same_language
-from ..reread.sections import WORD, Manual, NoText, read
-from ..say.words import counted
-from .terminal import Stop, problems
+from ..say.numbers import counted
+from .arguments import Parser, a_path, add_specs_option
+from .facts import facts_data
+from .terminal import Stop, print_json, problems
 
 if TYPE_CHECKING:
-    from ..loading.library import Family
+    import argparse
+    from pathlib import Path
 
+    from ..loading.library import Family
+    from ..reread.citing import Citing
+    from ..reread.passages import Passage
+    from ..reread.sections import Manual
+
+EXAMPLES = ("codewheel reread manual-1.0.txt manual-1.1.txt --family my_encoder",)
 JSON_VERSION = 1
 #: Facts listed for a passage, and the longest text shown of it.
 _MOST_FACTS, _LONGEST = 8, 400
-_CANNOT = (
+_LIMITS = (
     "Only words and their order are compared. Changes in figures and in the arrangement of columns and tables are not "
     "found. Read these in the new edition."
 )
 
 
+def add_arguments(parser: Parser) -> None:
+    """Add the arguments of the command."""
+    parser.description = "Compare the texts of two editions of a manual, and list the facts that cite changed passages."
+    parser.epilog = (
+        "Exit codes: 0 no difference. 1 differences. 2 wrong usage, or a file that is not the text of a manual."
+    )
+    parser.add_argument("old", type=a_path, metavar="OLD", help="the edition that the spec describes: text or PDF")
+    parser.add_argument("new", type=a_path, metavar="NEW", help="the new edition")
+    parser.add_argument(
+        "--family", metavar="FAMILY", help="family that the manual describes (default: the one named on its first page)"
+    )
+    add_specs_option(parser, "")
+
+
 @dataclass(frozen=True)
-class _Touched:
-    """A passage with the facts whose value or name appears in it, and the number of all facts that belong to it."""
+class _ChangedPassage:
+    """A passage with the facts whose value or name appears in it, and the number of all facts of its section."""
 
     passage: Passage
     facts: Sequence[Citing]
-    here: int
+    facts_of_section: int
 
 
 def run(chosen: argparse.Namespace) -> int:
@@ -43,149 +59,137 @@ def run(chosen: argparse.Namespace) -> int:
     Raises:
         Stop: A manual cannot be read, or the family is not known.
     """
+    from ..reread.citing import citing
+    from ..reread.passages import changed, numbers_changed, same_language
+    from ..reread.sections import NoText, read
+    from .read_specs import specs_to_judge
+
+    paths = specs_to_judge(chosen.specs, "reread OLD NEW").paths
     try:
         old, new = read(chosen.old), read(chosen.new)
-    except NoText as reason:
-        raise Stop(str(reason), 2) from None
-    family = _family(chosen.specs, chosen.family, old)
+    except NoText as error:
+        raise Stop(str(error), 2) from None
+    family = _family_of_manual(paths, chosen.family, old)
     facts = citing(family.document)
     by_words = same_language(old, new)
     passages = changed(old, new) if by_words else numbers_changed(old, new)
-    without_number = _without_number(family)
-    touched = [_touched(passage, facts, old, without_number) for passage in passages]
+    titles_by_page = _unnumbered_sections(family)
+    changed_passages = [_with_facts(passage, facts, old, titles_by_page) for passage in passages]
     if chosen.json:
-        print(json.dumps(_as_data(family, touched, by_words), indent=2, ensure_ascii=False))
+        print_json(_as_data(family, changed_passages, by_words))
     else:
-        print("\n".join(_as_text(family, touched, facts, by_words)))
-    return 1 if touched else 0
+        print("\n".join(_as_text(family, changed_passages, facts, by_words)))
+    return 1 if changed_passages else 0
 
 
-def _family(specs: Sequence[Path], name: str | None, old: Manual) -> Family:
+def _family_of_manual(specs: Sequence[Path], name: str | None, old: Manual) -> Family:
+    """Return the family of this name, or else the one that the manual names on its first page.
+
+    Raises:
+        Stop: There are problems in the specs (exit code 1), or the family is not known (exit code 2).
+    """
+    from ..loading.library import load_families
+
     families, report = load_families(specs)
     if report:
         raise problems(report)
-    plain = {family.device.name: family for family in families if not family.device.base}
+    families_by_name = {family.device.name: family for family in families if not family.device.base}
+    known_names = ", ".join(families_by_name)
     if name is not None:
-        if name.lower() not in plain:
-            raise Stop(f"'{name}' is not a family; known: {', '.join(plain)}", 2)
-        return plain[name.lower()]
-    cover = {word.casefold() for section in old.sections[:1] for word in section.words}
-    matches = [family for family in plain.values() if cover >= set(WORD.findall(family.device.manual.title.casefold()))]
-    if len(matches) != 1:
-        problem = (
-            "its first page names none of the families" if not matches else "its first page names several families"
-        )
-        known_names = ", ".join(plain)
-        raise Stop(
-            f"cannot tell which family this manual describes: {problem}; add --family NAME, one of {known_names}", 2
-        )
-    return matches[0]
+        if name.lower() not in families_by_name:
+            raise Stop(f"'{name}' is not a family; known: {known_names}", 2)
+        return families_by_name[name.lower()]
+    named_families = [family for family in families_by_name.values() if _is_named_first(family, old)]
+    if len(named_families) != 1:
+        number = "several families" if named_families else "none of the families"
+        problem = f"cannot tell which family this manual describes: its first page names {number}"
+        raise Stop(f"{problem}; add --family NAME, one of {known_names}", 2)
+    return named_families[0]
 
 
-def _without_number(family: Family) -> Mapping[int, str]:
+def _is_named_first(family: Family, manual: Manual) -> bool:
+    """Return whether the first section has all words of the title of the family's manual."""
+    from ..reread.sections import WORD
+
+    first_words = {word.casefold() for section in manual.sections[:1] for word in section.words}
+    return first_words >= set(WORD.findall(family.device.manual.title.casefold()))
+
+
+def _unnumbered_sections(family: Family) -> Mapping[int, str]:
     """Return the sections without a number by their pages, because their titles depend on the language."""
     contents = family.document.data["manual"].get("contents", {})
-    return {
-        heading["page"]: title for title, heading in contents.items() if not title[0].isdigit() and "page" in heading
-    }
+    headings = [(title, heading) for title, heading in contents.items() if not title[0].isdigit()]
+    return {heading["page"]: title for title, heading in headings if "page" in heading}
 
 
-def _touched(passage: Passage, facts: Sequence[Citing], old: Manual, without_number: Mapping[int, str]) -> _Touched:
-    sections = {passage.section.number} | old.without_heading_after(passage.section.number)
-    sections.add(without_number.get(passage.section.page or 0, passage.section.number))
+def _with_facts(
+    passage: Passage, facts: Sequence[Citing], old: Manual, titles_by_page: Mapping[int, str]
+) -> _ChangedPassage:
+    from ..reread.citing import ranked
+
+    section = passage.section
+    sections = {section.number} | old.without_heading_after(section.number)
+    sections.add(titles_by_page.get(section.page or 0, section.number))
     section_facts = [fact for fact in facts if fact.is_at(sections, passage)]
-    return _Touched(passage, ranked(section_facts, passage), len(section_facts))
+    return _ChangedPassage(passage, ranked(section_facts, passage), len(section_facts))
 
 
-def _as_text(family: Family, touched: Sequence[_Touched], facts: Sequence[Citing], by_words: bool) -> Iterator[str]:
-    compared_note = "" if by_words else "; the texts have few words in common, so only numbers are compared"
-    yield f"facts of {family.document.file}{compared_note}"
-    if not touched:
+def _as_text(
+    family: Family, changed_passages: Sequence[_ChangedPassage], facts: Sequence[Citing], by_words: bool
+) -> Iterator[str]:
+    note = "" if by_words else "; the texts have few words in common, so only numbers are compared"
+    yield f"facts of {family.document.file}{note}"
+    if not changed_passages:
         yield "no difference"
         return
-    section = ""
-    for touched_passage in touched:
-        if touched_passage.passage.section.shown != section:
-            section = touched_passage.passage.section.shown
-            yield f"\n{section}"
-        yield from _passage(touched_passage)
-    sections = {touched_passage.passage.section.number for touched_passage in touched}
-    citing_them = sum(1 for fact in facts if fact.sections & sections)
+    heading = ""
+    for changed_passage in changed_passages:
+        section = changed_passage.passage.section
+        if section.shown != heading:
+            heading = section.shown
+            yield f"\n{heading}"
+        yield from _passage_lines(changed_passage)
+    sections = {changed_passage.passage.section.number for changed_passage in changed_passages}
+    citing_facts = sum(1 for fact in facts if fact.sections & sections)
     yield ""
-    places = f"{counted(len(touched), 'passage')} in {counted(len(sections), 'section')}"
-    yield f"{places}, cited by {citing_them:,} of {len(facts):,} facts"
-    yield _CANNOT
+    places = f"{counted(len(changed_passages), 'passage')} in {counted(len(sections), 'section')}"
+    yield f"{places}, cited by {citing_facts:,} of {len(facts):,} facts"
+    yield _LIMITS
 
 
-def _passage(touched_passage: _Touched) -> Iterator[str]:
+def _passage_lines(changed_passage: _ChangedPassage) -> Iterator[str]:
+    """Yield the old and the new text, and the facts that cite the place."""
     yield ""
-    for name, text in zip(("old", "new"), touched_passage.passage.shown, strict=True):
+    for name, text in zip(("old", "new"), changed_passage.passage.shown, strict=True):
         if text:
             yield f"  {name}: {text if len(text) <= _LONGEST else text[: _LONGEST - 3] + '...'}"
-    if not touched_passage.here:
+    if not changed_passage.facts_of_section:
         yield "  no fact in the spec cites this place"
         return
-    listed_facts = touched_passage.facts[:_MOST_FACTS]
+    listed_facts = changed_passage.facts[:_MOST_FACTS]
     yield from (f"  {fact.shown}" for fact in listed_facts)
-    if touched_passage.here > len(listed_facts):
-        yield f"  {_others(touched_passage.here - len(listed_facts), bool(listed_facts))}"
+    unlisted = changed_passage.facts_of_section - len(listed_facts)
+    if unlisted:
+        noun = "other fact" if listed_facts else "fact"
+        yield f"  and {counted(unlisted, noun)} from this section"
 
 
-def _others(number: int, are_some_listed: bool) -> str:
-    return f"and {counted(number, 'other fact' if are_some_listed else 'fact')} from this section"
-
-
-def _as_data(family: Family, touched: Sequence[_Touched], by_words: bool) -> Mapping[str, Any]:
+def _as_data(family: Family, changed_passages: Sequence[_ChangedPassage], by_words: bool) -> Mapping[str, Any]:
     return {
         "version": JSON_VERSION,
         "spec": family.document.file,
         "compared": "words" if by_words else "numbers",
-        "passages": [
-            {
-                "section": touched_passage.passage.section.number,
-                "title": touched_passage.passage.section.title,
-                "old": " ".join(touched_passage.passage.old),
-                "new": " ".join(touched_passage.passage.new),
-                "facts": _listed(touched_passage.facts),
-                "facts_of_section": touched_passage.here,
-            }
-            for touched_passage in touched
-        ],
+        "passages": [_passage_data(changed_passage) for changed_passage in changed_passages],
     }
 
 
-def _listed(facts: Iterable[Citing]) -> list[Mapping[str, Any]]:
-    return [{"file": fact.file, "line": fact.line, "path": fact.path, "value": fact.value} for fact in facts]
-
-
-def run_facts(chosen: argparse.Namespace) -> int:
-    """List the facts that cite a page or a section. The exit code is 1 if there are none.
-
-    Raises:
-        Stop: There is no such family, or neither page nor section was given.
-    """
-    if chosen.page is None and chosen.section is None:
-        raise Stop("give --page NUMBER or --section NUMBER, or both", 2)
-    families, report = load_families(chosen.specs)
-    if report:
-        raise problems(report)
-    cited_family = next((family for family in families if family.device.name == chosen.family.lower()), None)
-    if cited_family is None:
-        raise Stop(
-            f"'{chosen.family}' is not a family; known: {', '.join(family.device.name for family in families)}", 2
-        )
-    facts = [
-        fact
-        for fact in citing(cited_family.document)
-        if (chosen.page is None or chosen.page in fact.pages)
-        and (chosen.section is None or chosen.section in fact.sections)
-    ]
-    if chosen.json:
-        print(json.dumps({"version": JSON_VERSION, "facts": _listed(facts)}, indent=2, ensure_ascii=False))
-    else:
-        place = " ".join(
-            [f"section {chosen.section}"] * (chosen.section is not None)
-            + [f"page {chosen.page}"] * (chosen.page is not None)
-        )
-        print("\n".join([*(fact.shown for fact in facts), f"{counted(len(facts), 'fact')} from {place}"]))
-    return 0 if facts else 1
+def _passage_data(changed_passage: _ChangedPassage) -> Mapping[str, Any]:
+    passage = changed_passage.passage
+    return {
+        "section": passage.section.number,
+        "title": passage.section.title,
+        "old": " ".join(passage.old),
+        "new": " ".join(passage.new),
+        "facts": facts_data(changed_passage.facts),
+        "facts_of_section": changed_passage.facts_of_section,
+    }

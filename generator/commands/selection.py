@@ -14,7 +14,7 @@ from ..language.files import find_files
 from ..loading.configuration import Configuration
 from ..loading.family_files import MANUFACTURER
 from ..loading.shipped import packaged_families
-from . import look_up
+from .find_encoder import find_family_or_code
 from .settings_targets import refuse_unknown_targets
 from .terminal import Stop, refuse_missing
 from .which_specs import Specs, find_settings, find_specs, specs_to_judge
@@ -188,7 +188,7 @@ def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[s
         specs = find_files(folders[name.lower()]).specs
         return specs, [path.stem for path in specs if path.name != MANUFACTURER]
     try:
-        device, match, _ = look_up.family_or_code(Specs(tuple(folders.values())), name, cache)
+        device, match, _ = find_family_or_code(Specs(tuple(folders.values())), name, cache)
     except Stop as stop:
         raise _no_packaged(name, stop, folders) from None
     part = match.variant.code if match is not None and not match.unlisted else device.name

@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
-import argparse
-from textwrap import fill
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
 
-from ..cache import Cache
-from ..model import INTERFACES
-from ..virtual import FAULTS, VirtualEncoder, faults_of, motion
-from ..virtual.serve import has_terminals, line_of, listen_tcp, serve, terminal
-from . import look_up
-from .arguments import held_bytes
+from .arguments import Parser, a_path, add_choose_option, add_register_option, bytes_by_address, cache_for
 from .terminal import Stop
-from .which_specs import Specs
 
-_HOW = (
+if TYPE_CHECKING:
+    import argparse
+
+    from ..virtual import VirtualEncoder
+
+EXAMPLES = (
+    "codewheel simulate MY-ENCODER-13-SC --position 1000",
+    "codewheel simulate MY-ENCODER-13-SC --position sine:0.5Hz --fault flip:1e-3",
+)
+_HOW_TO_USE = (
     "For RS-485, open the printed device like a serial port, at any baud rate. With --tcp, and on systems without "
     "pseudo-terminals, open the printed URL with pyserial. For SPI, send the bytes of each word, which are answered "
     "by as many. For SSI and BiSS, send 0 or 1 for each level of the clock, C for 0 and then 1, and T for a time-out. "
@@ -22,41 +26,78 @@ _HOW = (
 )
 
 
-def more_help() -> str:
+def add_arguments(parser: Parser) -> None:
+    """Add the arguments of the command."""
+    parser.description = "Answer like an encoder on a pseudo-terminal or over TCP, and print the device or URL to open."
+    parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
+    parser.add_argument(
+        "--position",
+        default="0",
+        metavar="POSITION",
+        help="counts such as 1000003, sine:0.5Hz, or ramp:1000 in counts per second (default: 0)",
+    )
+    parser.add_argument(
+        "--fault",
+        action="append",
+        default=[],
+        metavar="NAME[:RATE]",
+        help="inject a fault into this share of the replies, such as flip:1e-3 (may be repeated)",
+    )
+    parser.add_argument("--seed", type=int, default=0, help="seed of the random faults (default: 0)")
+    parser.add_argument(
+        "--flag", action="append", default=[], metavar="NAME", help="activate an alarm or flag (may be repeated)"
+    )
+    parser.add_argument(
+        "--tcp",
+        nargs="?",
+        type=int,
+        const=0,
+        metavar="PORT",
+        help="use TCP on this computer instead of a pseudo-terminal (default: any free port)",
+    )
+    add_register_option(parser)
+    add_choose_option(parser, "requests that depend on the answer are not answered")
+    parser.add_argument("--edition", metavar="EDITION", help="use another edition of the manual: a revision or a date")
+    parser.add_argument(
+        "--specs", action="append", type=a_path, default=[], metavar="PATH", help="specs to use, as for decode"
+    )
+    parser.more_help = _more_help
+
+
+def _more_help() -> str:
     """Return how to use the port, and the faults of each interface."""
-    lines = [fill(_HOW, 79)]
-    for interface in dict.fromkeys(interface for effects in FAULTS.values() for interface in effects):
-        effects = faults_of(interface)
+    from textwrap import fill
+
+    from ..model import INTERFACES
+    from ..virtual import FAULTS, faults_of
+
+    lines = [fill(_HOW_TO_USE, 79)]
+    interfaces = dict.fromkeys(interface for effects in FAULTS.values() for interface in effects)
+    for interface in interfaces:
         lines += ["", f"faults over {INTERFACES[interface].short}:"]
-        lines += [f"  {name:<10}{effect}" for name, effect in effects.items()]
+        lines += [f"  {name:<10}{effect}" for name, effect in faults_of(interface).items()]
     return "\n".join(lines)
 
 
-def run(chosen: argparse.Namespace, specs: Specs, cache: Cache) -> int:
+def run(chosen: argparse.Namespace) -> int:
     """Serve a virtual encoder until the user ends it.
 
     Raises:
         Stop: An argument is wrong, with exit code 2, or the port cannot be opened, with exit code 1.
     """
-    _, _, paths = look_up.order_code(specs, chosen.order_code, cache)
+    from ..virtual.serve import has_terminals, line_of, listen_tcp, serve, terminal
+    from .find_encoder import find_order_code
+    from .read_specs import specs_to_read
+
+    cache = cache_for(chosen)
+    _, _, paths = find_order_code(specs_to_read(chosen.specs), chosen.order_code, cache)
     try:
-        answers = dict(pair.partition("=")[::2] for pair in chosen.choose)
-        encoder = VirtualEncoder(
-            chosen.order_code,
-            choose=answers,
-            faults=chosen.fault,
-            seed=chosen.seed,
-            edition=chosen.edition or "",
-            specs=paths,
-        )
-        encoder.position = motion(chosen.position, encoder.counts, encoder.lowest)
-        encoder.set_flag(*chosen.flag)
-        for address, byte in held_bytes(chosen.register).items():
-            encoder.memory.hold(address, byte)
+        encoder = _encoder(chosen, paths)
     except ValueError as error:
         raise Stop(str(error), 2) from None
     try:
-        port = listen_tcp(chosen.tcp or 0) if chosen.tcp is not None or not has_terminals() else terminal()
+        uses_tcp = chosen.tcp is not None or not has_terminals()
+        port = listen_tcp(chosen.tcp or 0) if uses_tcp else terminal()
     except (OSError, OverflowError) as error:
         raise Stop(f"cannot open a port: {getattr(error, 'strerror', None) or error}", 1) from None
     print(port.name, flush=True)
@@ -67,3 +108,26 @@ def run(chosen: argparse.Namespace, specs: Specs, cache: Cache) -> int:
     finally:
         port.close()
     return 0
+
+
+def _encoder(chosen: argparse.Namespace, paths: Sequence[Path]) -> VirtualEncoder:
+    """Return the encoder with its position, flags and registers.
+
+    Raises:
+        ValueError: An argument is wrong.
+    """
+    from ..virtual import VirtualEncoder, motion
+
+    encoder = VirtualEncoder(
+        chosen.order_code,
+        choose=dict(pair.partition("=")[::2] for pair in chosen.choose),
+        faults=chosen.fault,
+        seed=chosen.seed,
+        edition=chosen.edition or "",
+        specs=paths,
+    )
+    encoder.position = motion(chosen.position, encoder.counts, encoder.lowest)
+    encoder.set_flag(*chosen.flag)
+    for address, byte in bytes_by_address(chosen.register).items():
+        encoder.memory.hold(address, byte)
+    return encoder

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import codecs
 import io
+import json
 import os
 import sys
 import unicodedata
 from collections.abc import Sequence
 from contextlib import ExitStack, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 from ..say.ascii import STAND_INS
 from ..say.numbers import counted
@@ -30,7 +31,7 @@ class Stop(Exception):
         self.code = code
 
 
-def prepare(as_json: bool = False) -> None:
+def prepare_streams(as_json: bool = False) -> None:
     """Make the standard streams accept any text. JSON keeps every character, as an escape if necessary.
 
     A closed output stream discards everything. A closed input has nothing to read.
@@ -76,10 +77,6 @@ class Progress:
         if self._shown:
             self._write("\r\x1b[K")
 
-    def begun(self, part: int, parts: int) -> None:
-        """Note that a part of the work has begun."""
-        self.text = f"codewheel: rendering part {part + 1} of {parts}"
-
     def _show(self, *_: object) -> None:
         self._shown = True
         self._write(f"\r\x1b[K{self.text}")
@@ -89,7 +86,7 @@ class Progress:
             os.write(sys.stderr.fileno(), text.encode("ascii", "replace"))
 
 
-def release() -> None:
+def release_streams() -> None:
     """Redirect streams that cannot be written, so that the interpreter does not fail on them at exit."""
     for stream in (sys.stdout, sys.stderr):
         try:
@@ -117,27 +114,28 @@ class _ClosedInput(io.StringIO):
     read = __next__ = readline  # type: ignore[assignment]
 
 
-def _in_words(error: UnicodeError) -> tuple[str | bytes, int]:
+def _replace_in_text(error: UnicodeError) -> tuple[str | bytes, int]:
     """Handle an encoding error in text: return an ASCII replacement, or the raw byte of a file name."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     character = error.object[error.start]
     if "\udc80" <= character <= "\udcff":
         return bytes([ord(character) - 0xDC00]), error.start + 1
-    plain = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
-    return STAND_INS.get(character, plain or "?"), error.start + 1
+    base_letters = unicodedata.normalize("NFKD", character).encode("ascii", "ignore").decode()
+    return STAND_INS.get(character, base_letters or "?"), error.start + 1
 
 
-def _in_json(error: UnicodeError) -> tuple[str, int]:
+def _replace_in_json(error: UnicodeError) -> tuple[str, int]:
     """Handle an encoding error in JSON, where all such characters are in strings."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
-    units = error.object[error.start].encode("utf-16-be", "surrogatepass").hex()
-    return "".join(f"\\u{units[start : start + 4]}" for start in range(0, len(units), 4)), error.start + 1
+    digits = error.object[error.start].encode("utf-16-be", "surrogatepass").hex()
+    escapes = [f"\\u{digits[start : start + 4]}" for start in range(0, len(digits), 4)]
+    return "".join(escapes), error.start + 1
 
 
-codecs.register_error("codewheel", _in_words)
-codecs.register_error("codewheel-json", _in_json)
+codecs.register_error("codewheel", _replace_in_text)
+codecs.register_error("codewheel-json", _replace_in_json)
 
 
 def refuse_missing(paths: Sequence[Path]) -> None:
@@ -146,16 +144,21 @@ def refuse_missing(paths: Sequence[Path]) -> None:
     Raises:
         Stop: A path does not exist. The exit code is 2.
     """
-    missing = [str(path) for path in paths if not _is_there(path)]
+    missing = [str(path) for path in paths if not _exists(path)]
     if missing:
         raise Stop(f"no such file or folder: {', '.join(missing)}", 2)
 
 
-def _is_there(path: Path) -> bool:
+def _exists(path: Path) -> bool:
     try:
         return path.exists() or path.is_symlink()
     except (OSError, ValueError):
         return True  # It exists, and reading it will report the error.
+
+
+def print_json(data: Any) -> None:
+    """Print data as JSON, in indented lines."""
+    print(json.dumps(data, indent=2, ensure_ascii=False))
 
 
 def problems(report: Report) -> Stop:

@@ -10,7 +10,7 @@ from typing import Any
 
 import jsonschema
 import pytest
-from codewheel.commands.decode import decoded_data
+from codewheel.commands.decode.decoding import decoded_data
 from codewheel.dump.plain import device_dump, variant_dump
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from browser_harness import Asker
 from codewheel.commands.cli import main
-from codewheel.commands.look_up import find
+from codewheel.commands.find_encoder import find_among
 from codewheel.commands.terminal import Stop
 from codewheel.loading.library import load_library
 from codewheel.targets import Library
@@ -55,7 +55,7 @@ COMMANDS = (" (codewheel show ", "; codewheel list shows")
 def description_of(library: Library, text: str) -> Any:
     """Return the order code or the help of the command line for a label, without commands to run."""
     try:
-        device, match = find(library.devices, text)
+        device, match = find_among(library.devices, text)
     except Stop as stop:
         message = str(stop)
         for command in COMMANDS:

@@ -8,9 +8,8 @@ from typing import Any
 
 import pytest
 from browser_harness import Asker, Case
-from codewheel.commands.decode import decode_register_text, decode_text
-from codewheel.commands.frame_text import FrameTextError, frame_lines
-from codewheel.commands.look_up import find
+from codewheel.commands.decode.frames import FrameTextError, decode_register_text, decode_text, frame_lines
+from codewheel.commands.find_encoder import find_among
 from codewheel.order_codes.run_time import RegisterError
 from codewheel.targets import Library
 from working_tools import require
@@ -87,7 +86,7 @@ TEXTS = (
 
 def lines_of_command(library: Library, code: str, register: str, text: str) -> list[Any]:
     """Return the results of the command line for the lines of a text."""
-    device, match = find(library.devices, code)
+    device, match = find_among(library.devices, code)
     case = Case(device, match.variant, None)  # type: ignore[arg-type]
 
     def one(text: str) -> str:

@@ -9,9 +9,8 @@ from pathlib import Path
 import pytest
 import yaml
 from codewheel.changes.accepted import read_accepted
-from codewheel.commands.cli import main
+from codewheel.commands.cli import main, parser_for
 from codewheel.commands.new import device_text, manufacturer_text
-from codewheel.commands.parsers import parser_for
 
 SPEC = device_text("my_encoder", "example", "d.json")
 CLOCK, SLOWER = "max_hz: 10000000", "max_hz: 5000000"

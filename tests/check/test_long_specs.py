@@ -11,7 +11,7 @@ from types import MappingProxyType
 from typing import Any
 
 import pytest
-from codewheel.commands.check_text import as_data, as_text
+from codewheel.commands.check import as_data, as_text
 from codewheel.commands.cli import main
 from codewheel.language import messages, places, problems
 from codewheel.language.problems import MAX_FOUND, MAX_PROBLEMS, TOO_MANY, Report

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from codewheel.commands.check import run
+from codewheel.commands.check.specs import check_specs
 from codewheel.commands.new import device_text, manufacturer_text
 
 ERROR = "          - {name: error, active: low, makes_position: not_usable, when_active: an error is active}\n"
@@ -78,7 +78,7 @@ MISTAKES = {
 def problems(tmp_path: Path, text: str) -> list[tuple[str, str, str]]:
     (tmp_path / "my_encoder.yaml").write_text(text, encoding="utf-8")
     (tmp_path / "manufacturer.yaml").write_text(manufacturer_text("m.json"), encoding="utf-8")
-    report = run([tmp_path], ()).report
+    report = check_specs([tmp_path], ()).report
     return [(str(item.line), item.rule, item.message) for item in report.problems]
 
 

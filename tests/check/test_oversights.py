@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
-from codewheel.commands.check import run
+from codewheel.commands.check.specs import check_specs
 from codewheel.commands.new import device_text, manufacturer_text
 
 READ_ZERO = "{name: read, bits: 1, constant: 0, meaning: 1 to read and 0 to write}"
@@ -75,7 +75,7 @@ MISTAKES = {
 def problems(folder: Path, text: str) -> list[tuple[str, str]]:
     (folder / "my_encoder.yaml").write_text(text, encoding="utf-8")
     (folder / "manufacturer.yaml").write_text(manufacturer_text("m.json"), encoding="utf-8")
-    return [(problem.rule, problem.message) for problem in run([folder], ()).report.problems]
+    return [(problem.rule, problem.message) for problem in check_specs([folder], ()).report.problems]
 
 
 @pytest.mark.parametrize(("like", "old", "new", "rule", "words"), MISTAKES.values(), ids=MISTAKES)

@@ -191,20 +191,20 @@ def test_diff_renders_equal_models_once(
 
 @pytest.mark.slow
 def test_only_changed_families_are_proved_again(folder: Path, two: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from codewheel.commands import coverage
+    from codewheel.commands.check import coverage
 
     shutil.copy(two / "tv62.second.yaml", two / "tv63.second.yaml")
     second = two / "tv63.second.yaml"
     text = second.read_text(encoding="utf-8").replace("device: tv62", "device: tv63").replace("TV62", "TV63")
     second.write_text(text, encoding="utf-8")
     cache, proved = Cache(folder), list[str]()
-    real = coverage.look_at
+    real = coverage.check_families
 
-    def look_at(families: list[Family], *arguments: Any) -> object:
+    def check_families(families: list[Family], *arguments: Any) -> object:
         proved.extend(family.device.name for family in families)
         return real(families, *arguments)
 
-    monkeypatch.setattr(coverage, "look_at", look_at)
+    monkeypatch.setattr(coverage, "check_families", check_families)
 
     def refuse() -> list[str]:
         proved.clear()

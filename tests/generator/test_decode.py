@@ -20,7 +20,7 @@ from typing import Any, cast
 import jsonschema
 import pytest
 from codewheel.commands.cli import main
-from codewheel.commands.decode import bit_place
+from codewheel.commands.decode.text import bit_place
 from codewheel.loading.library import load_library
 from codewheel.model import Flag, Layout, Verdict
 from planted import crc
@@ -631,7 +631,7 @@ def test_the_status_bits_of_biss_need_no_word(tmp_path: Path, capsys: Capture) -
 def test_many_frames_lead_to_the_command_of_the_package(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("codewheel.commands.decode_run.MANY", 3)
+    monkeypatch.setattr("codewheel.commands.decode.decoding.MANY", 3)
     told = "codewheel: 3 frames; for files, the Python package is faster: lika-encoders decode\n"
     for count, expected in ((3, ""), (4, told), (6, told)):
         monkeypatch.setattr("sys.stdin", io.StringIO("0xF4243D3\n\n" * count))

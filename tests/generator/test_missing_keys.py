@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.commands.editions import beside, check_all
+from codewheel.commands.editions import check_editions, edition_devices
 from codewheel.commands.terminal import Stop
 from codewheel.language.yaml import parse
 from codewheel.loading.library import load_families
@@ -94,10 +94,10 @@ def test_each_key_of_editions_and_of_the_top(spec: Path) -> None:
     for path in places:
         spec.write_text(json.dumps(_without(data, path)), encoding="utf-8")
         families, report = load_families([spec])
-        check_all(families, report)
+        check_editions(families, report)
         for edition in ("1.0", "1.1"):
             with suppress(Stop):  # Without its key there is no such edition.
-                beside(families, [f"demo={edition}"], report)
+                edition_devices(families, [f"demo={edition}"], report)
 
 
 def test_each_key_of_an_overlay(tmp_path: Path) -> None:
@@ -107,4 +107,4 @@ def test_each_key_of_an_overlay(tmp_path: Path) -> None:
     for path in _places(data):
         overlay.write_text(json.dumps(_without(data, path)), encoding="utf-8")
         families, report = load_families([tolvarn / "tv62.yaml", overlay])
-        check_all(families, report)
+        check_editions(families, report)

@@ -8,10 +8,9 @@ import shutil
 from pathlib import Path
 
 import pytest
-from codewheel.commands.arguments import EXAMPLES
-from codewheel.commands.cli import main
+from codewheel.commands.cli import COMMANDS, command_named, main
 
-COMMANDS = list(EXAMPLES)
+EXAMPLES = {name: command_named(name).EXAMPLES for name in COMMANDS}
 
 
 def run(capsys: pytest.CaptureFixture[str], *arguments: str) -> tuple[int, str, str]:

@@ -13,7 +13,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from codewheel.commands.terminal import _in_words
+from codewheel.commands.terminal import _replace_in_text
 from codewheel.say.ascii import STAND_INS
 
 COMMAND = [sys.executable, "-m", "codewheel"]
@@ -61,7 +61,7 @@ def test_every_character_of_our_specs_has_a_stand_in() -> None:
     assert "µ" in lacking
     assert "−" in lacking
     for character in lacking:
-        stand_in, _ = _in_words(UnicodeEncodeError("ascii", character, 0, 1, ""))
+        stand_in, _ = _replace_in_text(UnicodeEncodeError("ascii", character, 0, 1, ""))
         assert isinstance(stand_in, str), character
         assert stand_in.isascii(), character
         assert "?" not in stand_in, character

@@ -9,7 +9,7 @@ import shutil
 from collections.abc import Iterator
 
 import pytest
-from codewheel.commands import check
+from codewheel.commands.check.specs import check_specs
 from codewheel.commands.cli import main
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
@@ -41,7 +41,7 @@ def replace_in_file(path: pathlib.Path, old: str, new: str) -> None:
 
 def problem_lines() -> list[str]:
     """Return the problems in this folder, each in one line."""
-    report = check.run([pathlib.Path()], []).report
+    report = check_specs([pathlib.Path()], []).report
     return [problem.format().splitlines()[0] for problem in report.problems]
 
 

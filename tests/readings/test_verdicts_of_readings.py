@@ -7,7 +7,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from codewheel.commands import check
+from codewheel.commands.check.specs import check_specs
 
 # Reads whole specs twice.
 pytestmark = pytest.mark.slow
@@ -35,13 +35,13 @@ def problems_after_change(second: Path, old: str, new: str) -> list[str]:
     text = second.read_text(encoding="utf-8")
     assert text.count(old) == 1
     second.write_text(text.replace(old, new), encoding="utf-8")
-    problems = check.run([Path()], []).report.problems
+    problems = check_specs([Path()], []).report.problems
     messages = [problem.message.partition(";")[0] for problem in problems if Path(problem.file).name == second.name]
     return [message.rpartition(":")[0] for message in messages]
 
 
 def test_readings_that_agree(second: Path) -> None:
-    assert not check.run([Path()], []).report.problems
+    assert not check_specs([Path()], []).report.problems
 
 
 def test_the_verdict_of_a_value_is_compared(second: Path) -> None:

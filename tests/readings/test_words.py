@@ -6,7 +6,7 @@ import pathlib
 import shutil
 
 import pytest
-from codewheel.commands import check
+from codewheel.commands.check.specs import check_specs
 from codewheel.language.problems import Report
 from codewheel.loading.library import load_families
 from codewheel.readings.cited import numbers_in
@@ -80,7 +80,7 @@ def folder(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> pathlib.P
 
 
 def problem_lines() -> list[str]:
-    report = check.run([pathlib.Path()], []).report
+    report = check_specs([pathlib.Path()], []).report
     problems = [problem.format().splitlines()[0] for problem in report.problems]
     of_spec = [line for line in problems if line.startswith("twice.yaml:")]
     return [line.partition(": readings-disagree: ")[2].partition(" in twice")[0] for line in of_spec]

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from codewheel.commands.show import device_text, variant_text
-from codewheel.commands.show_parts import at
+from codewheel.commands.show.text import device_text, style_with, variant_text
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.model.expressions import Expression
@@ -300,4 +299,4 @@ def test_an_order_code_turns_expressions_into_numbers(device: Device) -> None:
         device, next(candidate for candidate in device.parameters if candidate.name == "doubled")
     )
     assert BY_NAME.sentence(equals) == "Equals position_bits + position_bits."
-    assert at({"position_bits": 16}).sentence(equals) == "Equals 32."
+    assert style_with({"position_bits": 16}).sentence(equals) == "Equals 32."

@@ -16,8 +16,8 @@ from typing import Any
 
 import pytest
 from bench import codes_with
-from codewheel.commands.arguments import EXAMPLES
 from codewheel.commands.cli import main
+from codewheel.commands.simulate import EXAMPLES
 from codewheel.targets import Library
 from codewheel.virtual import FAULTS
 
@@ -98,7 +98,7 @@ def test_levels_of_biss_over_tcp() -> None:
     assert answer[1:104:2] == b"1" + b"000" + b"1" + b"0" + f"{1_000_003:037b}11".encode() + b"010011" + b"0"
 
 
-@pytest.mark.parametrize("line", EXAMPLES["simulate"])
+@pytest.mark.parametrize("line", EXAMPLES)
 def test_the_examples_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line: str) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["new", "my_encoder"]) == 0

@@ -1,8 +1,7 @@
-"""Find the specs, the family or the order code that the user named."""
+"""Find the family or the order code that the user named in the specs of a run."""
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
@@ -10,56 +9,25 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..say.numbers import counted, first_of
+from .arguments import bytes_by_address
 from .terminal import Stop, problems
 
 if TYPE_CHECKING:
+    import argparse
+
     from ..cache import Cache
     from ..language.problems import Report
     from ..model import Device
     from ..order_codes.labels import Match
     from .which_specs import Specs
 
+#: Most files in a message.
 _MOST_FILES = 8
-
-
-def load(paths: Sequence[Path]) -> tuple[Device, ...]:
-    """Return the devices of the specs, and print problems to standard error.
-
-    Raises:
-        Stop: There are problems. The exit code is 1.
-    """
-    from ..loading.library import load_library
-
-    devices, report = load_library(paths)
-    if report:
-        raise problems(report)
-    return devices
-
-
-def read_line(
-    families: Iterable[str], report: Report, packaged: Sequence[str] = (), packaged_files: Sequence[Path] = ()
-) -> str:
-    """Return one line that names the specs that were read, so that users notice a forgotten path.
-
-    ``packaged`` are the names given with ``--packaged``, and ``packaged_files`` the specs of these names.
-    """
-    passed_over = [file for file in report.passed_over if file not in report.files]
-    others = f"; skipped: {first_of(passed_over, _MOST_FILES)}" if passed_over else ""
-    if not packaged:
-        return f"read {counted(len(report.files), 'spec')}: {first_of(report.files, _MOST_FILES)}{others}"
-    packaged_names = {path.stem for path in packaged_files}
-    packaged_folders = {os.path.realpath(path.parent) for path in packaged_files}
-    own_files = [file for file in report.files if os.path.dirname(os.path.realpath(file)) not in packaged_folders]
-    own = f", and {counted(len(own_files), 'spec')} of yours: {first_of(own_files, _MOST_FILES)}" if own_files else ""
-    read_names = ", ".join(name for name in families if name in packaged_names)
-    return f"read the packaged specs of {', '.join(packaged)}: {read_names}{own}{others}"
-
-
 #: A family, the order code in it (None if the family was named), and the specs in which it was found.
 Located = tuple["Device", "Match | None", Sequence[Path]]
 
 
-def order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Match, Sequence[Path]]:
+def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Match, Sequence[Path]]:
     """Return the family and variant of an order code, and the specs with it. Few families are loaded if possible.
 
     The user's specs come first. If their text does not show which families are possible, all of them are loaded. Specs
@@ -68,52 +36,74 @@ def order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Match, Se
     Raises:
         Stop: There is no such code (exit code 2), or no valid spec has it and others have problems (exit code 1).
     """
-    device, match, paths = _located(specs, text, cache, is_name=False)
+    device, match, paths = _find(specs, text, cache, is_name=False)
     if match is None:  # Only a name has no match.
         raise _unknown([device], text)
     return device, match, paths
 
 
-def family_or_code(specs: Specs, text: str, cache: Cache) -> Located:
-    """Return a family by its name, or the family and variant of an order code, like ``order_code``.
+def find_requested(chosen: argparse.Namespace, specs: Specs, cache: Cache) -> tuple[Device, Match, dict[int, int]]:
+    """Return the family and variant of ``ORDER-CODE`` in the edition of ``--edition``, and the bytes of ``--register``.
+
+    Registers that served to infer the edition are omitted.
 
     Raises:
-        Stop: As for ``order_code``.
+        Stop: As for ``find_order_code``, a byte is malformed, or the edition is not known. The exit code is then 2.
     """
-    return _located(specs, text, cache, is_name=True)
+    device, match, paths = find_order_code(specs, chosen.order_code, cache)
+    register_bytes = bytes_by_address(chosen.register)
+    if chosen.edition is None:
+        return device, match, register_bytes
+    from .editions import in_requested_edition
+
+    device, match_in_edition, register_bytes = in_requested_edition(
+        paths, device, match, chosen.edition, chosen.order_code, register_bytes
+    )
+    return device, match_in_edition or match, register_bytes
 
 
-def _located(specs: Specs, text: str, cache: Cache, is_name: bool) -> Located:
+def find_family_or_code(specs: Specs, text: str, cache: Cache) -> Located:
+    """Return a family by its name, or the family and variant of an order code, like ``find_order_code``.
+
+    Raises:
+        Stop: As for ``find_order_code``.
+    """
+    return _find(specs, text, cache, is_name=True)
+
+
+def _find(specs: Specs, text: str, cache: Cache, is_name: bool) -> Located:
     """Return the family or order code of the first group that has it, and report that a later group also has it."""
     skipped: list[Report] = []
     for index, paths in enumerate(specs.groups):
-        found = _in_group(paths, text, cache, is_name, skipped)
-        if found is None:
+        family_and_code = _find_in_group(paths, text, cache, is_name, skipped)
+        if family_and_code is None:
             continue
-        _refuse_hidden(found[0], skipped)
+        device, match = family_and_code
+        _refuse_hidden(device, skipped)
         for report in skipped:
             _report_skipped(report)
-        if any(_has(group, found[0].name, text, cache, is_name) for group in specs.groups[index + 1 :]):
+        later_groups = specs.groups[index + 1 :]
+        if any(_group_has(group, device.name, text, cache, is_name) for group in later_groups):
             print(f"codewheel: {text} is in your specs and in the packaged ones; yours are used", file=sys.stderr)
-        return (*found, paths)
-    raise _not_found(specs, text, cache, is_name)
+        return device, match, paths
+    raise _no_such_encoder(specs, text, cache, is_name)
 
 
-def _has(paths: Sequence[Path], family: str, text: str, cache: Cache, is_name: bool) -> bool:
+def _group_has(paths: Sequence[Path], family: str, text: str, cache: Cache, is_name: bool) -> bool:
     """Return True if a group also has the family, or the order code or name."""
     from ..loading.selected import has_family
 
-    return has_family(paths, family) or _in_group(paths, text, cache, is_name, []) is not None
+    return has_family(paths, family) or _find_in_group(paths, text, cache, is_name, []) is not None
 
 
-def _in_group(
+def _find_in_group(
     paths: Sequence[Path], text: str, cache: Cache, is_name: bool, skipped: list[Report]
 ) -> tuple[Device, Match | None] | None:
     """Return the family or order code in a group of specs, or None. Reports of specs with problems are added."""
     from ..loading.selected import families_for
 
     selected = families_for(paths, text, cache)
-    matches = _matches(selected, text, is_name) if selected is not None else None
+    matches = _all_matches(selected, text, is_name) if selected is not None else None
     # Several may share an order code by mistake, which only the check of all specs finds.
     if matches is not None and len(matches) < 2:
         return matches[0] if matches else None
@@ -122,28 +112,32 @@ def _in_group(
     devices, report = load_sound(paths)
     if report:
         skipped.append(report)
-    return _match(devices, text, is_name)
+    return _best_match(devices, text, is_name)
 
 
-def _match(devices: Sequence[Device], text: str, is_name: bool) -> tuple[Device, Match | None] | None:
+def _best_match(devices: Sequence[Device], text: str, is_name: bool) -> tuple[Device, Match | None] | None:
     """Return the family with this name, or the order code with the shortest tail after it, or None."""
-    found = _matches(devices, text, is_name)
-    return min(found, key=lambda item: len(item[1].tail) if item[1] is not None else 0) if found else None
+    return min(_all_matches(devices, text, is_name), key=_tail_length, default=None)
 
 
-def _matches(devices: Sequence[Device], text: str, is_name: bool) -> list[tuple[Device, Match | None]]:
+def _tail_length(family_and_code: tuple[Device, Match | None]) -> int:
+    _, match = family_and_code
+    return len(match.tail) if match is not None else 0
+
+
+def _all_matches(devices: Sequence[Device], text: str, is_name: bool) -> list[tuple[Device, Match | None]]:
     """Return the family with this name, or all families with the order code."""
     from ..order_codes.labels import UnknownOrderCode
-    from ..order_codes.labels import find as find_in
+    from ..order_codes.labels import find as match_of
 
     family = _family(devices, text) if is_name else None
     if family is not None:
         return [(family, None)]
-    found: list[tuple[Device, Match | None]] = []
-    for device in in_order(devices, text):
+    matches: list[tuple[Device, Match | None]] = []
+    for device in _candidates(devices, text):
         with suppress(UnknownOrderCode):
-            found.append((device, find_in(device, text)))
-    return found
+            matches.append((device, match_of(device, text)))
+    return matches
 
 
 def _refuse_hidden(device: Device, skipped: Iterable[Report]) -> None:
@@ -159,49 +153,52 @@ def _refuse_hidden(device: Device, skipped: Iterable[Report]) -> None:
 
 def _report_skipped(report: Report) -> None:
     files = list(dict.fromkeys(problem.file for problem in report.problems))
-    left_out = f"skipped, with {counted(len(report), 'problem')}: {first_of(files, _MOST_FILES)}; run codewheel check"
-    print(f"codewheel: {left_out}", file=sys.stderr)
+    notice = f"skipped, with {counted(len(report), 'problem')}: {first_of(files, _MOST_FILES)}; run codewheel check"
+    print(f"codewheel: {notice}", file=sys.stderr)
 
 
-def _not_found(specs: Specs, text: str, cache: Cache, is_name: bool) -> Stop:
+def _no_such_encoder(specs: Specs, text: str, cache: Cache, is_name: bool) -> Stop:
     """Return the reason why no group has the text: problems in a spec, or the nearest codes of all families."""
     from ..loading.library import load_sound
     from ..loading.shipped import packaged_families
 
     devices: list[Device] = []
     for paths in specs.groups:
-        sound, report = load_sound(paths)
+        group_devices, report = load_sound(paths)
         if report:
             return problems(report)
-        devices += sound
+        devices += group_devices
     reason = _unknown(devices, text)
-    if not specs.packaged and _in_group(packaged_families(), text, cache, is_name, []):
+    if not specs.packaged and _find_in_group(packaged_families(), text, cache, is_name, []):
         return Stop(f"{reason}; the packaged specs have it, so leave out the names of specs", reason.code)
     return reason
 
 
-def find(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
+def find_among(devices: Sequence[Device], text: str) -> tuple[Device, Match]:
     """Return the family and variant of an order code among ``devices``, with the shortest tail after the code.
 
     Raises:
         Stop: There is no such code. The exit code is 2.
     """
-    found = _match(devices, text, is_name=False)
-    if found is None or found[1] is None:
+    device, match = _best_match(devices, text, is_name=False) or (None, None)
+    if device is None or match is None:
         raise _unknown(devices, text)
-    return found[0], found[1]
+    return device, match
 
 
-def in_order(devices: Sequence[Device], text: str) -> list[Device]:
+def _candidates(devices: Sequence[Device], text: str) -> list[Device]:
     """Return the families that may have the order code ``text``, first the special models with its suffix.
 
     Other special models and older editions are left out, since they share order codes with a family.
     """
     code = "".join(text.split()).upper()
-    special = [
-        item for item in devices if any(code.endswith(f"/{over.special}") for over in item.overlays if over.special)
-    ]
-    return [*special, *(item for item in devices if not item.base)]
+    special_models = [device for device in devices if _is_special_model(device, code)]
+    return [*special_models, *(device for device in devices if not device.base)]
+
+
+def _is_special_model(device: Device, code: str) -> bool:
+    """Return whether a device is a special model whose suffix ends the code."""
+    return any(overlay.special and code.endswith(f"/{overlay.special}") for overlay in device.overlays)
 
 
 def _unknown(devices: Sequence[Device], text: str) -> Stop:
@@ -210,7 +207,7 @@ def _unknown(devices: Sequence[Device], text: str) -> Stop:
     from ..order_codes import messages
     from ..order_codes.labels import NEAR, closest_reason, nearest_codes
 
-    reason = closest_reason(in_order(devices, text), text)
+    reason = closest_reason(_candidates(devices, text), text)
     if reason is not None:
         return Stop(reason, 2)
     device = _family(devices, text)

@@ -30,14 +30,15 @@ class Finding:
 def as_review(findings: Sequence[Finding], form: str) -> str:
     """Return findings as ``github`` or ``sarif``, without a final line break."""
     if form == "github":
-        return "\n".join(map(_command, findings))
+        return "\n".join(map(_workflow_command, findings))
     return json.dumps(_sarif(findings), indent=2, ensure_ascii=False)
 
 
-def _command(issue: Finding) -> str:
+def _workflow_command(finding: Finding) -> str:
     """Return a workflow command, in which line ends and percent signs are escaped."""
-    place = f"file={_escaped(issue.file, ',:')},line={issue.line},col={issue.column},title={_escaped(issue.rule, ',:')}"
-    return f"::{issue.level} {place}::{_escaped(issue.message)}"
+    file, rule = _escaped(finding.file, ",:"), _escaped(finding.rule, ",:")
+    place = f"file={file},line={finding.line},col={finding.column},title={rule}"
+    return f"::{finding.level} {place}::{_escaped(finding.message)}"
 
 
 def _escaped(text: str, more_characters: str = "") -> str:
@@ -47,26 +48,24 @@ def _escaped(text: str, more_characters: str = "") -> str:
 
 
 def _sarif(findings: Sequence[Finding]) -> dict[str, object]:
-    rules = [{"id": rule} for rule in sorted({finding.rule for finding in findings})]
-    driver = {"name": "codewheel", "version": __version__, "rules": rules}
-    results = [
-        {
-            "ruleId": finding.rule,
-            "level": _LEVELS[finding.level],
-            "message": {"text": finding.message},
-            "locations": [
-                {
-                    "physicalLocation": {
-                        "artifactLocation": {"uri": _uri(finding.file)},
-                        "region": {"startLine": finding.line, "startColumn": finding.column},
-                    }
-                }
-            ],
-        }
-        for finding in findings
-    ]
+    rule_names = sorted({finding.rule for finding in findings})
+    driver = {"name": "codewheel", "version": __version__, "rules": [{"id": name} for name in rule_names]}
+    results = [_sarif_result(finding) for finding in findings]
     run = {"tool": {"driver": driver}, "columnKind": "unicodeCodePoints", "results": results}
     return {"$schema": _SCHEMA, "version": "2.1.0", "runs": [run]}
+
+
+def _sarif_result(finding: Finding) -> dict[str, object]:
+    place = {
+        "artifactLocation": {"uri": _uri(finding.file)},
+        "region": {"startLine": finding.line, "startColumn": finding.column},
+    }
+    return {
+        "ruleId": finding.rule,
+        "level": _LEVELS[finding.level],
+        "message": {"text": finding.message},
+        "locations": [{"physicalLocation": place}],
+    }
 
 
 def _uri(file: str) -> str:

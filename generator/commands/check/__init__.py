@@ -1,0 +1,180 @@
+"""``codewheel check``: report all problems in specs and second readings, and facts that targets cannot express."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from ..arguments import FORMATS, FORMATS_HELP, Parser, add_cache_option, add_specs, cache_for
+from ..terminal import Progress, Stop, print_json
+
+if TYPE_CHECKING:
+    import argparse
+    from pathlib import Path
+
+    from ...cache import Cache
+    from ...language.problems import Problem, Report
+    from ...readings.coverage import Coverage
+    from ..cached_result import CachedResult
+    from ..review_formats import Finding
+
+JSON_VERSION = 1
+EXAMPLES = ("codewheel check my_encoder.yaml", "codewheel check .", "codewheel check --json")
+
+
+def add_arguments(parser: Parser) -> None:
+    """Add the arguments of the command."""
+    parser.description = "Report all problems in the specs."
+    add_specs(parser)
+    parser.add_argument(
+        "--target",
+        action="append",
+        metavar="NAME",
+        help="check that this output can express the specs (see below, may be repeated)",
+    )
+    form = parser.add_mutually_exclusive_group()
+    form.add_argument("--json", action="store_true", help="print the problems as JSON")
+    form.add_argument("--format", choices=FORMATS, default="text", help=FORMATS_HELP)
+    add_cache_option(parser)
+    parser.add_argument(
+        "--coverage",
+        action="store_true",
+        help="count how often each fact was read, and exit 1 if a fact that needs two readings was read only once",
+    )
+    parser.add_argument(
+        "--write",
+        action="store_true",
+        help="with --coverage: save the counts next to the specs, for the documentation pages",
+    )
+    parser.more_help = _targets_help
+
+
+def _targets_help() -> str:
+    from ..outputs import listing
+
+    return listing()
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Print the problems. The exit code is 1 if there are any.
+
+    Raises:
+        Stop: There are no specs, options contradict each other, or a target fails.
+    """
+    from ...cache import NO_CACHE
+    from ..cached_result import cached_result
+    from ..read_specs import specs_to_judge
+
+    if chosen.write and not chosen.coverage:
+        raise Stop("--write needs --coverage", 2)
+    paths = specs_to_judge([*chosen.specs, *chosen.more_specs], "check").paths
+    if chosen.format in ("github", "sarif") and chosen.coverage:
+        raise Stop(f"--format {chosen.format} lists problems only; leave --coverage out", 2)
+    chosen.json = chosen.json or chosen.format == "json"
+    cache = cache_for(chosen)
+    result = cached_result(NO_CACHE if chosen.coverage or chosen.target else cache, "check", paths)
+    if _print_stored(result, chosen):
+        return 0
+    return _check(paths, chosen, cache, result)
+
+
+def _print_stored(result: CachedResult, chosen: argparse.Namespace) -> bool:
+    """Print the result of an earlier run without problems, and return whether there is one."""
+    from ..cached_result import report_of
+
+    specs = result.get()
+    if specs is None:
+        return False
+    _print_problems(specs["families"], report_of(specs), {}, chosen)
+    return True
+
+
+def _check(paths: Sequence[Path], chosen: argparse.Namespace, cache: Cache, result: CachedResult) -> int:
+    """Check the specs, print and store the result, and return the exit code."""
+    from ...cache import NO_CACHE
+    from ...targets.registry import WITH_PROBLEMS
+    from ..cached_result import specs_read
+    from ..outputs import are_built_in, targets_named
+    from . import coverage
+    from .specs import check_specs
+
+    targets = targets_named(chosen.target, WITH_PROBLEMS)
+    with Progress("codewheel: checking the specs"):
+        checked = check_specs(paths, targets, NO_CACHE if chosen.coverage else cache)
+    names = [family.device.name for family in checked.families]
+    covered: Sequence[Coverage] = []
+    counts: dict[str, Any] = {}
+    if chosen.coverage:
+        coverage.check_counts(checked, write=chosen.write)
+        covered = checked.readings
+        counts = coverage.as_data(covered)
+    _print_problems(names, checked.report, counts, chosen)
+    if chosen.coverage and not chosen.json:
+        print(coverage.as_text(covered, checked))
+    if not checked.report and are_built_in(targets, WITH_PROBLEMS):
+        result.put(specs_read(names, checked.report))
+    return 0 if coverage.is_complete(covered, checked.report) else 1
+
+
+def _print_problems(
+    families: Sequence[str], report: Report, counts: dict[str, Any], chosen: argparse.Namespace
+) -> None:
+    """Print the problems and, in JSON, also the counts of the coverage."""
+    data = {"version": JSON_VERSION} | as_data(report) | counts
+    if chosen.json:
+        print_json(data)
+    else:
+        print(as_text(families, report, chosen.format))
+
+
+def as_data(report: Report) -> dict[str, Any]:
+    """Return the problems in the form that ``--json`` prints."""
+    from ..read_specs import placeholders_data
+
+    return {
+        "files": report.files,
+        "passed_over": report.passed_over,
+        "problems": [problem.to_json() for problem in report.shown],
+        "placeholders": placeholders_data(report.files),
+    }
+
+
+def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
+    """Return the problems as text, with the files read and a summary, or in a form for review tools.
+
+    ``families`` are the names of all families.
+    """
+    if form in ("github", "sarif"):
+        return _for_review(report, form)
+    from ...say.numbers import counted
+    from ..read_specs import placeholder_lines, read_line
+
+    lines = [problem.format() for problem in report.shown]
+    lines += placeholder_lines(report.files)
+    lines.append(read_line(families, report))
+    if report:
+        lines.append(counted(len(report), "problem"))
+    elif families:
+        number = "1 family" if len(families) == 1 else f"{len(families)} families"
+        lines.append(f"no problems in {number}: {', '.join(families)}")
+    else:  # Some files define no family, such as those of masters.
+        lines.append("no problems")
+    return "\n".join(lines)
+
+
+def _for_review(report: Report, form: str) -> str:
+    from ..review_formats import as_review
+
+    return as_review([_finding(problem) for problem in report.shown], form)
+
+
+def _finding(problem: Problem) -> Finding:
+    from ..review_formats import Finding
+
+    return Finding(
+        file=problem.file,
+        line=problem.line,
+        column=problem.column,
+        rule=problem.rule,
+        message=problem.message,
+    )

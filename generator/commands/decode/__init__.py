@@ -1,0 +1,112 @@
+"""``codewheel decode``: name every bit of frames, check their CRC, and list the reports of the encoder.
+
+``frames`` reads and decodes their text, ``text`` explains them, and ``decoding`` prints one after another.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from ..arguments import Parser, add_choose_option, add_edition_option, add_register_option, add_specs_option, cache_for
+from ..terminal import Stop, release_streams
+
+if TYPE_CHECKING:
+    import argparse
+
+    from .decoding import Request
+
+EXAMPLES = (
+    "codewheel decode MY-ENCODER-13-SC 0b0001111101000_1_1_011010",
+    'codewheel decode MY-ENCODER-13-SC --as preset "00 00 03 E8"',
+)
+_ABOUT_FRAMES = (
+    "For RS-485, FRAME is a sequence of bytes in hexadecimal. For SSI, BiSS and SPI, it is one number whose most "
+    "significant bit is the first bit sent: 0b... with every digit, 0x..., or hex bytes. The notations of "
+    "programs and logs are also accepted, such as 0F:42, [0x0F, 0x42], \\x0F\\x42 and F4243D3h. With -, lines "
+    "may begin with a time, and empty lines and text after # are skipped. The exit code is 0 on success, 1 "
+    "for a frame with an error or a register value that this encoder cannot have, 2 for wrong usage, text "
+    "that is not a frame, or a missing --choose, and 3 for a valid frame whose position is not usable. With "
+    "several frames, the exit code is that of the worst one, in the order 2, 1, 3."
+)
+
+
+def add_arguments(parser: Parser) -> None:
+    """Add the arguments of the command."""
+    parser.description = "Name every bit of a frame, check its CRC, and list the reports of the encoder."
+    parser.epilog = _ABOUT_FRAMES
+    parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
+    parser.add_argument(
+        "frame", nargs="+", metavar="FRAME", help="the frame, as one or more arguments, or - to read one frame per line"
+    )
+    parser.add_argument(
+        "--as", dest="register_name", metavar="REGISTER", help="decode the bytes as this register's value"
+    )
+    add_register_option(parser)
+    add_choose_option(parser, "frames that depend on the answer are not decoded")
+    add_edition_option(parser)
+    parser.add_argument(
+        "--layout",
+        metavar="NAME",
+        help="layout of the frame, as listed by show, if the frame does not identify it (such as another BiSS"
+        " data channel)",
+    )
+    parser.add_argument(
+        "--from",
+        dest="sender",
+        choices=("encoder", "master"),
+        default="encoder",
+        help="sender of the frame (default: encoder)",
+    )
+    add_specs_option(parser)
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Print the frames decoded, and return the exit code.
+
+    Raises:
+        Stop: There is no such order code or edition, or an answer or a register value is wrong.
+    """
+    from .decoding import Decoding, argument_lines
+
+    decoding = Decoding(_request(chosen))
+    try:
+        decoding.run(argument_lines(chosen.frame))
+    except BrokenPipeError:
+        release_streams()
+    return decoding.code
+
+
+def _request(chosen: argparse.Namespace) -> Request:
+    """Return the encoder as its registers, the edition and the user's answers determine it, with the options.
+
+    Raises:
+        Stop: As for ``run``.
+    """
+    from ...order_codes.reduction import reduced_to_codes
+    from ...order_codes.run_time import RegisterError, with_answers, with_registers
+    from ...reference.findings import compare_held, fixed_addresses
+    from ..choose import answers_of
+    from ..find_encoder import find_requested
+    from ..read_specs import specs_to_read
+    from .decoding import Request
+
+    cache = cache_for(chosen)
+    device, match, register_bytes = find_requested(chosen, specs_to_read(chosen.specs), cache)
+    answers = answers_of(device, match.variant, chosen.choose)
+    fixed = fixed_addresses(device, match.variant)
+    changed_bytes = {address: byte for address, byte in register_bytes.items() if address not in fixed}
+    try:
+        variant = with_answers(device, with_registers(device, match.variant, changed_bytes), answers)
+    except RegisterError as error:
+        raise Stop(str(error), 2) from None
+    return Request(
+        device=reduced_to_codes(device, [variant.code]),
+        match=replace(match, variant=variant),
+        sender=chosen.sender,
+        layout=chosen.layout,
+        register=chosen.register_name,
+        as_json=chosen.json,
+        register_differences=compare_held(device, match.variant, register_bytes),
+        answers=answers,
+    )

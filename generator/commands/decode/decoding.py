@@ -1,0 +1,339 @@
+"""Print one or many frames decoded, as text or as JSON, and return their common exit code."""
+
+from __future__ import annotations
+
+import io
+import json
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, TextIO
+
+from ...model import Device, Flag, PlacedLayout, Scale, Variant, Verdict
+from ...order_codes.labels import Match
+from ...order_codes.run_time import RegisterError
+from ...reference import codec
+from ...reference.editions import strange_values
+from ...reference.findings import Difference, Findings, Report, findings
+from ..choose import UndecidedError, refuse_undecided
+from .frames import (
+    FrameTextError,
+    Line,
+    OtherFrames,
+    decode_register_text,
+    frame_lines,
+    is_frame_of_other_kind,
+    text_decoder,
+    why_text,
+)
+from .text import NO_ANSWERS, NO_LINE, explain, label_lines, other_frames_line
+
+if TYPE_CHECKING:
+    from ...why.mistakes import Explanation, Why
+
+JSON_VERSION = 1
+DONE, FAULT, NO_FRAME, NOT_USABLE = 0, 1, 2, 3
+#: Exit codes, most severe first. With several frames, the exit code is that of the worst one.
+_WORST_FIRST = (NO_FRAME, FAULT, NOT_USABLE)
+#: Number of frames after which a message names the command for many frames.
+MANY = 10_000
+#: Characters of a line that are kept in memory.
+_LONGEST_LINE = 1 << 16
+_ONE_LINE = json.JSONEncoder(ensure_ascii=False)
+
+
+@dataclass(frozen=True, slots=True)
+class Request:
+    """Options for decoding the value of ``register`` if that is set, else a frame."""
+
+    device: Device
+    match: Match
+    sender: str
+    layout: str | None
+    register: str | None
+    as_json: bool
+    #: Values of ``--register`` that contradict the order code in registers that identify the encoder.
+    register_differences: tuple[Difference, ...]
+    #: The user's answers to questions that the manual leaves open, by the names of the alternatives.
+    answers: Mapping[str, str]
+
+
+def argument_lines(arguments: Sequence[str]) -> Iterator[Line]:
+    """Yield the frames in the arguments, or for ``-`` those on standard input, one per line."""
+    if list(arguments) == ["-"]:
+        if isinstance(sys.stdin, io.TextIOWrapper):
+            sys.stdin.reconfigure(errors="replace")
+        yield from frame_lines(_bounded_lines(sys.stdin))
+        return
+    text = " ".join(arguments)
+    lines = list(frame_lines(text.splitlines()))
+    if not lines:
+        yield Line(None, "", text)
+    elif len(lines) == 1:
+        yield lines[0]._replace(number=None)
+    else:
+        yield from lines
+
+
+def _bounded_lines(file: TextIO) -> Iterator[str]:
+    """Yield the lines of a file. The rest of a line that is longer than any frame is skipped."""
+    while line := file.readline(_LONGEST_LINE):
+        yield line
+        while len(line) == _LONGEST_LINE and not line.endswith("\n"):
+            line = file.readline(_LONGEST_LINE)
+
+
+class Decoding:
+    """Decoder of one frame after another. ``code`` is the exit code so far."""
+
+    def __init__(self, request: Request) -> None:
+        self._request = request
+        device, variant, sender = request.device, request.match.variant, request.sender
+        self._decode_frame = text_decoder(device, variant, sender, request.layout)
+        has_known_layout = request.layout is not None or request.register is not None
+        self._other_frames = None if has_known_layout else OtherFrames(device, variant, sender)
+        self._label = tuple(label_lines(device, request.match))
+        #: The layouts whose questions are answered, and the answers that each layout needs, by name.
+        self._decided_layouts: set[str] = set()
+        self._needed_answers: dict[str, dict[str, str]] = {}
+        self._codes = {FAULT} if request.register_differences else set()
+        self._is_first = True
+
+    @property
+    def code(self) -> int:
+        return next((code for code in _WORST_FIRST if code in self._codes), DONE)
+
+    def run(self, lines: Iterable[Line]) -> None:
+        """Print each frame decoded. Report text that is not a frame, and continue."""
+        for count, line in enumerate(lines):
+            if count == MANY and self._request.register is None:
+                command = f"{self._request.device.manufacturer.distribution} decode"
+                notice = f"{MANY:,} frames; for files, the Python package is faster: {command}"
+                print(f"codewheel: {notice}", file=sys.stderr)
+            try:
+                decoded, why = self._decode(line.text)
+            except (FrameTextError, RegisterError, UndecidedError) as error:
+                self._codes.add(NO_FRAME)
+                place = f"line {line.number}: " if line.number is not None else ""
+                print(f"codewheel: {place}{error}", file=sys.stderr)
+                continue
+            frame_findings = self._findings(decoded)
+            self._codes.add(_code(decoded, frame_findings))
+            other_layouts = self._other_layouts(line.text, decoded)
+            if is_frame_of_other_kind(decoded, other_layouts):
+                why = None
+            # Someone who reads many frames should not have to wait for the end.
+            print(self._output(line, decoded, frame_findings, why, other_layouts), flush=line.number is not None)
+
+    def _decode(self, text: str) -> tuple[codec.Decoded, Why | None]:
+        """Decode a frame, and explain it if it is wrong, or decode the value of a register."""
+        device, variant = self._request.device, self._request.match.variant
+        if self._request.register is not None:
+            decoded = decode_register_text(device, variant, self._request.register, text)
+            self._refuse_undecided(decoded)
+            return decoded, None
+        decoded = self._decode_frame(text)
+        self._refuse_undecided(decoded)
+        return decoded, why_text(device, variant, self._request.sender, text, decoded)
+
+    def _refuse_undecided(self, decoded: codec.Decoded) -> None:
+        """Raise ``UndecidedError`` if the layout needs an answer. A layout is checked only once."""
+        placed = decoded.layout
+        if placed is None or placed.name in self._decided_layouts:
+            return
+        # A word is only bits, and even its length depends on the answers.
+        if decoded.fields or not placed.layout.in_bytes:
+            refuse_undecided(self._request.device, placed.layout, self._request.answers)
+            self._decided_layouts.add(placed.name)
+
+    def _findings(self, decoded: codec.Decoded) -> Findings:
+        """Return the findings, with those in the registers of ``--register`` and those about the edition."""
+        request = self._request
+        frame_findings = findings(request.device, request.match.variant, decoded)
+        edition_differences = tuple(strange_values(request.device, decoded))
+        if not edition_differences and not request.register_differences:
+            return frame_findings
+        differences = (*request.register_differences, *frame_findings.differences, *edition_differences)
+        return replace(frame_findings, differences=differences)
+
+    def _other_layouts(self, text: str, decoded: codec.Decoded) -> Sequence[PlacedLayout]:
+        return self._other_frames.layouts_of(text, decoded) if self._other_frames is not None else ()
+
+    def _answers_used(self, decoded: codec.Decoded) -> dict[str, str]:
+        """Return the answers that were used to decode a frame, with the defaults of those that decide its verdict."""
+        if decoded.layout is None:
+            return {}
+        return self._answers_for(decoded.layout) | self._decisive_answers(decoded)
+
+    def _answers_for(self, placed: PlacedLayout) -> dict[str, str]:
+        """Return the answers that the places of the fields depend on."""
+        if placed.name not in self._needed_answers:
+            answers = self._request.answers
+            names = [alternative.name for alternative in self._request.device.alternatives_of(placed.layout)]
+            self._needed_answers[placed.name] = {name: answers[name] for name in names if name in answers}
+        return self._needed_answers[placed.name]
+
+    def _decisive_answers(self, decoded: codec.Decoded) -> dict[str, str]:
+        """Return the answers, or their defaults, that decide the verdict of an active flag of the frame."""
+        if decoded.problems or decoded.layout is None:
+            return {}
+        values = decoded.values
+        active_kinds = (field.field.kind for field in decoded.layout.fields if values.get(field.name) is True)
+        parameters = {kind.verdict_parameter for kind in active_kinds if isinstance(kind, Flag)}
+        alternatives = self._request.device.optional_alternatives
+        deciding = [alternative for alternative in alternatives if alternative.parameter in parameters]
+        answers = self._request.answers
+        return {alternative.name: answers.get(alternative.name, alternative.default) for alternative in deciding}
+
+    def _output(
+        self,
+        line: Line,
+        decoded: codec.Decoded,
+        frame_findings: Findings,
+        why: Why | None,
+        other_layouts: Sequence[PlacedLayout],
+    ) -> str:
+        request, answers = self._request, self._answers_used(decoded)
+        if request.as_json:
+            data = decoded_data(
+                request.device,
+                request.match.variant,
+                request.sender,
+                decoded,
+                frame_findings,
+                why=why,
+                line=line,
+                answers=answers,
+                other_layouts=other_layouts,
+            )
+            return json.dumps(data, indent=2, ensure_ascii=False) if line.number is None else _ONE_LINE.encode(data)
+        separator = "" if self._is_first else "\n"
+        self._is_first = False
+        text = explain(
+            request.device,
+            request.match,
+            request.sender,
+            decoded,
+            findings=frame_findings,
+            why=why,
+            line=line,
+            answers=answers,
+            label=self._label,
+            other_frames=other_frames_line(decoded, other_layouts),
+        )
+        return separator + text
+
+
+def _code(decoded: codec.Decoded, frame_findings: Findings) -> int:
+    if decoded.problems or any(difference.of_register for difference in frame_findings.differences):
+        return FAULT
+    return NOT_USABLE if frame_findings.verdict is Verdict.NOT_USABLE else DONE
+
+
+# -- plain data
+
+
+def decoded_data(
+    device: Device,
+    variant: Variant,
+    sender: str,
+    decoded: codec.Decoded,
+    frame_findings: Findings,
+    why: Why | None = None,
+    line: Line = NO_LINE,
+    answers: Mapping[str, str] = NO_ANSWERS,
+    other_layouts: Sequence[PlacedLayout] = (),
+) -> dict[str, Any]:
+    """Return the result as plain data, in the shape of ``decode.schema.json``.
+
+    ``line`` is the line of standard input, if any. ``answers`` are the answers used to decode the frame.
+    ``other_layouts`` are the other layouts that match the frame.
+    """
+    return {
+        "version": JSON_VERSION,
+        "line": line.number,
+        "time": line.time or None,
+        "order_code": variant.code,
+        "evidence": device.evidence.grade,
+        "alternatives": dict(answers),
+        "layout": decoded.layout.name if decoded.layout is not None else None,
+        "other_layouts": [other_layout.name for other_layout in other_layouts],
+        "direction": sender,
+        "fields": [_field_data(field) for field in decoded.fields],
+        "crc": _crc_data(decoded.crc) if decoded.crc is not None else None,
+        "problems": [_problem_data(problem) for problem in decoded.problems],
+        "reports": [_report_data(report) for report in frame_findings.reports],
+        "verdict": frame_findings.verdict.value if frame_findings.verdict is not None else None,
+        "differences": [_difference_data(difference) for difference in frame_findings.differences],
+        "why": _why_data(why) if why is not None else None,
+    }
+
+
+def _crc_data(crc: codec.CrcResult) -> dict[str, Any]:
+    return {"received": crc.received, "computed": crc.computed, "ok": crc.ok}
+
+
+def _problem_data(problem: codec.Problem) -> dict[str, Any]:
+    return {"kind": problem.fault.value, "field": problem.field or None, "message": problem.message}
+
+
+def _difference_data(difference: Difference) -> dict[str, Any]:
+    return {
+        "field": difference.field,
+        "found": difference.actual,
+        "documented": difference.documented,
+        "message": difference.message,
+    }
+
+
+def _field_data(field: codec.DecodedField) -> dict[str, Any]:
+    return {
+        "name": field.name,
+        "raw": field.raw,
+        "value": field.value,
+        "unit": field.unit or None,
+        "quantity": _quantity_data(field.scale, field.value) if field.scale is not None else None,
+        "meaning": field.meaning,
+    }
+
+
+def _quantity_data(scale: Scale, number: int | str | bool) -> dict[str, Any]:
+    exact = scale.quantity(int(number))
+    return {
+        "decimal": scale.decimal(int(number)),
+        "exact": scale.is_exact(int(number)),
+        "numerator": exact.numerator,
+        "denominator": exact.denominator,
+        "unit": scale.unit,
+    }
+
+
+def _report_data(report: Report) -> dict[str, Any]:
+    return {
+        "field": report.field,
+        "meaning": report.meaning,
+        "remedy": report.remedy or None,
+        "makes_position": report.makes_position.value if report.makes_position is not None else None,
+        "source": report.source,
+    }
+
+
+def _why_data(why: Why) -> dict[str, Any]:
+    return {
+        "explanations": [_explanation_data(explanation) for explanation in why.explanations],
+        "tried": why.tried,
+        "coincidence": round(why.coincidence, 4),
+        "cannot_see": list(why.cannot_see),
+        "disturbed": list(why.disturbed),
+    }
+
+
+def _explanation_data(explanation: Explanation) -> dict[str, Any]:
+    return {
+        "kind": explanation.kind,
+        "text": explanation.text,
+        "one_in": explanation.one_in,
+        "twice": explanation.twice,
+        "order_codes": list(explanation.codes),
+        "reads": dict(explanation.reads),
+    }

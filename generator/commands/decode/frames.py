@@ -1,0 +1,334 @@
+"""Read the text that a person types or pastes for frames, as bytes or as numbers, and decode it.
+
+Ambiguous text is rejected.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+from ...language.problems import quoted, visible
+from ...model import INTERFACES, Constant, CrcValue, Device, Fault, Layout, Parity, PlacedLayout, Variant
+from ...model.layout import have_lengths
+from ...reference import codec
+from ...reference.registers import decode_register
+from ...say import frame_text as say
+from ...why.bit_text import BitText
+
+if TYPE_CHECKING:
+    from ...why.mistakes import Why
+
+_HEX = re.compile(r"(?:0x)?[0-9A-Fa-f]+", re.IGNORECASE)
+_GAPS = re.compile(r"[\s_]")
+_BITS = re.compile(r"0[bB][01]+")
+_NUMBER = re.compile(r"0[xX][0-9A-Fa-f]+")
+_ONE_BYTE = re.compile(r"(?:0x)?[0-9A-Fa-f]{2}", re.IGNORECASE)
+#: A number that no program has decorated.
+_BARE = re.compile(r"0[xXbB][0-9A-Fa-f]+")
+#: Spellings of programs and logs, and their replacement. The page has the same list.
+_PASTED = (
+    (re.compile(r"\bb(?=['\"])"), ""),
+    (re.compile(r"\\x([0-9A-Fa-f]{2})"), r" 0x\1 "),
+    (re.compile(r"[\[\](){}<>\"',;:]"), " "),
+    (re.compile(r"(?<![0-9A-Za-z])([0-9A-Fa-f]{2})-(?=[0-9A-Fa-f]{2}(?![0-9A-Za-z]))"), r"\1 "),
+    (re.compile(r"(?<![0-9A-Za-z])(?:0[xX])?([0-9A-Fa-f]+)[hH](?![0-9A-Za-z])"), r"0x\1"),
+    (re.compile(r"(?<![0-9A-Za-z])(0[xXbB][0-9A-Fa-f_]+)[uUlL]+(?![0-9A-Za-z])"), r"\1"),
+)
+#: A time in front of a frame: with a decimal point, a unit, or hours, minutes and seconds.
+_TIME = re.compile(
+    r"\[?((?:[0-9]{4}-[0-9]{2}-[0-9]{2}[T ])?[0-9]{1,2}:[0-9]{2}:[0-9]{2}(?:[.,][0-9]+)?Z?"
+    r"|[0-9]+[.][0-9]+(?: ?(?:s|ms|us|µs))?|[0-9]+ ?(?:s|ms|us|µs))\]?[ \t,;]+(?=[^ \t])"
+)
+#: Faults that a mistake in reading the line, or in the computation of the CRC, may explain.
+_TRANSMISSION_FAULTS = frozenset((Fault.CRC, Fault.LENGTH))
+
+
+class FrameTextError(ValueError):
+    """The text is not a frame. The message shows the accepted forms."""
+
+
+class Line(NamedTuple):
+    """A frame as text, with its line number (None if it is the only one) and its leading timestamp."""
+
+    number: int | None
+    time: str
+    text: str
+
+
+def frame_lines(lines: Iterable[str]) -> Iterator[Line]:
+    """Yield the frames in lines. Comments after ``#`` and empty lines are skipped."""
+    for number, line in enumerate(lines, 1):
+        text = line.partition("#")[0].strip()
+        time = _TIME.match(text)
+        if time:
+            yield Line(number, time[1], text[time.end() :])
+        elif text:
+            yield Line(number, "", text)
+
+
+def undecorated(text: str) -> str:
+    """Return the text of a frame without brackets, quotes and other marks of the program that it was copied from.
+
+    Raises:
+        FrameTextError: The text is empty or longer than any frame.
+    """
+    if len(text) > say.LONGEST:
+        raise FrameTextError(say.TOO_LONG)
+    if _BARE.fullmatch(text):
+        return text
+    for pattern, replacement in _PASTED:
+        text = pattern.sub(replacement, text)
+    text = text.strip()
+    if not text:
+        raise FrameTextError(say.EMPTY)
+    return text
+
+
+def frame_bytes(text: str) -> bytes:
+    """Return the bytes of hex text, in pieces of whole bytes.
+
+    Raises:
+        FrameTextError: A piece is not hex, or has an odd number of digits.
+    """
+    data = b""
+    for piece in text.split():
+        piece_text = quoted(visible(piece))
+        if not _HEX.fullmatch(piece):
+            raise FrameTextError(say.not_hex(piece_text))
+        prefixed = piece[:2] in ("0x", "0X")
+        digits = piece[2:] if prefixed else piece
+        if len(digits) == 1 and prefixed:
+            digits = f"0{digits}"
+        elif len(digits) == 1:
+            raise FrameTextError(say.one_digit(piece_text, digits))
+        elif len(digits) % 2:
+            raise FrameTextError(say.odd(piece_text))
+        data += bytes.fromhex(digits)
+    return data
+
+
+def placed_bytes(placed: PlacedLayout, variant: Variant, text: str) -> bytes:
+    """Return the bytes of a frame in bytes: hex text or, if the line carries bits, also ``0b`` with every bit sent.
+
+    Raises:
+        FrameTextError: The text has another form, or another number of bits.
+    """
+    compact = text.replace("_", "")
+    if INTERFACES[variant.interface].carried_as == "bytes" or not _BITS.fullmatch(compact):
+        return frame_bytes(text)
+    bits = placed.layout.sent_bits.value(placed.parameters)
+    if len(compact) - 2 != bits:
+        remedy = say.write_bits(str(bits), str(placed.bits // 8))
+        raise FrameTextError(say.no_bits(quoted(visible(text)), str(bits), remedy))
+    return int(compact, 2).to_bytes(placed.bits // 8, "big")
+
+
+def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> BitText:
+    """Return one number given as ``0b`` with all leading zeros, or as ``0x`` or hex bytes, which imply them.
+
+    With ``exact``, bytes imply no zeros, because frames of the sender have different lengths.
+
+    Raises:
+        FrameTextError: The text has another form.
+    """
+    compact = _GAPS.sub("", text)
+    if _BITS.fullmatch(compact):
+        return BitText(int(compact, 2), len(compact) - 2, exact=True)
+    pieces = text.split()
+    if len(pieces) > 1 and all(map(_ONE_BYTE.fullmatch, pieces)):
+        has_no_prefix = all(len(piece) == 2 for piece in pieces)
+        if has_no_prefix and set("".join(pieces)) <= set("01"):
+            raise FrameTextError(say.bits_or_bytes(quoted(text)))
+        compact = "0x" + "".join(piece[-2:] for piece in pieces)
+        if exact and len(pieces) != (placed.bits + 7) // 8:
+            return BitText(int(compact, 16), 8 * len(pieces), exact=True)
+    if _NUMBER.fullmatch(compact):
+        number = int(compact, 16)
+        return BitText(number, number.bit_length(), exact=False)
+    readings = list(_readings(compact, placed.bits)) if len(pieces) == 1 else []
+    remedy = say.write_one_of(", ".join(readings)) if readings else say.write_number(str(placed.bits))
+    raise FrameTextError(say.no_bits(quoted(visible(text)), str(placed.bits), remedy))
+
+
+def _readings(digits: str, bits: int) -> Iterator[str]:
+    """Yield the possible meanings of digits without a prefix that fit into the bits. The page has the same rule."""
+    if re.fullmatch(r"0|[1-9][0-9]{0,39}", digits) and not int(digits) >> bits:
+        yield say.if_decimal(f"0x{int(digits):X}")
+    if re.fullmatch(r"[0-9A-Fa-f]{1,40}", digits) and not int(digits, 16) >> bits:
+        yield say.if_hex(digits)
+    if re.fullmatch(r"[01]{1,40}", digits):
+        yield say.if_bits(digits)
+
+
+# -- decoding
+
+
+def decode_text(device: Device, variant: Variant, sender: str, text: str, layout: str | None = None) -> codec.Decoded:
+    """Decode a frame given as text.
+
+    Args:
+        device: The family.
+        variant: The order code.
+        sender: ``encoder`` or ``master``.
+        text: Hex bytes for a line that carries bytes. For a line that carries bits, one number: ``0b`` with every
+            digit, or ``0x``.
+        layout: The layout's name. By default, the one that the frame identifies by its selector or its length, or else
+            the sender's first.
+
+    Raises:
+        FrameTextError: The text cannot be read as a frame, or there is no such layout.
+    """
+    return text_decoder(device, variant, sender, layout)(text)
+
+
+def text_decoder(device: Device, variant: Variant, sender: str, layout: str | None) -> Callable[[str], codec.Decoded]:
+    """Return a function that decodes many frames, each like ``decode_text``."""
+    layouts = _layouts_of(device, variant, sender)
+    candidates = [candidate for candidate in layouts if layout is None or candidate.name == layout]
+    placed = candidates[0].place(variant.parameters) if candidates else None
+    is_exact = have_lengths(layouts, sender)
+
+    def decode(text: str) -> codec.Decoded:
+        text = undecorated(text)
+        if placed is None:
+            raise FrameTextError(_no_layout(device, variant, sender, layout))
+        if layout is not None:
+            return decode_as(device, variant, placed, text, exact=is_exact)
+        if placed.layout.in_bytes:
+            return codec.decode_bytes(device, variant, sender, placed_bytes(placed, variant, text))
+        fitting_layout = _of_length(text, placed, layouts, variant) if is_exact else placed
+        return decode_as(device, variant, fitting_layout, text, exact=is_exact)
+
+    return decode
+
+
+def _layouts_of(device: Device, variant: Variant, sender: str) -> list[Layout]:
+    return [layout for layout in device.interface(variant.interface).layouts if layout.sender == sender]
+
+
+def _no_layout(device: Device, variant: Variant, sender: str, name: str | None) -> str:
+    """Return the message about a sender without frames, or without a layout of this name."""
+    interface = device.interface(variant.interface)
+    known_layouts = _layouts_of(device, variant, sender)
+    if not known_layouts:
+        return f"the manual describes no frame from the {sender} over {interface.title}"
+    other_senders = [layout.sender for layout in interface.layouts if layout.name == name]
+    hint = f" (add --from {other_senders[0]})" if other_senders else ""
+    known_names = ", ".join(layout.name for layout in known_layouts)
+    return f"{variant.code} has no layout '{name}' from the {sender}{hint}; it has: {known_names}"
+
+
+def decode_register_text(device: Device, variant: Variant, name: str, text: str) -> codec.Decoded:
+    """Decode the value of the register ``name`` from hex bytes in ascending order of address.
+
+    Raises:
+        FrameTextError: The text is not hex bytes.
+        RegisterError: There is no such register, or it has another length.
+    """
+    return decode_register(device, variant, name, frame_bytes(undecorated(text)))
+
+
+def _of_length(text: str, first: PlacedLayout, layouts: Sequence[Layout], variant: Variant) -> PlacedLayout:
+    """Return the only layout that has the length of the text, or ``first`` if that fits or several do."""
+    if _has_length(first, text):
+        return first
+    candidates = [layout.place(variant.parameters) for layout in layouts]
+    fitting_layouts = [candidate for candidate in candidates if _has_length(candidate, text)]
+    return fitting_layouts[0] if len(fitting_layouts) == 1 else first
+
+
+def _has_length(placed: PlacedLayout, text: str) -> bool:
+    """Return whether bits or bytes are as many as the layout has. A number in hex can have leading zeros."""
+    frame = frame_number(placed, text, exact=True)
+    bits = placed.layout.sent_bits.value(placed.parameters)
+    return frame.bits == bits if frame.exact else frame.bits <= bits
+
+
+def decode_as(device: Device, variant: Variant, placed: PlacedLayout, text: str, *, exact: bool) -> codec.Decoded:
+    """Decode ``undecorated`` text with a known layout. ``exact`` is that of ``frame_number``.
+
+    Raises:
+        FrameTextError: The text cannot be read as a frame.
+    """
+    if placed.layout.in_bytes:
+        return codec.decode_placed(device, placed, placed_bytes(placed, variant, text))
+    frame = frame_number(placed, text, exact=exact)
+    if frame.exact:
+        return codec.decode_bits(device, placed, frame.number, frame.bits)
+    return codec.decode(device, placed, frame.number)
+
+
+def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: codec.Decoded) -> Why | None:
+    """Return explanations of a frame whose CRC, length or constant is wrong. ``decoded`` is its ``decode_text``."""
+    placed = decoded.layout
+    faults = {problem.fault for problem in decoded.problems}
+    if placed is not None and not placed.layout.in_bytes:
+        return _why_bits(device, variant, sender, text, placed, decoded)
+    if placed is not None and not faults & _TRANSMISSION_FAULTS:
+        return None
+    from ...why.mistakes import explain_bytes
+
+    hex_text = undecorated(text)
+    data = placed_bytes(placed, variant, hex_text) if placed is not None else frame_bytes(hex_text)
+    return explain_bytes(device, variant, sender, placed, data)
+
+
+def _why_bits(
+    device: Device, variant: Variant, sender: str, text: str, placed: PlacedLayout, decoded: codec.Decoded
+) -> Why | None:
+    """Return explanations of a frame of bits. One without a CRC, or with equal bits, is explained even if valid."""
+    faults = {problem.fault for problem in decoded.problems}
+    has_no_crc = not faults and decoded.crc is None
+    has_equal_bits = decoded.number in (0, (1 << placed.bits) - 1)
+    is_suspicious = has_no_crc or has_equal_bits or bool(faults & _TRANSMISSION_FAULTS)
+    if not is_suspicious and Fault.CONSTANT not in faults:
+        return None
+    from ...why.mistakes import explain_bits, explain_constant
+
+    is_exact = have_lengths(device.interface(variant.interface).layouts, sender)
+    frame = frame_number(placed, undecorated(text), exact=is_exact)
+    if is_suspicious:
+        return explain_bits(device, variant, placed, frame, is_valid=not faults)
+    return explain_constant(device, variant, placed, frame)
+
+
+class OtherFrames:
+    """The layouts of a sender, each a candidate for a frame that was decoded as one of them."""
+
+    def __init__(self, device: Device, variant: Variant, sender: str) -> None:
+        layouts = _layouts_of(device, variant, sender)
+        self._device, self._variant = device, variant
+        self._is_exact = have_lengths(layouts, sender)
+        self._candidates: list[PlacedLayout] = []
+        has_selector = any(layout.selector for layout in layouts)  # It identifies the frame.
+        if len(layouts) > 1 and not has_selector:
+            self._candidates = [layout.place(variant.parameters) for layout in layouts]
+
+    def layouts_of(self, text: str, decoded: codec.Decoded) -> tuple[PlacedLayout, ...]:
+        """Return the other layouts with which the text is a valid frame. ``decoded`` is its ``decode_text``."""
+        return tuple(candidate for candidate in self._candidates if self._is_valid_as(candidate, text, decoded))
+
+    def _is_valid_as(self, candidate: PlacedLayout, text: str, decoded: codec.Decoded) -> bool:
+        if decoded.layout is None or candidate.name == decoded.layout.name:
+            return False
+        if candidate.layout.in_bytes != decoded.layout.layout.in_bytes:
+            return False  # its text has another form
+        # Hex digits imply leading zeros, so without this, a short frame would be valid as a long one.
+        has_other_length = any(problem.fault is Fault.LENGTH for problem in decoded.problems)
+        if candidate.bits != decoded.layout.bits and not has_other_length:
+            return False
+        try:
+            return not decode_as(
+                self._device, self._variant, candidate, undecorated(text), exact=self._is_exact
+            ).problems
+        except FrameTextError:  # another number of bits
+            return False
+
+
+def is_frame_of_other_kind(decoded: codec.Decoded, other_layouts: Sequence[PlacedLayout]) -> bool:
+    """Return whether a wrong frame is a valid one of another kind, whose check bits match, so it has no mistake."""
+    if not decoded.problems or len(other_layouts) != 1:
+        return False
+    return any(isinstance(field.field.kind, (Constant, CrcValue, Parity)) for field in other_layouts[0].fields)

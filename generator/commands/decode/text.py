@@ -1,0 +1,370 @@
+"""Explain decoded frames in text at most 80 columns wide."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from functools import lru_cache
+from types import MappingProxyType
+from typing import TYPE_CHECKING
+
+from ...model import Alternative, Crc, Device, Layout, Measurement, PlacedLayout, Variant, Verdict
+from ...model.expressions import Expression
+from ...order_codes.labels import Match
+from ...order_codes.parameters import parameters_of
+from ...reference import codec
+from ...reference.findings import Findings, Report
+from ...say import frame_text as say
+from ...say.evidence import placeholders
+from ...say.lines import WIDTH
+from ...say.lines import wrapped as wrapped_anew
+from ...say.name import words
+from ...say.numbers import decimal, quantity
+from ...say.origin import origin
+from ...say.text import BY_NAME
+from ...say.words import WORTH, counted, sentence, with_unit
+from .frames import Line, is_frame_of_other_kind
+
+if TYPE_CHECKING:
+    from ...why.mistakes import Explanation, Why
+
+NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
+NO_LINE = Line(None, "", "")
+_NO_FINDINGS = Findings()
+#: Most paragraphs are the same for all frames.
+wrapped = lru_cache(maxsize=1024)(wrapped_anew)
+
+
+def explain(
+    device: Device,
+    match: Match,
+    sender: str,
+    decoded: codec.Decoded,
+    findings: Findings = _NO_FINDINGS,
+    why: Why | None = None,
+    line: Line = NO_LINE,
+    answers: Mapping[str, str] = NO_ANSWERS,
+    label: Sequence[str] | None = None,
+    other_frames: str = "",
+) -> str:
+    """Return the result as text, at most 80 columns wide.
+
+    ``label`` are the ``label_lines`` if they are known. ``other_frames`` names the other frames that it can be.
+    """
+    lines = [_line_prefix(line) + _heading(device, match.variant, sender, decoded)]
+    lines += label_lines(device, match) if label is None else label
+    if decoded.layout is not None:
+        lines += [_layout_line(decoded.layout), *_answer_lines(device, answers)]
+    if decoded.fields:
+        lines += ["", *_table(decoded)]
+        measured = _measured_position(device, match.variant, decoded, findings.verdict)
+        lines += ["", measured] if measured else []
+    if decoded.crc is not None:
+        lines += ["", _crc_line(device.crc(decoded.crc.name), decoded.crc)]
+    lines += ["", *_problem_lines(decoded, findings)]
+    if other_frames:
+        lines.append(wrapped(other_frames, WIDTH, "  ", ""))
+    if why is not None:
+        lines += _why_lines(why, decoded.layout)
+    lines.append(f"evidence: {device.evidence.grade}")
+    if device.evidence.placeholders:
+        lines.append(wrapped(placeholders(device), WIDTH, "  ", ""))
+    return "\n".join(lines)
+
+
+def _line_prefix(line: Line) -> str:
+    """Return the number and the time of a line of standard input, or an empty string."""
+    number = f"line {line.number}" if line.number is not None else ""
+    time = f"at {line.time}" if line.time else ""
+    prefix = f"{number} {time}".strip()
+    return f"{prefix}: " if prefix else ""
+
+
+def _heading(device: Device, variant: Variant, sender: str, decoded: codec.Decoded) -> str:
+    heading = f"{variant.code}, {device.interface(variant.interface).title}"
+    is_register = decoded.layout is not None and not decoded.layout.layout.sender
+    return heading if is_register else f"{heading}, from the {sender}"
+
+
+def label_lines(device: Device, match: Match) -> Iterator[str]:
+    """Yield the state that registers decide, and how the label differs from the codes in the manual."""
+    variant = match.variant
+    names = [parameter.name for parameter in parameters_of(device, variant.interface) if parameter.read_from]
+    if names:
+        state = ", ".join(f"{name} = {variant.parameters[name]}" for name in names)
+        yield wrapped(f"with {state} (from registers; --register changes them)", WIDTH, "  ")
+    yield from label_differences(device, replace(match, tail=""))
+    for statement in origin(device):
+        yield wrapped(BY_NAME.sentence(statement), WIDTH, "  ")
+
+
+def label_differences(device: Device, match: Match) -> Iterator[str]:
+    """Yield how a label differs from the codes in the manual, in lines of at most 80 columns."""
+    if match.written_as_in:
+        yield wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  ")
+    if match.unlisted:
+        yield wrapped(f"accepted, although not listed in the manual: {', '.join(match.unlisted)}", WIDTH, "  ")
+    if match.tail:
+        yield f"  the label continues with {match.tail}"
+    if match.special:
+        special = device.order_code.special or "A code that ends in /Sxxx may differ from the manual."
+        yield wrapped(special, WIDTH, "  ")
+
+
+def _layout_line(placed: PlacedLayout) -> str:
+    layout = placed.layout
+    title = layout.printed_name or words(placed.name)
+    channel = f", data channel {layout.channel}" if layout.channel else ""
+    return f"{title}, {_size(placed)}{channel}"
+
+
+def _answer_lines(device: Device, answers: Mapping[str, str]) -> Iterator[str]:
+    """Yield the answers to questions that the manual leaves open, and how to choose others than the defaults."""
+    for alternative in device.alternatives:
+        for index, answer in enumerate(alternative.answers):
+            if answers.get(alternative.name) != answer.name:
+                continue
+            yield wrapped(f"decoded with {alternative.name} = {answer.name}: {answer.meaning}", WIDTH, "  ", "")
+            if alternative.default and index == 0:
+                options = " or ".join(_other_options(alternative))
+                yield wrapped(f"this is the default; for another reading, add {options}", WIDTH, "    ", "  ")
+
+
+def _other_options(alternative: Alternative) -> Iterator[str]:
+    """Yield the options that choose another answer than the first."""
+    return (f"--choose {alternative.name}={answer.name}" for answer in alternative.answers[1:])
+
+
+def _crc_line(crc: Crc, crc_result: codec.CrcResult) -> str:
+    verdict = "correct" if crc_result.ok else f"WRONG, expected {crc_result.computed:#04x}"
+    start_value = f", start value {crc.init:#x}" if crc.init else ""
+    inversion = ", sent inverted" if crc.xorout == crc.mask else ""
+    computation = f"{crc.polynomial}{start_value}{inversion}"
+    return wrapped(f"CRC {crc_result.received:#04x}: {verdict} ({computation})", WIDTH, "  ", "")
+
+
+def _problem_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
+    """Yield the errors of the frame and what differs from the manual or, without errors, also the last lines."""
+    for problem in decoded.problems:
+        yield wrapped(f"{problem.fault.value} error: {problem.message}", WIDTH, "  ", "")
+    for difference in findings.differences:
+        yield wrapped(f"not as documented: {difference.message}", WIDTH, "  ", "")
+    if not decoded.problems:
+        yield from _report_lines(decoded, findings)
+
+
+def _report_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
+    """Yield the last lines about a valid frame or register: the encoder's reports, or that there is no error."""
+    if findings.reports:
+        yield "the encoder reports:"
+        for report in findings.reports:
+            yield wrapped(_report_text(report), WIDTH, " " * 6, "  - ")
+        if findings.verdict:
+            yield f"so {WORTH[findings.verdict]}"
+        return
+    statements = [_no_error(decoded, findings)]
+    if _is_frame(decoded) and decoded.crc is None:
+        statements.append(_no_crc(decoded))
+    if findings.verdict is not None:
+        statements.append(WORTH[findings.verdict])
+    yield wrapped("; ".join(statements), WIDTH, "  ", "")
+
+
+def _is_frame(decoded: codec.Decoded) -> bool:
+    """Return whether a frame with a known layout was decoded, not a register."""
+    return decoded.layout is not None and decoded.layout.layout.sender != ""
+
+
+def _no_error(decoded: codec.Decoded, findings: Findings) -> str:
+    if findings.differences:
+        return "no other error"
+    return "no frame error" if _is_frame(decoded) else "the value is valid"
+
+
+def _no_crc(decoded: codec.Decoded) -> str:
+    has_parity = decoded.layout is not None and decoded.layout.layout.has_parity
+    return f"this frame has no CRC{', only parity' if has_parity else ''}"
+
+
+def _report_text(report: Report) -> str:
+    name = f"{report.field} ({report.printed_name})" if report.printed_name else report.field
+    if not report.remedy:
+        return f"{name}: {report.meaning}"
+    return f"{name}: {sentence(report.meaning)} {sentence(report.remedy)}"
+
+
+def _measured_position(device: Device, variant: Variant, decoded: codec.Decoded, verdict: Verdict | None) -> str:
+    """Return the position in degrees or micrometres, or only the angle if the frame has no other part of it.
+
+    An angle in degrees would look too trustworthy for an unusable position, so there is none.
+    """
+    measurement = device.measurement_of(variant.interface)
+    if verdict in (None, Verdict.NOT_USABLE) or measurement is None or decoded.layout is None:
+        return ""
+    measurement = measurement.within(decoded.layout.layout.position_range)
+    name = measurement.of
+    if name not in decoded.values:
+        name = _lowest_part(device, variant, name)
+    counts = decoded.values.get(name)
+    if not isinstance(counts, int):
+        return ""
+    step = measurement.micrometres(variant.parameters)
+    if step is not None:
+        return f"{name}: {decimal(counts * step)} µm"
+    return _angle(measurement, variant, name, counts)
+
+
+def _lowest_part(device: Device, variant: Variant, name: str) -> str:
+    """Return the last field of those that are joined to a value, or the name itself if none are."""
+    joins = [join for layout in device.interface(variant.interface).layouts for join in layout.joins]
+    return next((join.fields[-1] for join in joins if join.name == name), name)
+
+
+def _angle(measurement: Measurement, variant: Variant, name: str, counts: int) -> str:
+    """Return the angle and, if the counts are the whole position, the revolution. Empty for a fraction of a count."""
+    counts_per_turn = _value_or_zero(measurement.counts_per_turn, variant)
+    turns = _value_or_zero(measurement.turns, variant)
+    if counts_per_turn < 1:
+        return ""
+    turn, counts_in_turn = divmod(counts, counts_per_turn)
+    decimals = len(str(counts_per_turn // 360))
+    degrees = f"{counts_in_turn * 360 / counts_per_turn:.{decimals}f}°"
+    is_whole_position = turns > 1 and name == measurement.of
+    return f"{name}: {degrees} of revolution {turn:,}" if is_whole_position else f"{name}: {degrees}"
+
+
+def _value_or_zero(expression: Expression | None, variant: Variant) -> int:
+    return expression.value(variant.parameters) if expression is not None else 0
+
+
+def _why_lines(why: Why, placed: PlacedLayout | None) -> list[str]:
+    if [explanation.kind for explanation in why.explanations] == ["line_stuck"]:
+        text = sentence(why.explanations[0].text)
+        return ["", wrapped(text[0].upper() + text[1:], WIDTH, "  ", "")]
+    return [*_disturbed_lines(why.disturbed, placed), *_mistake_lines(why)]
+
+
+def _disturbed_lines(disturbed: Sequence[int], placed: PlacedLayout | None) -> list[str]:
+    """Return the usual cause if only some frames fail: one bit was inverted in transmission."""
+    if not disturbed or placed is None:
+        return []
+    bits = _bit_name(disturbed[0], placed) if len(disturbed) == 1 else f"one of {len(disturbed)} bits"
+    explanation = (
+        "If only some frames fail, one bit may have been disturbed on the line: the CRC matches with "
+        f"{bits} inverted. In that case, no change is needed. If all frames fail, read on."
+    )
+    return ["", wrapped(explanation, WIDTH, "  ", "")]
+
+
+def _bit_name(bit: int, placed: PlacedLayout) -> str:
+    """Return the name of a bit that is counted from the last as 0."""
+    if not placed.layout.in_bytes:
+        return f"bit {bit}"
+    last_byte = placed.bits // 8 - 1
+    return f"bit {bit % 8} of byte {last_byte - bit // 8}"
+
+
+def _mistake_lines(why: Why) -> list[str]:
+    by_chance = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "less than 1"
+    tried = counted(why.tried, "common mistake")
+    chance = f"{tried} tried; {by_chance} of 100 random frames would match at least one"
+    last_line = wrapped(f"This CRC cannot detect: {'; '.join(why.cannot_see)}.", WIDTH, "  ", "")
+    if not why.explanations:
+        return ["", wrapped(f"No common mistake explains it ({chance}).", WIDTH, "  ", ""), last_line]
+    needs_two = why.explanations[-1].twice
+    introduction = "No single mistake explains it. Two at once would" if needs_two else "Possible explanations"
+    lines = ["", wrapped(f"{introduction}, most likely first ({chance}):", WIDTH, "  ", "")]
+    for explanation in why.explanations:
+        lines.append(wrapped(explanation.text, WIDTH, " " * 6, "    - "))
+        lines.append(wrapped(_chance_and_values(explanation), WIDTH, " " * 6, " " * 6))
+    return [*lines, last_line]
+
+
+def _chance_and_values(explanation: Explanation) -> str:
+    chance = f"matches by chance in {_frequency(explanation.one_in)} frames"
+    values = ", ".join(f"{name} {value}" for name, value in explanation.reads.items())
+    return f"{chance}, and gives {values}" if values else chance
+
+
+def _frequency(number: int) -> str:
+    return f"1 of {number:,}" if number < 1_000_000 else "fewer than 1 of a million"
+
+
+def _size(placed: PlacedLayout) -> str:
+    return counted(placed.bits // 8, "byte") if placed.layout.in_bytes else counted(placed.bits, "bit")
+
+
+def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
+    """Return a field's position as people write it: ``46:31``, or ``byte 2.7:4`` with the first byte as 0."""
+    if not layout.in_bytes:
+        return f"{high}:{low}" if high != low else f"{high}"
+    if layout.byte_order == "low_byte_first":
+        first_bit, last_bit = low, high
+        first_byte, last_byte = low // 8, high // 8
+    else:
+        first_bit, last_bit = high, low
+        bytes_after = bits // 8 - 1
+        first_byte, last_byte = bytes_after - high // 8, bytes_after - low // 8
+    if first_byte != last_byte:
+        is_whole_bytes = low % 8 == 0 and high % 8 == 7
+        if is_whole_bytes:
+            return f"bytes {first_byte}-{last_byte}"
+        return f"bytes {first_byte}.{first_bit % 8}-{last_byte}.{last_bit % 8}"
+    if high - low == 7:
+        return f"byte {first_byte}"
+    place = f"byte {first_byte}.{high % 8}"
+    return f"{place}:{low % 8}" if high != low else place
+
+
+#: Place, name, number and value of a field, and its meaning.
+_Row = tuple[str, str, str, str, str]
+
+
+def _table(decoded: codec.Decoded) -> list[str]:
+    """Return the lines about the fields, in columns. The meaning is wrapped."""
+    assert decoded.layout is not None
+    # Each unused field has a line of its own, so the one for all of them is omitted.
+    fields = [field for field in decoded.fields if field.name != codec.UNUSED or field.high >= 0]
+    rows = [_row(decoded.layout, field) for field in fields]
+    columns = list(zip(*rows, strict=True))[:4]
+    widths = [max(map(len, column)) for column in columns]
+    lines = []
+    for row in rows:
+        *cells, meaning = row
+        head = "  ".join(cell.ljust(width) for cell, width in zip(cells, widths, strict=True))
+        indent = " " * (len(head) + 2)
+        if not meaning:
+            lines.append(head.rstrip())
+        elif len(indent) > 56:
+            lines += [head.rstrip(), wrapped(meaning, WIDTH, " " * 6)]
+        else:
+            lines.append(wrapped(meaning, WIDTH, indent, head + "  "))
+    return lines
+
+
+def _row(placed: PlacedLayout, field: codec.DecodedField) -> _Row:
+    has_place = field.high >= 0
+    place = bit_place(placed.layout, placed.bits, field.high, field.low) if has_place else ""
+    is_one_bit = has_place and field.high <= field.low
+    number = str(field.raw) if is_one_bit else f"{field.raw:#x}"
+    return place, field.name, number, _value_text(field), field.meaning
+
+
+def _value_text(field: codec.DecodedField) -> str:
+    if isinstance(field.value, bool):
+        text = "yes" if field.value else "no"
+    else:
+        text = with_unit(str(field.value), field.unit)
+    return f"{text} ({quantity(field.scale, int(field.value))})" if field.scale is not None else text
+
+
+def other_frames_line(decoded: codec.Decoded, other_layouts: Sequence[PlacedLayout]) -> str:
+    """Return the names of the other frames in a sentence, or an empty string if there are none."""
+    if not other_layouts:
+        return ""
+    names = ", ".join(layout.name for layout in other_layouts)
+    if not decoded.problems:
+        return f"{say.also_possible(names)} (choose with --layout)"
+    if is_frame_of_other_kind(decoded, other_layouts):
+        return f"{say.valid_other(names)}: add --layout {names}"
+    return f"{say.possible_instead(names)} (choose with --layout)"

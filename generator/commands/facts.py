@@ -1,0 +1,84 @@
+"""``codewheel facts``: list the facts that cite a page or a section of a manual."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ..say.numbers import counted
+from .arguments import Parser, add_specs_option
+from .terminal import Stop, print_json, problems
+
+if TYPE_CHECKING:
+    import argparse
+    from pathlib import Path
+
+    from ..loading.library import Family
+    from ..reread.citing import Citing
+
+EXAMPLES = ("codewheel facts my_encoder --section 6.2", "codewheel facts my_encoder --section 1 --json")
+JSON_VERSION = 1
+
+
+def add_arguments(parser: Parser) -> None:
+    """Add the arguments of the command."""
+    parser.description = "List the facts of a family that cite a page or a section of its manual."
+    parser.add_argument("family", metavar="FAMILY", help="a family name as shown by list")
+    parser.add_argument("--page", type=int, metavar="NUMBER", help="facts that cite this page")
+    parser.add_argument("--section", metavar="NUMBER", help="facts that cite this section, such as 6.4")
+    add_specs_option(parser, "")
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """List the facts that cite a page or a section. The exit code is 1 if there are none.
+
+    Raises:
+        Stop: There is no such family, or neither page nor section was given.
+    """
+    from ..reread.citing import citing
+    from .read_specs import specs_to_judge
+
+    paths = specs_to_judge(chosen.specs, "facts FAMILY").paths
+    page, section = chosen.page, chosen.section
+    if page is None and section is None:
+        raise Stop("give --page NUMBER or --section NUMBER, or both", 2)
+    facts = citing(_family_named(chosen.family, paths).document)
+    if page is not None:
+        facts = [fact for fact in facts if page in fact.pages]
+    if section is not None:
+        facts = [fact for fact in facts if section in fact.sections]
+    if chosen.json:
+        print_json({"version": JSON_VERSION, "facts": facts_data(facts)})
+    else:
+        print(
+            "\n".join([*(fact.shown for fact in facts), f"{counted(len(facts), 'fact')} from {_place(section, page)}"])
+        )
+    return 0 if facts else 1
+
+
+def _family_named(name: str, paths: Sequence[Path]) -> Family:
+    """Return the family of this name.
+
+    Raises:
+        Stop: There are problems in the specs (exit code 1), or there is no such family (exit code 2).
+    """
+    from ..loading.library import load_families
+
+    families, report = load_families(paths)
+    if report:
+        raise problems(report)
+    families_by_name = {family.device.name: family for family in families}
+    if name.lower() not in families_by_name:
+        raise Stop(f"'{name}' is not a family; known: {', '.join(families_by_name)}", 2)
+    return families_by_name[name.lower()]
+
+
+def _place(section: str | None, page: int | None) -> str:
+    if section is None:
+        return f"page {page}"
+    return f"section {section}" if page is None else f"section {section} page {page}"
+
+
+def facts_data(facts: Iterable[Citing]) -> list[Mapping[str, Any]]:
+    """Return facts in the form that ``--json`` prints."""
+    return [{"file": fact.file, "line": fact.line, "path": fact.path, "value": fact.value} for fact in facts]

@@ -1,0 +1,204 @@
+"""``codewheel generate``: its arguments, and its run from the specs to the files.
+
+``selection`` finds the specs and the output folder, ``outputs`` renders, and ``generate`` writes or compares.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from .arguments import Parser, a_path, add_cache_option, add_specs, cache_for
+from .terminal import Progress, Stop, problems
+
+if TYPE_CHECKING:
+    import argparse
+    from pathlib import Path
+
+    from ..cache import Cache
+    from ..language.problems import Report
+    from ..model import Device
+    from ..targets import Library, Options, Target
+    from .cached_result import CachedResult
+    from .selection import Selection
+
+EXAMPLES = (
+    "codewheel generate",
+    "codewheel generate my_encoder.yaml -o out --target c",
+    "codewheel generate --check",
+)
+
+
+def add_arguments(parser: Parser) -> None:
+    """Add the arguments of the command."""
+    parser.description = "Write all outputs of the specs."
+    add_specs(parser)
+    _add_selection(parser)
+    parser.add_argument(
+        "--check", action="store_true", help="write nothing, and exit 1 if an output does not match the specs"
+    )
+    parser.add_argument("--force", action="store_true", help="overwrite existing files that codewheel did not write")
+    parser.add_argument(
+        "--prune", action="store_true", help="also remove the outputs of families whose specs are not read"
+    )
+    parser.add_argument(
+        "--edition",
+        action="append",
+        default=[],
+        metavar="FAMILY=EDITION",
+        help="also generate another edition of a family, selected by revision or date (may be repeated)",
+    )
+    parser.add_argument(
+        "--unchecked", action="store_true", help="write even if second readings disagree or coverage is out of date"
+    )
+    _add_own_files(parser)
+    parser.more_help = _targets_help
+
+
+def _add_selection(parser: argparse.ArgumentParser) -> None:
+    """Add the options about what is written, and where."""
+    parser.add_argument(
+        "-o",
+        dest="output",
+        type=a_path,
+        metavar="DIR",
+        help="output folder (default: that under [tool.codewheel], or else generated)",
+    )
+    parser.add_argument(
+        "--packaged",
+        action="append",
+        default=[],
+        metavar="NAME",
+        help="generate a packaged encoder: an order code, a family or a manufacturer (may be repeated)",
+    )
+    parser.add_argument(
+        "--target", action="append", metavar="NAME", help="write only this output (see below, may be repeated)"
+    )
+    parser.add_argument(
+        "--option",
+        action="append",
+        default=[],
+        metavar="TARGET.OPTION=VALUE",
+        help="set an option of a target (see below, may be repeated)",
+    )
+
+
+def _add_own_files(parser: argparse.ArgumentParser) -> None:
+    """Add the options that name files of the user."""
+    parser.add_argument(
+        "--templates",
+        type=a_path,
+        metavar="DIR",
+        help="folder with your own templates, which override the built-in ones: DIR/TARGET/NAME",
+    )
+    parser.add_argument(
+        "--biss-dtd",
+        type=a_path,
+        metavar="FILE",
+        help="validate the idbiss files against FILE, your copy of idbiss.dtd, and exit 1 if one is not valid",
+    )
+    add_cache_option(parser)
+
+
+def _targets_help() -> str:
+    from .outputs import listing
+
+    return listing()
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Write or compare all outputs, and return the exit code.
+
+    Raises:
+        Stop: The specs or the arguments have problems, a target fails, or the output differs or cannot be written.
+    """
+    from .generate import is_unchanged
+    from .selection import selected
+
+    cache = cache_for(chosen)
+    selection = selected(chosen, cache)
+    result = _cached_result(chosen, selection, cache)
+    if is_unchanged(chosen, result.get()):
+        return 0
+    return _generate(chosen, cache, selection, result)
+
+
+def _generate(chosen: argparse.Namespace, cache: Cache, selection: Selection, result: CachedResult) -> int:
+    """Render the outputs, store the result, write or compare the files, and return the exit code."""
+    from ..loading.library import load_families
+    from ..owners import owners
+    from ..targets import Library
+    from .generate import result_to_store, write_or_compare
+    from .outputs import are_built_in, complete, options_named, targets_named
+
+    with Progress("codewheel: reading the specs"):
+        families, report = load_families(selection.paths, cache)
+    targets = targets_named(chosen.target)
+    options = options_named(selection.options_for([family.device.name for family in families]), targets)
+    _refuse_misused_options(chosen, targets)
+    with Progress("codewheel: checking the specs"):
+        devices = complete(families, targets, chosen.edition, report)
+    if report:
+        raise problems(report)
+    read_line = _read_line(devices, report, chosen.packaged, selection.packaged)
+    print(read_line)
+    files = _rendered(Library(devices, chosen.templates), targets, options, cache)
+    if are_built_in(targets, chosen.target):
+        result.put(result_to_store(read_line, files, owners(devices)))
+
+    def gate() -> None:
+        from .check.coverage import refuse_unproved
+
+        refuse_unproved(families, "written", cache)
+
+    return write_or_compare(chosen, files, gate, selection.guard(chosen, devices, report.files))
+
+
+def _cached_result(chosen: argparse.Namespace, selection: Selection, cache: Cache) -> CachedResult:
+    """Return the result of an earlier run. There is none with templates of the user or a document type."""
+    from ..cache import NO_CACHE
+    from .cached_result import cached_result
+
+    options = [*(chosen.target or ()), "", *selection.options, "", *chosen.edition, "", *chosen.packaged]
+    is_cacheable = chosen.templates is None and chosen.biss_dtd is None
+    return cached_result(cache if is_cacheable else NO_CACHE, "generate", selection.paths, options)
+
+
+def _refuse_misused_options(chosen: argparse.Namespace, targets: Sequence[Target]) -> None:
+    """Refuse a folder of templates that does not exist, and a document type without the target that it is for.
+
+    Raises:
+        Stop: The exit code is 2.
+    """
+    if chosen.templates is not None and not chosen.templates.is_dir():
+        raise Stop(f"there is no folder {chosen.templates}", 2)
+    if chosen.biss_dtd is not None and all(target.name != "biss" for target in targets):
+        raise Stop("--biss-dtd needs the target biss", 2)
+
+
+def _read_line(
+    devices: Sequence[Device], report: Report, packaged: Sequence[str], packaged_files: Sequence[Path]
+) -> str:
+    """Return the line about the specs that were read, and one about values that are still the template's."""
+    from .read_specs import placeholder_line, read_line
+
+    read = read_line([device.name for device in devices], report, packaged, packaged_files)
+    return "\n".join(filter(None, (read, placeholder_line(report.files))))
+
+
+def _rendered(
+    library: Library, targets: Sequence[Target], options: Mapping[str, Options], cache: Cache
+) -> dict[str, Mapping[str, str]]:
+    """Return the files of each target. Parts of families with the same model come from the cache."""
+    from ..family_parts import FamilyParts
+    from ..targets.registry import files_of
+    from .outputs import rendered
+
+    files_from = FamilyParts(cache).files_of if cache else files_of
+    with Progress("codewheel: rendering") as progress:
+
+        def files_with_progress(target: Target, library: Library, target_options: Options) -> Mapping[str, str]:
+            progress.text = f"codewheel: rendering {target.name}"
+            return files_from(target, library, target_options)
+
+        return rendered(library, targets, options, files_with_progress)

@@ -1,0 +1,151 @@
+"""``codewheel list``: a few facts about each family, as text at most 80 columns wide and as plain data."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypedDict
+
+from .arguments import AND_PACKAGED, Parser, add_cache_option, add_specs, cache_for
+from .terminal import print_json, problems
+
+if TYPE_CHECKING:
+    import argparse
+
+    from ..cache import Cache
+    from ..model import Device
+
+EXAMPLES = ("codewheel list", "codewheel list my_encoder.yaml")
+
+
+class Manual(TypedDict):
+    """The manual of a family."""
+
+    title: str
+    revision: str
+    date: str | None
+
+
+class Row(TypedDict):
+    """Facts about a family. Each interface has a name and a title."""
+
+    family: str
+    title: str
+    manufacturer: str
+    interfaces: list[list[str]]
+    pattern: str
+    order_codes: list[str]
+    manual: Manual
+
+
+def add_arguments(parser: Parser) -> None:
+    """Add the arguments of the command."""
+    parser.description = "List families, interfaces, order codes and manuals."
+    add_specs(parser, AND_PACKAGED)
+    parser.add_argument("--json", action="store_true", help="print JSON")
+    add_cache_option(parser)
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Print the families.
+
+    Raises:
+        Stop: There are problems in the specs, or a path does not exist.
+    """
+    from .read_specs import specs_to_read
+
+    cache = cache_for(chosen)
+    specs = specs_to_read([*chosen.specs, *chosen.more_specs])
+    families = without_repeated(*(_rows_of(paths, cache) for paths in specs.groups))
+    if chosen.json:
+        print_json(as_data(families))
+    else:
+        print(as_text(families))
+    return 0
+
+
+def _rows_of(paths: Sequence[Path], cache: Cache) -> list[Row]:
+    """Return the facts about the families of specs, from an earlier run if they have not changed."""
+    from .cached_result import cached_result
+
+    result = cached_result(cache, "list", paths)
+    stored_rows: list[Row] | None = result.get()
+    if stored_rows is not None:
+        return stored_rows
+    new_rows = rows(_devices(paths))
+    result.put(new_rows)
+    return new_rows
+
+
+def _devices(paths: Sequence[Path]) -> Sequence[Device]:
+    """Return the devices of the specs, and print problems to standard error.
+
+    Raises:
+        Stop: There are problems. The exit code is 1.
+    """
+    from ..loading.library import load_library
+
+    devices, report = load_library(paths)
+    if report:
+        raise problems(report)
+    return devices
+
+
+def rows(devices: Sequence[Device]) -> list[Row]:
+    """Return the facts about each family, as data that JSON can express."""
+    return [_row(device) for device in devices]
+
+
+def _row(device: Device) -> Row:
+    manual = device.manual
+    return {
+        "family": device.name,
+        "title": device.title,
+        "manufacturer": device.manufacturer.title,
+        "interfaces": [[interface.name, interface.title] for interface in device.interfaces],
+        "pattern": device.order_code.pattern,
+        "order_codes": [variant.code for variant in device.variants],
+        "manual": {"title": manual.title, "revision": manual.revision, "date": manual.date or None},
+    }
+
+
+def without_repeated(own_rows: Sequence[Row] = (), packaged: Sequence[Row] = ()) -> list[Row]:
+    """Return the user's families and then the packaged ones, without those that the user's have too.
+
+    Report these on standard error.
+    """
+    names = {row["family"] for row in own_rows}
+    codes = {code for row in own_rows for code in row["order_codes"]}
+    repeated = [row for row in packaged if row["family"] in names or not codes.isdisjoint(row["order_codes"])]
+    if repeated:
+        repeated_names = ", ".join(row["family"] for row in repeated)
+        print(f"codewheel: in your specs and in the packaged ones: {repeated_names}; yours are used", file=sys.stderr)
+    return [*own_rows, *(row for row in packaged if row not in repeated)]
+
+
+def as_data(families: Sequence[Row]) -> dict[str, Any]:
+    """Return the families in the form that ``--json`` prints."""
+    return {"version": 1, "families": [_with_interface_names(family) for family in families]}
+
+
+def _with_interface_names(family: Row) -> dict[str, Any]:
+    return {**family, "interfaces": [name for name, _ in family["interfaces"]]}
+
+
+def as_text(families: Sequence[Row]) -> str:
+    """Return a few lines about each family."""
+    from ..say.lines import WIDTH, pairs, wrapped
+
+    lines = []
+    for family in families:
+        heading = f"{family['title']} ({family['manufacturer']})"
+        manual = family["manual"]
+        date = f" of {manual['date']}" if manual["date"] else ""
+        facts = [
+            ("interfaces", ", ".join(title for _, title in family["interfaces"])),
+            ("order codes", f"{len(family['order_codes'])}, {family['pattern']}"),
+            ("manual", f"{manual['title']}, revision {manual['revision']}{date}"),
+        ]
+        lines += [wrapped(heading, WIDTH, " " * 10, f"{family['family']:<8}  "), *pairs(facts, 10), ""]
+    return "\n".join(lines).rstrip()

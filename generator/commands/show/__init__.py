@@ -1,0 +1,52 @@
+"""``codewheel show``: show everything known about a family or an order code."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ..arguments import Parser, add_specs_option, cache_for
+from ..terminal import print_json
+
+if TYPE_CHECKING:
+    import argparse
+
+EXAMPLES = ("codewheel show my_encoder", "codewheel show MY-ENCODER-13-SC")
+
+
+def add_arguments(parser: Parser) -> None:
+    """Add the arguments of the command."""
+    parser.description = "Show everything known about a family or an order code."
+    parser.add_argument(
+        "what", metavar="FAMILY|ORDER-CODE", help="a family name as shown by list, or the code on the label"
+    )
+    parser.add_argument(
+        "--edition", metavar="EDITION", help="use another edition of the manual: a revision, a date, or 'label'"
+    )
+    add_specs_option(parser)
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Print the family or the order code.
+
+    Raises:
+        Stop: There is no such family, order code or edition.
+    """
+    from ..find_encoder import find_family_or_code
+    from ..read_specs import specs_to_read
+
+    cache = cache_for(chosen)
+    specs = specs_to_read(chosen.specs)
+    device, match, paths = find_family_or_code(specs, chosen.what, cache)
+    if chosen.edition is not None:
+        from ..editions import in_requested_edition
+
+        device, match, _ = in_requested_edition(paths, device, match, chosen.edition, chosen.what, {})
+    if chosen.json:
+        from ...dump.plain import device_dump, variant_dump
+
+        print_json(device_dump(device) if match is None else variant_dump(device, match))
+    else:
+        from .text import device_text, variant_text
+
+        print(device_text(device) if match is None else variant_text(device, match))
+    return 0

@@ -1,0 +1,393 @@
+"""Text of ``codewheel show`` about a family or an order code, in lines of at most 80 columns."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+from ...model import (
+    Alternative,
+    Constant,
+    Device,
+    Field,
+    Interface,
+    Layout,
+    Measurement,
+    Parameter,
+    PlacedLayout,
+    Register,
+    Sources,
+    Unused,
+    Value,
+    Variant,
+    cite,
+)
+from ...model.expressions import Expression
+from ...order_codes.labels import Match
+from ...order_codes.narrowing import for_interface
+from ...order_codes.parameters import parameters_of, run_time_names, run_time_widths
+from ...order_codes.reduction import reduced_to_codes
+from ...order_codes.with_numbers import with_output_code
+from ...say import erratum as say_erratum
+from ...say import field as say_field
+from ...say import interface as say_interface
+from ...say import layout as say_layout
+from ...say import measurement as say_measurement
+from ...say import parameter as say_parameter
+from ...say import register as say_register
+from ...say.alternative import answer as say_answer
+from ...say.alternative import needs, question
+from ...say.evidence import grade
+from ...say.lines import WIDTH, pairs, wrapped
+from ...say.numbers import decimal
+from ...say.order_code import open_values, spelling
+from ...say.origin import origin
+from ...say.place import bits, field_at, hexadecimal
+from ...say.text import BY_NAME, Style
+from ...say.words import counted, language
+from ..decode.text import bit_place, label_differences
+
+
+def device_text(device: Device) -> str:
+    """Return the text about a family: order codes, interfaces, registers, procedures and errata."""
+    lines = [wrapped(f"{device.title} ({device.manufacturer.title})", WIDTH)]
+    lines += [*_manual_lines(device), *_order_code_lines(device)]
+    parameters = [(parameter.name, _about_parameter(device, parameter)) for parameter in device.parameters]
+    lines += ["", "Parameters", *pairs(parameters, 2), *alternative_lines(device)]
+    measurements = [("", device.measurement)]
+    measurements += [(interface.title, interface.measurement) for interface in device.interfaces]
+    lines += _position_lines(measurements, None)
+    for interface in device.interfaces:
+        lines += _range_lines(device, interface.name, None)
+    for interface in device.interfaces:
+        lines += ["", *interface_lines(device, interface)]
+        for layout in interface.layouts:
+            lines += layout_lines(device, interface, layout)
+    lines += [*register_lines(device, None), *_input_and_procedure_lines(device), *_errata_lines(device)]
+    return "\n".join(lines)
+
+
+def variant_text(device: Device, match: Match) -> str:
+    """Return the text about an order code: its interface, widths, frames, registers and limits."""
+    variant = match.variant
+    reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
+    lines = [wrapped(f"{variant.code}: {device.title} ({device.manufacturer.title})", WIDTH, "  ", "")]
+    lines += [*label_differences(device, match), *_manual_lines(device), *_parameter_lines(device, variant)]
+    lines += alternative_lines(reduced_device)
+    lines += _position_lines([("", device.measurement_of(variant.interface))], variant.parameters)
+    lines += _range_lines(reduced_device, variant.interface, variant.parameters)
+    interface = reduced_device.interface(variant.interface)
+    lines += ["", *interface_lines(reduced_device, with_output_code(interface, variant))]
+    for layout in interface.layouts:
+        lines += ["", *frame_lines(reduced_device, layout, variant)]
+    lines += register_lines(reduced_device, variant)
+    lines += [*_input_and_procedure_lines(reduced_device), *_errata_lines(reduced_device)]
+    return "\n".join(lines)
+
+
+def style_with(parameters: Mapping[str, int] | None) -> Style:
+    """Return the style for statements about an order code, with expressions as numbers, or else about a family."""
+    if parameters is None:
+        return BY_NAME
+    return replace(BY_NAME, resolve=lambda expression: Expression(expression.value(parameters)))
+
+
+def _manual_lines(device: Device) -> list[str]:
+    manual = device.manual
+    date = f" of {manual.date}" if manual.date else ""
+    edition = f"from the manual {manual.title}, revision {manual.revision}{date}, in {language(manual.language)}"
+    sentences = [BY_NAME.sentence(statement) for statement in (grade(device), *origin(device))]
+    if device.editions:
+        revisions = ", ".join(edition.revision for edition in device.editions)
+        sentences.append(f"--edition shows the others: {revisions}")
+    return [wrapped(sentence, WIDTH, "  ") for sentence in (edition, *sentences)]
+
+
+def _order_code_lines(device: Device) -> Iterator[str]:
+    yield ""
+    yield f"Order codes: {device.order_code.pattern}"
+    for part in device.order_code.parts:
+        yield wrapped(part.meaning, WIDTH, "    ", f"  {part.name}: ")
+        yield from pairs(((option.text, option.meaning) for option in part.values), 4)
+        for statement in open_values(part):
+            yield _paragraph(BY_NAME.sentence(statement))
+    for also_written in device.order_code.also_written:
+        yield wrapped(BY_NAME.sentence(spelling(also_written)), WIDTH, "    ", "  ")
+
+
+def _paragraph(text: str) -> str:
+    """Return text about something that has a heading, whose further lines are indented."""
+    return wrapped(text, WIDTH, "      ", "    ")
+
+
+# -- parameters and questions
+
+
+def _parameter_lines(device: Device, variant: Variant) -> list[str]:
+    """Return the lines about parameters that the order code sets and those held in registers."""
+    parameters = parameters_of(device, variant.interface)
+    names = run_time_names(device)
+    fixed = [parameter for parameter in parameters if parameter.name not in names and not parameter.alternative]
+    at_run_time = [parameter for parameter in parameters if parameter.name in names]
+    lines = ["", "Parameters", *_value_lines(device, fixed, variant)] if fixed else []
+    if at_run_time:
+        heading = f"Held in registers ({say_parameter.initial(device)})"
+        lines += ["", heading, *_value_lines(device, at_run_time, variant)]
+        registers = [device.register(parameter.register) for parameter in at_run_time if parameter.read_from]
+        example = f"--register 0x{registers[0].address:02X}=0x.."
+        lines.append(wrapped(f"decode accepts other values, one byte at a time: {example}", WIDTH, "  ", "  "))
+    return lines
+
+
+def _value_lines(device: Device, parameters: Sequence[Parameter], variant: Variant) -> list[str]:
+    """Return a line for each parameter: its name, its value and its meaning."""
+    values = [say_parameter.value(parameter, variant.parameters[parameter.name]) for parameter in parameters]
+    name_width = max(len(parameter.name) for parameter in parameters)
+    value_width = max(map(len, values))
+    rows = []
+    for parameter, value in zip(parameters, values, strict=True):
+        head = f"{parameter.name.ljust(name_width)}  {value.ljust(value_width)}"
+        rows.append((head, _about_parameter(device, parameter)))
+    return pairs(rows, 2)
+
+
+def _about_parameter(device: Device, parameter: Parameter) -> str:
+    return BY_NAME.paragraph(say_parameter.parameter(device, parameter))
+
+
+def alternative_lines(device: Device) -> list[str]:
+    """Return the questions that the manual leaves open, each with its answers."""
+    if not device.alternatives:
+        return []
+    lines = ["", "Left open by the manual, for you to choose"]
+    for alternative in device.alternatives:
+        lines.append(wrapped(BY_NAME.sentence(question(alternative)), WIDTH, "      ", f"  {alternative.name}: "))
+        lines += [_paragraph(BY_NAME.sentence(say_answer(answer))) for answer in alternative.answers]
+        lines.append(_paragraph(_how_to_choose(alternative)))
+    return lines
+
+
+def _how_to_choose(alternative: Alternative) -> str:
+    default = f"{alternative.default} applies without a choice. " if alternative.default else ""
+    example_answer = alternative.answers[1 if alternative.default else 0]
+    return f"{default}Give decode the answer with --choose {alternative.name}={example_answer.name}"
+
+
+# -- the position
+
+
+def _position_lines(
+    measurements: Sequence[tuple[str, Measurement | None]], parameters: Mapping[str, int] | None
+) -> list[str]:
+    """Return the lines about the position. Each measurement has a title, which is empty for that of the family."""
+    rows = []
+    for title, measurement in measurements:
+        if measurement is None:
+            continue
+        counts = style_with(parameters).phrase(say_measurement.measurement(measurement))
+        length = _whole_length(measurement, parameters)
+        rows.append((title or measurement.of, f"{counts}{length}  [{cite(measurement.source)}]"))
+    return ["", "Position", *pairs(rows, 2)] if rows else []
+
+
+def _whole_length(measurement: Measurement, parameters: Mapping[str, int] | None) -> str:
+    """Return the length of a linear scale with known parameters, or an empty string."""
+    if parameters is None or measurement.modulus is None:
+        return ""
+    step = measurement.micrometres(parameters)
+    if step is None:
+        return ""
+    millimetres = step * measurement.modulus.value(parameters) / 1000
+    has_three_decimals = 1000 % millimetres.denominator == 0
+    number = f"{float(millimetres):,.3f}" if has_three_decimals else decimal(millimetres)
+    return f", {number} mm in total"
+
+
+def _range_lines(device: Device, interface: str, parameters: Mapping[str, int] | None) -> list[str]:
+    """Return the lines about layouts in which the position has another range."""
+    style = style_with(parameters)
+    rows = []
+    for name, own_range in say_measurement.own_ranges(device, interface):
+        text = style.phrase(say_measurement.position_range(own_range))
+        rows.append((f"in {name}", f"{text}  [{cite(own_range.source)}]"))
+    return pairs(rows, 2)
+
+
+# -- interfaces and frames
+
+
+def interface_lines(device: Device, interface: Interface) -> list[str]:
+    """Return the lines about one interface: clock, times, port, data IDs."""
+    facts = say_interface.facts(device, interface)
+    rows = [(fact.label, f"{BY_NAME.phrase(fact)}  {BY_NAME.cited(fact.source)}") for fact in facts]
+    return [f"{interface.title}  [{cite(interface.source)}]", *pairs(rows, 2)]
+
+
+def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[str]:
+    """Return the lines about a frame of a family: its fields with their widths, one line per group."""
+    widths: dict[str, list[str]] = {}
+    for field in layout.fields:
+        widths.setdefault(field.group or field.name, []).append(_width(field))
+    head = BY_NAME.sentence(say_layout.head(interface, layout, layout.name, device.alternatives))
+    statements = [*say_layout.facts(interface, layout), *needs(device, layout)]
+    return [
+        wrapped(head, WIDTH, "    ", "  "),
+        *pairs(((name, ", ".join(texts)) for name, texts in widths.items()), 4),
+        *(_paragraph(BY_NAME.sentence(statement)) for statement in statements),
+    ]
+
+
+def _width(field: Field) -> str:
+    """Return the width of a field, with the name of a field in a group, or else with its fixed value."""
+    width = field.width.constant if field.width.is_constant else field.width.render()
+    return f"{field.name} {width}" if field.group else counted(width, "bit") + _fixed_value(field)
+
+
+def _fixed_value(field: Field) -> str:
+    match field.kind:
+        case Constant(value):
+            return f", always {say_field.short(value)}"
+        case Unused(value):
+            return f", unused, {say_field.short(value)} in the manual"
+        case _:
+            return ""
+
+
+def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
+    """Return the lines about a frame of an order code: a title, a picture, and what registers may change in it."""
+    interface, placed = device.interface(variant.interface), layout.place(variant.parameters)
+    style = style_with(variant.parameters)
+    name = f"{layout.name} ({layout.printed_name})" if layout.printed_name else layout.name
+    head = style.sentence(say_layout.head(interface, layout, name, device.alternatives))
+    notes = [style.sentence(fact) for fact in say_layout.carries(interface, layout)]
+    notes += _notes_about_choices(device, layout, style)
+    widths = run_time_widths(device, layout)
+    if widths:
+        places = " and ".join(field_at(device, path) for path in widths)
+        notes.append(f"The widths are the {say_parameter.initial(device)} in {places}.")
+    if layout.gray_of:
+        notes.append(_code_of_position(device, placed))
+    return [wrapped(head, WIDTH, "  ", ""), *picture(placed), *(wrapped(note, WIDTH, "  ", "  ") for note in notes)]
+
+
+def _notes_about_choices(device: Device, layout: Layout, style: Style) -> Iterator[str]:
+    """Yield the choices that the frame depends on, with those of its picture."""
+    for alternative in device.alternatives_of(layout):
+        device_with_one = replace(device, alternatives=(alternative,))
+        for need in needs(device_with_one, layout):
+            yield f"{style.sentence(need)} The picture shows {alternative.answers[0].name}."
+
+
+def _code_of_position(device: Device, placed: PlacedLayout) -> str:
+    """Return the code of the position, Gray or binary, and the registers that decide it."""
+    layout = placed.layout
+    names = device.needed_parameters([layout.gray_when] if layout.gray_when else [])
+    deciding = [parameter for parameter in device.run_time_parameters if parameter.name in names]
+    places = ", ".join(field_at(device, parameter.read_from) for parameter in deciding)
+    reason = f", according to the factory default of {places}" if places else ""
+    return f"{layout.gray_of} is in {'Gray code' if placed.gray else 'binary'}{reason}."
+
+
+def picture(placed: PlacedLayout) -> list[str]:
+    """Draw the layout as rows of boxes in the order sent, within the width of a terminal."""
+    rows: list[list[tuple[str, str]]] = []
+    columns = WIDTH
+    for placed_field in placed.fields:
+        text = _box_text(placed_field.field)
+        place = bit_place(placed.layout, placed.bits, placed_field.high, placed_field.low)
+        width = max(len(text), len(place)) + 2
+        if not rows or columns + width + 1 > WIDTH:
+            rows.append([])
+            columns = 3
+        rows[-1].append((text.center(width), place.center(width)))
+        columns += width + 1
+    return [line for boxes in rows for line in _box_lines(boxes)]
+
+
+def _box_lines(boxes: Sequence[tuple[str, str]]) -> list[str]:
+    """Return a row of boxes, each with its text, and with its place above it."""
+    places = "".join(f" {place}" for _, place in boxes).rstrip()
+    edge = "+".join("-" * len(text) for text, _ in boxes)
+    texts = "|".join(text for text, _ in boxes)
+    return [f"  {places}", f"  +{edge}+", f"  |{texts}|", f"  +{edge}+"]
+
+
+def _box_text(field: Field) -> str:
+    """Return the text in the box of a field: its name, a constant's value, or both."""
+    if not isinstance(field.kind, Constant):
+        return field.name
+    constant = say_field.short(field.kind.value)
+    return constant if field.padding_of or field.fills_gap else f"{field.name} = {constant}"
+
+
+# -- registers
+
+
+def register_lines(device: Device, variant: Variant | None) -> list[str]:
+    """Return one paragraph per register, for an order code with its fields."""
+    if not device.registers:
+        return []
+    lines = ["", "Registers"]
+    for register in device.registers:
+        lines += _lines_about_register(device, register, variant)
+    return lines
+
+
+def _lines_about_register(device: Device, register: Register, variant: Variant | None) -> list[str]:
+    style = style_with(variant.parameters if variant is not None else None)
+    head = style.sentence(say_register.head(device, register, register.name))
+    lines = [wrapped(head, WIDTH, "    ", "  ")]
+    fields = register.layout.fields
+    facts = [*say_register.facts(device, register), *(say_field.rules(device, fields[0]) if len(fields) == 1 else ())]
+    if facts:
+        lines.append(wrapped(style.paragraph(facts), WIDTH, "    "))
+    if variant is not None and len(fields) > 1:
+        placed = register.layout.place(variant.parameters)
+        lines += pairs(
+            ((bits(part.high, part.low), _about_field(device, part.field, style)) for part in placed.fields), 4
+        )
+    return lines + pairs(((hexadecimal(value.value), _about_value(value)) for value in register.values), 4)
+
+
+def _about_value(value: Value) -> str:
+    """Return the name of a register's value with the first sentence of its meaning."""
+    meaning = value.meaning.partition(". ")[0]
+    return f"{value.name}: {meaning}" if meaning else value.name
+
+
+def _about_field(device: Device, field: Field, style: Style) -> str:
+    rules = say_field.rules(device, field)
+    text = style.paragraph([say_field.choices(field.values), *rules] if field.values else rules)
+    return f"{field.name}: {text}" if text else field.name
+
+
+# -- inputs, procedures and errata
+
+
+def _input_and_procedure_lines(device: Device) -> list[str]:
+    inputs = [(hardware_input.name, hardware_input.meaning, hardware_input.source) for hardware_input in device.inputs]
+    procedures = [(procedure.name, procedure.title, procedure.source) for procedure in device.procedures]
+    return [*_section("Inputs", inputs), *_section("Procedures", procedures)]
+
+
+def _section(title: str, rows: Sequence[tuple[str, str, Sources]]) -> list[str]:
+    """Return a section of names, each with its text and its source. Empty if there are none."""
+    if not rows:
+        return []
+    return ["", title, *pairs(((name, f"{text}  [{cite(source)}]") for name, text, source in rows), 2)]
+
+
+def _errata_lines(device: Device) -> list[str]:
+    """Return the errata in full, except those about wording, which are only counted."""
+    if not device.errata:
+        return []
+    lines = ["", "Errata of the manual"]
+    detailed_errata = [erratum for erratum in device.errata if erratum.severity != "wording"]
+    for erratum in detailed_errata:
+        head, *details = BY_NAME.lines(say_erratum.erratum(erratum, whole=True))
+        lines += [wrapped(head, WIDTH, "    ", "  "), *map(_paragraph, details)]
+    wording_count = len(device.errata) - len(detailed_errata)
+    if wording_count:
+        summary = f"and {wording_count} about wording only, listed by --json and the documentation"
+        lines.append(wrapped(summary, WIDTH, "    ", "  "))
+    return lines
