@@ -205,9 +205,9 @@ def _no_packaged(name: str, stop: Stop, folders: Mapping[str, Path]) -> Stop:
     unknown = messages.unknown(name)
     if not str(stop).startswith(unknown):  # The name is close to an order code, and the message says how.
         return stop
-    families = [
-        path.stem for folder in folders.values() for path in find_files(folder).specs if path.name != MANUFACTURER
-    ]
+    families: list[str] = []
+    for folder in folders.values():
+        families += [path.stem for path in find_files(folder).specs if path.name != MANUFACTURER]
     nearest = nearest_choice(name.lower(), [*folders, *families])
     similar = get_close_matches(name.lower(), [*folders, *families])
     remedy = str(stop).removeprefix(unknown)

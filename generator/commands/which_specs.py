@@ -125,16 +125,24 @@ def _packaged_family() -> str:
     return next(path.stem for path in files if describes_encoders(path))
 
 
+def _real_folder(path: Path) -> str:
+    """Return the real path of a folder with a separator at its end."""
+    return os.path.join(os.path.realpath(path), "")
+
+
 def _report_not_entered(specs: Specs, folder: Path) -> None:
     """Report the folders that may contain specs but are not searched, so that a user does not take them for checked."""
     folders = [path for path in specs.paths if is_folder(path)]
-    in_folders = [item for path in folders for item in find_files(path, lambda _: False).not_entered]
-    searched = [os.path.join(os.path.realpath(path), "") for path in folders or [folder]]
-    shown = [
-        f"{path.as_posix()} ({reason})"
-        for path, reason in (*specs.not_entered, *(item for item in in_folders if item[1] != UNREADABLE))
-        if reason != LINK or not os.path.join(os.path.realpath(path), "").startswith(tuple(searched))
-    ]
+    searched = tuple(_real_folder(path) for path in folders or [folder])
+    not_entered = list(specs.not_entered)
+    for path in folders:
+        found_files = find_files(path, lambda _: False)
+        not_entered += [(path, reason) for path, reason in found_files.not_entered if reason != UNREADABLE]
+    shown = []
+    for path, reason in not_entered:
+        is_searched_anyway = reason == LINK and _real_folder(path).startswith(searched)
+        if not is_searched_anyway:
+            shown.append(f"{path.as_posix()} ({reason})")
     if shown:
         print(f"codewheel: not searched for specs: {first_of(shown, _MOST_SHOWN)}", file=sys.stderr)
 

@@ -239,11 +239,11 @@ def _layout_with_data_id(interface: Rs485, sender: str, data_id: int) -> Layout 
 
 def _writing_procedures(device: Device) -> list[Procedure]:
     """Return the procedures that write a register, in whole or in part."""
-    return [
-        procedure
-        for procedure in device.procedures
-        if any(isinstance(step, (WriteStep, ModifyStep)) for step in procedure.steps)
-    ]
+    return [procedure for procedure in device.procedures if _writes(procedure)]
+
+
+def _writes(procedure: Procedure) -> bool:
+    return any(isinstance(step, (WriteStep, ModifyStep)) for step in procedure.steps)
 
 
 def _command_rows(device: Device, variant: Variant, errata_at: Callable[..., str]) -> Iterator[Row]:
@@ -253,9 +253,8 @@ def _command_rows(device: Device, variant: Variant, errata_at: Callable[..., str
     """
     for procedure in _writing_procedures(device):
         bytes_to_write = joined((_step_in_bytes(device, step, variant) for step in procedure.steps), ", ")
-        changed_fields = [
-            f"registers.{step.register}.{step.field}" for step in procedure.steps if isinstance(step, ModifyStep)
-        ]
+        bit_changes = [step for step in procedure.steps if isinstance(step, ModifyStep)]
+        changed_fields = [f"registers.{step.register}.{step.field}" for step in bit_changes]
         errata_links = errata_at(exactly=changed_fields) if changed_fields else ""
         task = link(text(procedure.title), f"#procedure-{procedure.name}")
         yield task, joined([bytes_to_write, errata_links], ". ")

@@ -250,9 +250,10 @@ def placement_table(device: Device, layout: Layout, interface_name: str) -> str:
     for answers, shape in shapes:
         length = "" if layout.bits.is_constant else f"{shape.placed_layout.bits}"
         answer_cells = [code(answer.name) for answer in answers]
-        bit_cells = [
-            _bits_cell(shape.placed_layout.find_field(field.name), field.name in containers) for field in fields
-        ]
+        bit_cells = []
+        for field in fields:
+            placed_field = shape.placed_layout.find_field(field.name)
+            bit_cells.append(_bits_cell(placed_field, field.name in containers))
         rows.append([order_codes(device, shape.codes), *answer_cells, length, *bit_cells])
     question_links = [link(code(question.name), f"#alternative-{question.name}") for question in questions]
     field_heads = [_field_head(field, containers) for field in fields]

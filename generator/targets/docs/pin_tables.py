@@ -109,17 +109,19 @@ def _signal_cell(contact: Contact, order_codes: Sequence[str]) -> str:
     """Return the signal of a contact in Markdown, and which of these order codes have it unless all do."""
     if not contact.only:
         return text(contact.signal)
-    patterns = [
-        pattern for pattern in contact.only.split(", ") if any(fits(pattern, order_code) for order_code in order_codes)
-    ]
+    patterns = []
+    for pattern in contact.only.split(", "):
+        if any(fits(pattern, order_code) for order_code in order_codes):
+            patterns.append(pattern)
     return f"{text(contact.signal)} <small>(only {text(', '.join(patterns))})</small>"
 
 
 def _contacts_cell(column: Sequence[Connector], signal: str, order_codes: Sequence[str]) -> str:
     """Return the contacts of a signal, marked with the name of their connector if they differ."""
-    contacts_of_connectors = [
-        _contact_list(_contacts_by_signal(connector, order_codes).get(signal, [])) for connector in column
-    ]
+    contacts_of_connectors = []
+    for connector in column:
+        contacts = _contacts_by_signal(connector, order_codes).get(signal, [])
+        contacts_of_connectors.append(_contact_list(contacts))
     names = _short_names([connector.title for connector in column])
     marked = [f"{contacts} ({name})" for contacts, name in zip(contacts_of_connectors, names, strict=True) if contacts]
     are_alike = len(set(contacts_of_connectors)) == 1
