@@ -16,7 +16,6 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
-from threading import Thread
 
 from .output_list import LIST, WriteError, list_text, listed_in, read_file
 
@@ -27,7 +26,6 @@ _STAGE_NAME = re.compile(rf"{re.escape(PREFIX)}([A-Za-z0-9_.-]+)-[a-z0-9_]{{8}}"
 _MARK = ".codewheel-stage"
 _MARK_TEXT = "Temporary folder of codewheel generate. Its next run removes it.\n"
 _NEW, _OLD = "new", "old"
-_MOST_THREADS = 8
 _AT_FDCWD, _RENAME_EXCHANGE = -100, 2
 
 
@@ -98,7 +96,9 @@ class Stage:
     def remove(self) -> None:
         """Remove the stage. The mark is removed last, so that a run killed here leaves a recognisable stage."""
         _save_from(self)
-        _remove_trees([self.new, *([self.old] if os.path.lexists(self.target_folder) else [])])
+        shutil.rmtree(self.new, ignore_errors=True)
+        if os.path.lexists(self.target_folder):
+            shutil.rmtree(self.old, ignore_errors=True)
         if not os.path.lexists(self.old):
             with suppress(OSError):
                 (self.folder / _MARK).unlink(missing_ok=True)
@@ -175,25 +175,6 @@ def _save_from(stage: Stage) -> None:
                 if not os.path.islink(os.path.join(root, name)):
                     # A read-only folder from the old content may prevent the removal.
                     os.chmod(os.path.join(root, name), 0o700)
-
-
-def _remove_trees(folders: Sequence[Path]) -> None:
-    """Remove folders as far as possible, several subfolders at a time, because disks can take 3 ms for each folder."""
-    todo = [Path(root, name) for folder in folders for root, names, _ in os.walk(folder) for name in names]
-    todo.sort(key=lambda path: len(path.parts))
-
-    def work() -> None:
-        with suppress(IndexError):
-            while True:
-                shutil.rmtree(todo.pop(), ignore_errors=True)
-
-    workers = [Thread(target=work) for _ in range(min(len(todo), _MOST_THREADS))]
-    for worker in workers:
-        worker.start()
-    for worker in workers:
-        worker.join()
-    for folder in folders:
-        shutil.rmtree(folder, ignore_errors=True)
 
 
 def _save_late_files(saved_folder: Path, target_folder: Path) -> None:
