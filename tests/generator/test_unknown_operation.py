@@ -48,7 +48,7 @@ Place = tuple[str, str]
 ASKING = {
     "c": {
         ("about", "about_member"),
-        ("decode", "taken"),
+        ("decode", "fields_with_local"),
         ("device", "_is_read_twice"),
         ("encode", "_bits_in_whole"),
         ("enumerations", "__init__"),
