@@ -198,7 +198,8 @@ def import_generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Libr
             target = folder / path
             target.parent.mkdir(parents=True, exist_ok=True)
             target.write_text(text, encoding="utf-8")
-        for name in [name for name in sys.modules if name.partition(".")[0] == package]:
+        older_modules = {name: module for name, module in sys.modules.items() if name.partition(".")[0] == package}
+        for name in older_modules:
             del sys.modules[name]
         sys.path.insert(0, str(folder / "python"))
         importlib.invalidate_caches()
@@ -206,6 +207,11 @@ def import_generated(tmp_path_factory: pytest.TempPathFactory) -> Callable[[Libr
             imported = importlib.import_module(package)
         finally:
             sys.path.remove(str(folder / "python"))
+        # Families of an older package of this name keep their modules, because frames find their descriptions by name.
+        for name, module in older_modules.items():
+            path = folder / "python" / name.replace(".", "/")
+            if not path.is_dir() and not path.with_suffix(".py").exists():
+                sys.modules.setdefault(name, module)
         # Some modules are loaded on first use, so those of an older package of this name must be found.
         inner = {name: importlib.import_module(f"{package}.{name}") for name in ("facts", "_shapes")}
         for older in folders.setdefault(package, []):
