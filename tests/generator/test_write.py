@@ -120,7 +120,7 @@ class Killed(BaseException):
     """Simulates a kill: the code after it does not run."""
 
 
-@pytest.mark.parametrize("moment", ["_exchange", "_link_or_copy", "_remove_trees"])
+@pytest.mark.parametrize("moment", ["_exchange", "_link_or_copy", "_save_from"])
 def test_what_a_killed_run_left_is_cleared_by_the_next(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, moment: str
 ) -> None:
