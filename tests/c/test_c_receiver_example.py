@@ -218,7 +218,7 @@ def test_what_is_taken_and_what_is_not(outcomes: Sequence[FrameOutcome]) -> None
     for outcome in outcomes:
         counts[outcome.name][outcome.took] += 1
     assert counts["nothing"][True] > 70_000
-    assert set(counts["nothing"]) == {True}, "no sound frame is lost"
+    assert set(counts["nothing"]) == {True}, "no valid frame is lost"
     assert set(counts["error"]) == {False}, "an encoder that reports an error has no position"
     assert all(counts[fault.__name__][False] > 1500 and not counts[fault.__name__][True] for fault in CERTAIN)
     # One of 64 moved words has a matching CRC, and only the limit of the tracker detects those.

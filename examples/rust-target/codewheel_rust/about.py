@@ -41,17 +41,12 @@ def frame_text(device: Device, interface: Interface, frame: Layout) -> list[Stat
     return [layout.head(interface, frame, name.title(frame)), *layout.layout(device, interface, frame)]
 
 
-def register_text(device: Device, described_register: Register) -> list[Statement]:
+def register_text(device: Device, described: Register) -> list[Statement]:
     """Return the description of a register."""
-    return [
-        register.head(device, described_register, name.title(described_register)),
-        *register.register(device, described_register),
-    ]
+    return [register.head(device, described, name.title(described)), *register.register(device, described)]
 
 
-def field_text(device: Device, owner: Layout, described_field: Field) -> list[str]:
+def field_text(device: Device, owner: Layout, described: Field) -> list[str]:
     """Return place and meaning of a field, in one paragraph."""
-    text = _STYLE.paragraph(
-        [Statement(tuple(place.field_place(owner, described_field))), *field.field(device, described_field)]
-    )
+    text = _STYLE.paragraph([Statement(tuple(place.field_place(owner, described))), *field.field(device, described)])
     return [text[0].upper() + text[1:]]

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from codewheel.model import Answer, Device, Field, Interface, Layout, Register, Value
 from codewheel.plan.codec import AlwaysIs, Bits, Codec, Fixed, ParityIs, ParityOf, Term, characters, codec_of
 from codewheel.plan.crcs import CrcFunction, crc_functions, function_of
-from codewheel.plan.frames import Dispatch, dispatches
+from codewheel.plan.frames import dispatches
 from codewheel.plan.limits import Limits, limits_of
 from codewheel.plan.run_time_parameters import held_parameters
 from codewheel.plan.values import Characters, meaning_of
@@ -47,8 +47,7 @@ class Struct:
             if not isinstance(check, AlwaysIs) or self.codec.by_word:
                 bits_by_name[check.field.name] = check.bits
             if isinstance(check, ParityIs):
-                for covered_field, bits in zip(check.of, check.of_bits, strict=True):
-                    bits_by_name[covered_field.name] = bits
+                bits_by_name |= {covered.name: bits for covered, bits in zip(check.of, check.of_bits, strict=True)}
         return bits_by_name
 
     @property
@@ -92,17 +91,15 @@ class Family:
                 self.answers[method] = answer
         for name in (parameter.name for parameter in device.parameters if parameter.equals is not None):
             methods.give(snake(name), "parameters", name)
-        self.crcs: dict[CrcFunction, str] = {}
-        for crc_function in crc_functions(device):
-            self.crcs[crc_function] = self._top.give(crc_name(crc_function), "crcs", crc_function.crc.name)
+        functions = crc_functions(device)
+        self.crcs = {function: self._top.give(crc_name(function), "crcs", function.crc.name) for function in functions}
         self.enums, self.register_enums = list[Enum](), list[Enum]()
         self.frames = [(interface, self._frame(interface, layout)) for interface, layout in device.layouts()]
         self.registers = [self._register(register) for register in device.registers]
-        self.dispatches: list[tuple[Interface, Dispatch]] = []
-        for interface in device.interfaces:
-            for dispatch in dispatches(interface.layouts):
-                self.dispatches.append((interface, dispatch))
-                self._top.give(pascal(f"{interface.name}_from_{dispatch.sender}"), "interfaces", interface.name)
+        interfaces = device.interfaces
+        self.dispatches = [(interface, frames) for interface in interfaces for frames in dispatches(interface.layouts)]
+        for interface, frames in self.dispatches:
+            self._top.give(pascal(f"{interface.name}_from_{frames.sender}"), "interfaces", interface.name)
 
     @property
     def problems(self) -> list[TargetProblem]:
@@ -114,11 +111,10 @@ class Family:
 
     def _frame(self, interface: Interface, layout: Layout) -> Struct:
         """Return the types of a frame. Frames of an interface share the type of a choice with the same values."""
-        other_fields = [field for sibling in interface.layouts for field in sibling.data_fields]
+        fields = [field for sibling in interface.layouts for field in sibling.data_fields]
         owners = {}
         for field in layout.data_fields:
-            namesakes = [other_field for other_field in other_fields if other_field.name == field.name]
-            is_shared = all(namesake.values == field.values for namesake in namesakes)
+            is_shared = all(namesake.values == field.values for namesake in fields if namesake.name == field.name)
             owners[field.name] = interface.name if is_shared else layout.name
         place = ("interfaces", interface.name, "layouts", layout.name)
         return self._struct(self._top, self.enums, place, layout, owners)
@@ -128,9 +124,7 @@ class Family:
         struct = self._struct(self._inner, self.register_enums, ("registers", register.name), register.layout, owners)
         return replace(struct, register=register, limits=limits_of(self.device, register))
 
-    def _struct(
-        self, names: Names, enums: list[Enum], place: Place, layout: Layout, owners: Mapping[str, str]
-    ) -> Struct:
+    def _struct(self, names: Names, enums: list[Enum], place: Place, layout: Layout, owners: dict[str, str]) -> Struct:
         choices = [field for field in layout.data_fields if field.values]
         types = {field.name: Enum(pascal(f"{owners[field.name]}_{field.name}"), field.values) for field in choices}
         for enum in types.values():
@@ -143,13 +137,11 @@ class Family:
         for name in [*(join.name for join in layout.joins), *runs]:
             methods.give(snake(name), *place)
         struct = Struct(layout, codec_of(self.device, layout), function_of(self.device, layout), types)
-        for complaint in struct.width_problems():
-            message = f"{complaint}. Rust allows at most {WORD}"
-            self._wide.append(TargetProblem(self.device, "rust-size", place, message))
+        for problem in struct.width_problems():
+            self._wide.append(TargetProblem(self.device, "rust-size", place, f"{problem}. Rust allows at most {WORD}"))
         return struct
 
 
 def crc_name(crc_function: CrcFunction) -> str:
     """Return the name of the function for a CRC."""
-    name = f"crc_{crc_function.crc.name}"
-    return name if crc_function.alone else f"{name}_{crc_function.carrier.value}"
+    return f"crc_{crc_function.crc.name}" + ("" if crc_function.alone else f"_{crc_function.carrier.value}")

@@ -84,11 +84,8 @@ def byte_of(piece: Piece) -> str:
 
 def joined_pieces(pieces: Iterable[Piece]) -> str:
     """Return the bits of these pieces of ``bytes`` as one number."""
-    parts = []
-    for piece in pieces:
-        part = f"u64::from({byte_of(piece)})"
-        parts.append(f"({part} << {piece.left})" if piece.left else part)
-    return " | ".join(parts) or "0_u64"
+    parts = ((f"u64::from({byte_of(piece)})", piece.left) for piece in pieces)
+    return " | ".join(f"({part} << {shift})" if shift else part for part, shift in parts) or "0_u64"
 
 
 def put_byte(piece: Piece, raw: str) -> str:
@@ -100,17 +97,7 @@ def put_byte(piece: Piece, raw: str) -> str:
 
 
 PIECES = (byte_of, put_byte, joined_pieces)
-NUMBERS = (
-    holds_all_of,
-    parameter_number,
-    hexadecimal,
-    narrowed,
-    pattern,
-    quoted,
-    type_of_parameter,
-    unsigned,
-    widened,
-)
+NUMBERS = (holds_all_of, parameter_number, hexadecimal, narrowed, pattern, quoted, type_of_parameter, unsigned, widened)
 
 
 class Scope:
@@ -146,10 +133,8 @@ class Scope:
             case values.TwosComplement():
                 return narrowed(f"signed({raw}, {width})", type_), f"field({wide} as u64, 0, {width})"
             case values.ZeroMeans(number) as meaning:
-                return (
-                    f"({parameter_number(raw, meaning)}) as {type_}",
-                    f"if {member} == {number} {{ 0 }} else {{ {wide} }}",
-                )
+                decoded = f"({parameter_number(raw, meaning)}) as {type_}"
+                return decoded, f"if {member} == {number} {{ 0 }} else {{ {wide} }}"
             case values.Active(low):
                 comparison, negation = ("==", "!") if low else ("!=", "")
                 return f"{raw} {comparison} 0", f"u64::from({negation}{member})"
@@ -163,9 +148,8 @@ class Scope:
 
     def _term(self, term: Term, type_: str, alone: bool) -> str:
         multiple = [f"{abs(term.multiple)}"] if abs(term.multiple) != 1 else []
-        return " * ".join(
-            [*multiple, *(self._factor(factor, type_, alone and not multiple) for factor in term.factors)]
-        )
+        factors = [self._factor(factor, type_, alone and not multiple) for factor in term.factors]
+        return " * ".join([*multiple, *factors])
 
     def _factor(self, factor: Factor, type_: str, alone: bool) -> str:
         name = self.parameter(factor.parameter)
