@@ -8,7 +8,7 @@ import itertools
 import json
 import math
 import random
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Generator, Sequence
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -19,6 +19,8 @@ from codewheel_runtime import biss
 from codewheel_runtime.captures import signals
 from codewheel_runtime.captures.any_biss import biss_layout
 from codewheel_runtime.captures.capture import Captures
+from codewheel_runtime.captures.signals import Edges, Signals
+from codewheel_runtime.captures.uart import serial_bytes
 from codewheel_runtime.commands.main import main
 from lines import Biss, Wave, biss_word, serial
 
@@ -315,3 +317,19 @@ def test_plot(command: Command, kind: str, tmp_path: Path) -> None:
     assert picture.startswith(b"\x89PNG" if kind == "png" else b"<?xml")
     if kind == "svg":
         assert b"CRC error (1)" in picture or picture.count(b"<text") == 0
+
+
+def test_the_bytes_of_a_stretch_come_before_the_next_is_read() -> None:
+    """Two stretches of 0x55 at 1 unit a bit: a start bit of 0, then 1 and 0 in turn, and a stop bit of 1."""
+    read = []
+
+    def stretches() -> Generator[Edges, None, None]:
+        for begin in (0.0, 100.0):
+            read.append(begin)
+            edges = numpy.arange(begin + 10, begin + 20)
+            yield Edges(levels=(1,), times=(edges,), begin=begin, end=begin + 100)
+
+    pieces = serial_bytes(Signals(stretches(), seconds=1.0, is_sampled=False), baud=1.0)
+    assert next(pieces).values.tolist() == [0x55]
+    assert read == [0.0]
+    assert next(pieces).values.tolist() == [0x55]

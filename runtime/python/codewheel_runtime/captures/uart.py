@@ -43,7 +43,7 @@ def serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, None]
     bit = 1 / baud / (signals.seconds or 1.0)
     early = 0.5 if signals.is_sampled else 0.0
     edges, level, free, end, done, is_new = np.zeros(0), 1, -np.inf, 0.0, 0, True
-    for part in (*(), *_parts(signals)):
+    for part in _parts(signals):
         if part is not None:
             level, is_new = (part.levels[0], False) if is_new else (level, False)
             edges, end, done = np.concatenate([edges, part.times[0]]), part.end, part.done
