@@ -181,7 +181,7 @@ PYTHON = """
 case "$*" in
     "-m venv .venv") mkdir -p .venv/bin && cp "$0" .venv/bin/python ;;
     *--require-hashes*) echo "python $*"; [ ! -e broken ] ;;
-    *) echo "python $* locked=$CODEWHEEL_LOCKED" ;;
+    *) command -v cbmc; echo "python $* locked=$CODEWHEEL_LOCKED" ;;
 esac
 """
 
@@ -223,6 +223,11 @@ def test_packages_that_do_not_fit_are_replaced_by_the_ranges(tmp_path: Path) -> 
     assert "do not fit here: installing by the ranges of pyproject.toml\n" in out
     assert not (tmp_path / ".venv").exists()
     assert out.endswith(" --missing  --more locked=\n")
+
+
+def test_the_parts_find_the_checker_also_in_the_clone(tmp_path: Path) -> None:
+    _, out = prepared(tmp_path, "")
+    assert str(tmp_path / ".cbmc" / "cbmc") in out.splitlines()
 
 
 def test_the_locked_packages_name_no_place() -> None:
