@@ -149,6 +149,17 @@ def test_c_need_not_express_a_family_that_it_does_not_write(capsys: pytest.Captu
     assert families(project, target="c") == {"tv62"}
 
 
+@pytest.mark.slow
+def test_an_order_code_narrows_c_to_the_families_that_it_writes(
+    capsys: pytest.CaptureFixture[str], project: Path
+) -> None:
+    write_settings(project, "only: {c: {families: [tv62, amm5]}}\n")
+    code, _, err = run(capsys, "generate", "specs", "--packaged", "AMM5A21/65KSC1", "--target", "c", "--unchecked")
+    assert (code, err) == (0, "")
+    assert families(project, target="c") == {"tv62"}
+    assert (project / "generated/c/include/lika/amm5_biss.h").is_file()
+
+
 # ------------------------------------------------------------------------------------------------------ earlier outputs
 
 
