@@ -33,8 +33,13 @@ _PAGE = "decode.js"
 
 def owners(devices: Iterable[Device]) -> list[str]:
     """Return the families as ``manufacturer/family``. Other editions belong to their family."""
-    families = (device for device in devices if not device.base or _is_special(device))
+    families = (device for device in devices if family_of(device) == device.name)
     return sorted(f"{device.manufacturer.name}/{device.name}" for device in families)
+
+
+def family_of(device: Device) -> str:
+    """Return the name of the family of a device. A special model is a family, another edition is not."""
+    return device.name if not device.base or _is_special(device) else device.base
 
 
 def _is_special(device: Device) -> bool:

@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 
 from .lock import PATIENCE_S, Busy, locked
 from .output_list import LIST, LIST_SIGN, WriteError, families_in, is_safe, list_text, listed_in, read_file
@@ -52,7 +53,7 @@ def changes(folder: Path, target: str, files: Mapping[str, str]) -> list[Change]
     return sorted(file_changes, key=lambda change: change.path)
 
 
-def digest_of(targets: Mapping[str, Mapping[str, str]], families: Sequence[str]) -> str:
+def digest_of(targets: Mapping[str, Mapping[str, str]], families: Mapping[str, Sequence[str]]) -> str:
     """Return a hash of the files that ``write`` leaves with these arguments, for comparison with ``digest_on_disk``."""
     return _digest(_files_to_write(targets, families))
 
@@ -79,11 +80,13 @@ def _digest(files: Iterable[tuple[str, bytes]]) -> str:
     return digest.hexdigest()
 
 
-def _files_to_write(targets: Mapping[str, Mapping[str, str]], families: Sequence[str]) -> Iterator[tuple[str, bytes]]:
+def _files_to_write(
+    targets: Mapping[str, Mapping[str, str]], families: Mapping[str, Sequence[str]]
+) -> Iterator[tuple[str, bytes]]:
     """Yield the path and the content of each list and file."""
     for target, files in sorted(targets.items()):
         paths_inside = [path.partition("/")[2] for path in files]
-        yield f"{target}/{LIST}", list_text(paths_inside, families).encode()
+        yield f"{target}/{LIST}", list_text(paths_inside, families.get(target, ())).encode()
         for path in sorted(files):
             yield path, files[path].encode()
 
@@ -111,7 +114,7 @@ def write(
     waiting: Callable[[], None] = lambda: None,
     gate: Callable[[], None] = lambda: None,
     guard: Callable[[Mapping[str, Sequence[Change]]], None] = lambda _: None,
-    families: Sequence[str] = (),
+    families: Mapping[str, Sequence[str]] = MappingProxyType({}),
 ) -> list[Change]:
     """Write the files of ``targets`` to their folders, remove obsolete ones, and keep foreign files.
 
@@ -122,7 +125,7 @@ def write(
         waiting: Called before the function waits for another run that is writing to the folder.
         gate: Called before a file changes. An error that it raises ends the function, and nothing has changed.
         guard: Called with the changes of each target, before ``gate``. An error has the same effect.
-        families: The families that the files are written from, as ``manufacturer/family``, for the lists.
+        families: The families that the files of each target are written from, as ``manufacturer/family``, for its list.
 
     Raises:
         WriteError: A foreign file is in the way, another run does not end, or a file cannot be written. In that case
@@ -152,7 +155,7 @@ def _written(
     force: bool,
     gate: Callable[[], None],
     guard: Callable[[Mapping[str, Sequence[Change]]], None],
-    families: Sequence[str],
+    families: Mapping[str, Sequence[str]],
 ) -> list[Change]:
     """Write the targets to the folder. This process must hold its lock."""
     _remove_left_stages(folder)
@@ -162,7 +165,7 @@ def _written(
         gate()
     targets_to_write = dict(targets)
     for target, files in targets.items():
-        if not _needs_writing(folder, target, files, changes_by_target[target], families):
+        if not _needs_writing(folder, target, files, changes_by_target[target], families.get(target, ())):
             del targets_to_write[target]
     _refuse_what_is_in_the_way(folder, targets_to_write, changes_by_target, force)
     _exchange_folders(folder, targets_to_write, changes_by_target, families)
@@ -173,7 +176,7 @@ def _exchange_folders(
     folder: Path,
     targets: Mapping[str, Mapping[str, str]],
     changes_by_target: Mapping[str, Sequence[Change]],
-    families: Sequence[str],
+    families: Mapping[str, Sequence[str]],
 ) -> None:
     """Assemble the new content of each target's folder in a stage, and then exchange all folders.
 
@@ -186,7 +189,7 @@ def _exchange_folders(
         for target, files in targets.items():
             stages.append(Stage.create(folder / target))
             unchanged = {change.path for change in changes_by_target[target] if change.what == "unchanged"}
-            stages[-1].fill(files, families, unchanged)
+            stages[-1].fill(files, families.get(target, ()), unchanged)
         for stage in stages:
             stage.exchange()
             exchanged.append(stage)

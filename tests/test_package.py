@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -12,6 +13,7 @@ from email import message_from_bytes
 from pathlib import Path
 
 import pytest
+from codewheel.loading.configuration_file import read_configuration
 
 ROOT = Path(__file__).parents[1]
 
@@ -72,6 +74,17 @@ def test_the_wheel_holds_every_file_of_the_package(wheel: Path) -> None:
                 assert f"{inside}/{path.relative_to(ROOT / folder).as_posix()}" in names
 
 
+def copy_family_filters(folder: Path) -> None:
+    """Write settings with the conditions of this repository for the families of each output."""
+    settings = read_configuration(ROOT / "pyproject.toml")
+    assert settings is not None
+    conditions = {}
+    for target, condition in settings.only.items():
+        texts = {"families": list(condition.families), "grades": list(condition.grades)}
+        conditions[target] = {key: values for key, values in texts.items() if values}
+    (folder / "codewheel.yaml").write_text(json.dumps({"only": conditions}), encoding="utf-8")
+
+
 def test_the_installed_tool_works_in_an_empty_folder(wheel: Path, tmp_path: Path) -> None:
     """With only the wheel and its dependencies, and in a folder whose name has a space."""
     place = tmp_path / "an empty folder"
@@ -81,6 +94,7 @@ def test_the_installed_tool_works_in_an_empty_folder(wheel: Path, tmp_path: Path
     pip = [sys.executable, "-m", "pip", "--python", python, "--disable-pip-version-check"]
     run(*pip, "install", "--quiet", wheel, cwd=place)
     tool = place / "venv" / "bin" / "codewheel"
+    copy_family_filters(place)
     out = run(tool, "generate", "--packaged", "lika", "--packaged", "ichaus", cwd=place, PYTHONHASHSEED="1")
     assert "written    generated/biss/idbiss4C69.xml" in out
     out = run(tool, "list", cwd=place)

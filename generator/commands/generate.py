@@ -9,13 +9,15 @@ from pathlib import Path
 from typing import TypedDict
 
 from ..output_list import WriteError
-from ..owners import Guard, owners
+from ..owners import Guard
 from ..say.numbers import counted
 from ..write import Change, changes, digest_of, digest_on_disk, left_stages, write
 from .terminal import Stop
 
 #: The files of each target, as texts by path.
 Files = Mapping[str, Mapping[str, str]]
+#: The families of each target, as ``owners`` returns them.
+Families = Mapping[str, Sequence[str]]
 
 
 class Generated(TypedDict):
@@ -36,16 +38,19 @@ def is_unchanged(chosen: argparse.Namespace, generated: Generated | None) -> boo
     return True
 
 
-def result_to_store(read_line: str, files: Files, families: Sequence[str]) -> Generated:
-    """Return the result of a run that rendered these files. ``families`` are as ``owners`` returns them."""
+def result_to_store(read_line: str, files: Files, families: Families) -> Generated:
+    """Return the result of a run that rendered these files."""
     count = sum(map(len, files.values()))
     return Generated(read_line=read_line, targets=list(files), count=count, digest=digest_of(files, families))
 
 
-def write_or_compare(chosen: argparse.Namespace, files: Files, gate: Callable[[], None], guard: Guard) -> int:
+def write_or_compare(
+    chosen: argparse.Namespace, files: Files, families: Families, gate: Callable[[], None], guard: Guard
+) -> int:
     """Write or compare the files of each target, and return the exit code.
 
-    ``gate`` raises ``Stop`` to refuse writing specs that must not be released. It is called if a file would change.
+    ``families`` are those that each target was rendered from. ``gate`` raises ``Stop`` to refuse writing specs that
+    must not be released. It is called if a file would change.
 
     Raises:
         Stop: The disk fails, a file differs, or ``guard`` refuses the changes.
@@ -65,7 +70,7 @@ def write_or_compare(chosen: argparse.Namespace, files: Files, gate: Callable[[]
                 waiting=lambda: _print_wait(chosen.output),
                 gate=(lambda: None) if chosen.unchecked else gate,
                 guard=check,
-                families=owners(guard.devices),
+                families=families,
             )
     except WriteError as error:
         raise Stop(str(error), 1) from None

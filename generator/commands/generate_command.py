@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from .arguments import Parser, a_path, add_cache_option, add_specs, cache_for
@@ -128,38 +129,48 @@ def _generate(chosen: argparse.Namespace, cache: Cache, selection: Selection, re
     from ..loading.library import load_families
     from ..owners import owners
     from ..targets import Library
+    from .accepted_families import accepted_devices, devices_by_target
     from .generate import result_to_store, write_or_compare
     from .outputs import are_built_in, complete, options_named, targets_named
+    from .settings_targets import report_unknown_families
 
     with Progress("codewheel: reading the specs"):
         families, report = load_families(selection.paths, cache)
     targets = targets_named(chosen.target)
-    options = options_named(selection.options_for([family.device.name for family in families]), targets)
+    read_devices = [family.device for family in families]
+    report_unknown_families(selection.settings, [device.name for device in read_devices], report)
+    c_devices = accepted_devices("c", read_devices, selection.only)
+    options = options_named(selection.options_for([device.name for device in c_devices]), targets)
     _refuse_misused_options(chosen, targets)
     with Progress("codewheel: checking the specs"):
-        devices = complete(families, targets, chosen.edition, report)
+        devices = complete(families, targets, chosen.edition, report, selection.only)
     if report:
         raise problems(report)
     read_line = _read_line(devices, report, chosen.packaged, selection.packaged)
     print(read_line)
-    files = _rendered(Library(devices, chosen.templates), targets, options, cache)
+    accepted = devices_by_target([target.name for target in targets], devices, selection.only)
+    files = _rendered(Library(devices, chosen.templates), accepted, targets, options, cache)
+    families_by_target = {name: owners(target_devices) for name, target_devices in accepted.items()}
     if are_built_in(targets, chosen.target):
-        result.put(result_to_store(read_line, files, owners(devices)))
+        result.put(result_to_store(read_line, files, families_by_target))
 
     def gate() -> None:
         from .check.coverage import refuse_unproved
 
         refuse_unproved(families, "written", cache)
 
-    return write_or_compare(chosen, files, gate, selection.guard(chosen, devices, report.files))
+    guard = selection.guard(chosen, devices, report.files)
+    return write_or_compare(chosen, files, families_by_target, gate, guard)
 
 
 def _cached_result(chosen: argparse.Namespace, selection: Selection, cache: Cache) -> CachedResult:
     """Return the result of an earlier run. There is none with templates of the user or a document type."""
     from ..cache import NO_CACHE
+    from ..loading.configuration import filters_as_texts
     from .cached_result import cached_result
 
-    options = [*(chosen.target or ()), "", *selection.options, "", *chosen.edition, "", *chosen.packaged]
+    options = [*(chosen.target or ()), "", *selection.options, "", *chosen.edition, "", *chosen.packaged, ""]
+    options += filters_as_texts(selection.only)
     is_cacheable = chosen.templates is None and chosen.biss_dtd is None
     return cached_result(cache if is_cacheable else NO_CACHE, "generate", selection.paths, options)
 
@@ -187,9 +198,16 @@ def _read_line(
 
 
 def _rendered(
-    library: Library, targets: Sequence[Target], options: Mapping[str, Options], cache: Cache
+    library: Library,
+    accepted: Mapping[str, tuple[Device, ...]],
+    targets: Sequence[Target],
+    options: Mapping[str, Options],
+    cache: Cache,
 ) -> dict[str, Mapping[str, str]]:
-    """Return the files of each target. Parts of families with the same model come from the cache."""
+    """Return the files of each target. Parts of families with the same model come from the cache.
+
+    ``accepted`` are the devices in the library that each target writes.
+    """
     from ..family_parts import FamilyParts
     from ..targets.registry import files_of
     from .outputs import rendered
@@ -199,6 +217,6 @@ def _rendered(
 
         def files_with_progress(target: Target, library: Library, target_options: Options) -> Mapping[str, str]:
             progress.text = f"codewheel: rendering {target.name}"
-            return files_from(target, library, target_options)
+            return files_from(target, replace(library, devices=accepted[target.name]), target_options)
 
         return rendered(library, targets, options, files_with_progress)

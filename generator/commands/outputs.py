@@ -8,12 +8,14 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from ..language.problems import Report, listed, suggestion
+from ..loading.configuration import NO_FILTERS, FamilyFilters
 from ..loading.library import Family, load_families, sound_families
 from ..model import Device
 from ..render import unused_templates
 from ..targets import Library, OptionError, Options, Target, TargetError
 from ..targets.registry import BUILT_IN, PackageMissing, files_of, load_target, problems_of, target_names
 from ..template_fault import TemplateFault
+from .accepted_families import accepted_devices
 from .editions import edition_devices
 from .terminal import Stop
 
@@ -98,29 +100,38 @@ def load_for(paths: Sequence[Path], targets: Iterable[Target]) -> tuple[tuple[De
 
 
 def complete(
-    families: Sequence[Family], targets: Iterable[Target], editions: Iterable[str], report: Report
+    families: Sequence[Family],
+    targets: Iterable[Target],
+    editions: Iterable[str],
+    report: Report,
+    filters: FamilyFilters = NO_FILTERS,
 ) -> tuple[Device, ...]:
     """Return the devices of families, and report the parts that these targets cannot express.
 
-    ``editions`` are additional ones, such as ``FAMILY=1.6``.
+    ``editions`` are additional ones, such as ``FAMILY=1.6``. ``filters`` are as for ``tell_unfit``.
 
     Raises:
         Stop: A target fails. The exit code is 1.
     """
-    tell_unfit(families, targets, report)
+    tell_unfit(families, targets, report, filters)
     devices = [*(family.device for family in families), *edition_devices(families, editions, report)]
     return tuple(sorted(devices, key=lambda device: device.name))
 
 
-def tell_unfit(families: Sequence[Family], targets: Iterable[Target], report: Report) -> None:
+def tell_unfit(
+    families: Sequence[Family], targets: Iterable[Target], report: Report, filters: FamilyFilters = NO_FILTERS
+) -> None:
     """Report the parts that these targets cannot express of families whose specs have no other problems.
+
+    ``filters`` are the conditions for the families that each target must express.
 
     Raises:
         Stop: A target fails. The exit code is 1.
     """
     sound = {family.device.name: family for family in sound_families(families, report)}
-    library = Library(tuple(family.device for family in sound.values()))
+    devices = [family.device for family in sound.values()]
     for target in targets:
+        library = Library(accepted_devices(target.name, devices, filters))
         try:
             target_problems = problems_of(target, library)
         except TargetError as error:

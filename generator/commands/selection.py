@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -11,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from ..cache import Cache
 from ..language.files import find_files
-from ..loading.configuration import Configuration
+from ..loading.configuration import NO_FILTERS, Configuration, FamilyFilters
 from ..loading.family_files import MANUFACTURER
 from ..loading.shipped import packaged_families
 from .find_encoder import find_family_or_code
@@ -36,6 +37,8 @@ class Selection:
         packaged: The packaged specs among ``paths``.
         is_narrowed: True if that option follows from ``--packaged``.
         command_with: Returns the command that also reads the families with these names, such as ``maker/my_encoder``.
+        settings: The user's settings if the run reads all of their specs, otherwise None.
+        only: Conditions for the families that targets write to the output folder.
     """
 
     paths: tuple[Path, ...]
@@ -43,6 +46,8 @@ class Selection:
     packaged: tuple[Path, ...]
     is_narrowed: bool
     command_with: Callable[[Sequence[str]], str]
+    settings: Configuration | None
+    only: FamilyFilters
 
     def options_for(self, families: Sequence[str]) -> tuple[str, ...]:
         """Return the options for the families that were read. The limit of ``--packaged`` keeps those of the user."""
@@ -83,7 +88,15 @@ def selected(chosen: argparse.Namespace, cache: Cache) -> Selection:
     def command_with(families: Sequence[str]) -> str:
         return _command_with(families, given, settings)
 
-    return Selection(paths, (*chosen.option, *implied), packaged, bool(implied), command_with)
+    return Selection(
+        paths,
+        (*chosen.option, *implied),
+        packaged,
+        is_narrowed=bool(implied),
+        command_with=command_with,
+        settings=None if named or chosen.packaged else settings,
+        only=_filters_for(chosen.output, settings),
+    )
 
 
 def _command_with(families: Sequence[str], given: argparse.Namespace, settings: Configuration | None) -> str:
@@ -164,6 +177,13 @@ def _fill_in(chosen: argparse.Namespace, settings: Configuration | None) -> None
         chosen.output = (settings.output if settings is not None else None) or OUTPUT
     if not chosen.target and settings is not None and settings.targets:
         chosen.target = list(settings.targets)
+
+
+def _filters_for(output: Path, settings: Configuration | None) -> FamilyFilters:
+    """Return the conditions of the settings for an output folder. There are none for a folder of another run."""
+    if settings is None or os.path.realpath(output) != os.path.realpath(settings.output or OUTPUT):
+        return NO_FILTERS
+    return settings.only
 
 
 def _packaged(chosen: argparse.Namespace, cache: Cache) -> tuple[tuple[Path, ...], tuple[str, ...]]:

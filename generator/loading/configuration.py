@@ -8,11 +8,11 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from types import MappingProxyType
 
 PYPROJECT = "pyproject.toml"
-SETTINGS = frozenset(("specs", "output", "targets"))
 
 
 class Faulty(Exception):
@@ -24,6 +24,36 @@ class Faulty(Exception):
 
 
 @dataclass(frozen=True, slots=True)
+class FamilyFilter:
+    """Condition for the families that a target writes.
+
+    Attributes:
+        families: Names of the families. Empty for all.
+        grades: Grades of their evidence. Empty for all.
+    """
+
+    families: tuple[str, ...] = ()
+    grades: tuple[str, ...] = ()
+
+    def accepts(self, family: str, grade: str) -> bool:
+        """Return True if a family with this grade meets both conditions."""
+        return (not self.families or family in self.families) and (not self.grades or grade in self.grades)
+
+
+#: The condition of each target that has one, by the name of the target.
+FamilyFilters = Mapping[str, FamilyFilter]
+NO_FILTERS: FamilyFilters = MappingProxyType({})
+
+
+def filters_as_texts(filters: FamilyFilters) -> list[str]:
+    """Return the conditions as texts, for the key of a stored result."""
+    texts = []
+    for target, family_filter in sorted(filters.items()):
+        texts += [target, "families", *family_filter.families, "grades", *family_filter.grades, ""]
+    return texts
+
+
+@dataclass(frozen=True, slots=True)
 class Configuration:
     """The settings in a file.
 
@@ -32,12 +62,14 @@ class Configuration:
         specs: Paths of specs, relative to the current folder. Empty if the file lists none.
         output: The output folder, or None for the default.
         targets: Names of the targets to write. Empty for the default.
+        only: Conditions for the families that targets write to the output folder.
     """
 
     file: Path
     specs: tuple[Path, ...] = ()
     output: Path | None = None
     targets: tuple[str, ...] = ()
+    only: FamilyFilters = field(default_factory=dict)
 
     @property
     def folder(self) -> Path:
@@ -50,10 +82,3 @@ def exists(path: Path) -> bool:
     with suppress(OSError, ValueError):
         return os.path.lexists(path)
     return False
-
-
-def settings_in(file: Path, values: Mapping[str, list[str]]) -> Configuration:
-    """Return the settings with these values, lists of texts by their keys. An empty list means that there are none."""
-    output = next((file.parent / text for text in values["output"]), None)
-    specs = tuple(file.parent / text for text in values["specs"])
-    return Configuration(file, specs, output, tuple(values["targets"]))

@@ -4,25 +4,31 @@ from __future__ import annotations
 
 import re
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
 from ..language.document import Document, Mark
 from ..language.document import Path as Place
 from ..language.files import CONFIGURATION
-from ..language.problems import Report, suggestion
-from .configuration import PYPROJECT, SETTINGS, Faulty, exists, settings_in
+from ..language.problems import Report, listed, nearest_choice, quoted, suggestion
+from .configuration import PYPROJECT, Configuration, FamilyFilter, Faulty, exists
+from .toml_places import places_in
 
-_HEADER = re.compile(r"^[ \t]*\[[ \t]*tool[ \t]*\.[ \t]*codewheel[ \t]*\]", re.MULTILINE)
-_KEY = r"^[ \t]*[\"']?{}[\"']?[ \t]*=[ \t]*"
-#: A comment, a text, or the end of a list.
-_IN_A_LIST = re.compile(r"#[^\n]*|\"(?:[^\"\\\n]|\\.)*\"|'[^'\n]*'|\]")
 _WHERE = re.compile(r" \(at (?:line ([0-9]+), column ([0-9]+)|end of document)\)$")
-_LIST, _TEXT = "a list of texts", "a text"
-#: What each key has. A selection by grade or by target can be added as a further key.
-_KEYS = {"specs": _LIST, "output": _TEXT, "targets": _LIST}
-_EXAMPLES = {"specs": '["specs"]', "output": '"generated"', "targets": '["c", "docs"]'}
+#: All settings, and those in the condition of a target.
+_KEYS = ("specs", "output", "targets", "only")
+_FILTER_KEYS = ("families", "grades")
+#: Values in TOML, by key.
+_EXAMPLES = {
+    "specs": '["specs"]',
+    "output": '"generated"',
+    "targets": '["c", "docs"]',
+    "only": '{docs = {grades = ["manual", "quoted"]}}',
+    "families": '["my_encoder"]',
+    "grades": '["manual", "quoted"]',
+}
+_EXAMPLE_OF_A_FILTER = '{families = ["my_encoder"]}'
 
 #: Messages of rules whose own messages are about specs.
 _MESSAGES = {
@@ -31,18 +37,18 @@ _MESSAGES = {
 }
 
 
-def read_configuration(file: Path) -> dict[str, list[str]] | None:
-    """Return the settings in a file as lists of texts by their keys, or None if it has none.
+def read_configuration(file: Path) -> Configuration | None:
+    """Return the settings in a file, or None if it has none.
 
     Raises:
         Faulty: There are errors in the settings.
     """
     report = Report()
-    document = _read(file, report)
-    values = None if document is None else _values(file, document, report)
+    document = _read(file, report, has_places=False)  # With an error, errors_in reads the file again.
+    configuration = None if document is None else _configuration(file, document, report)
     if report:
         raise Faulty(file)
-    return values
+    return configuration
 
 
 def errors_in(files: tuple[Path, ...]) -> Report:
@@ -51,25 +57,26 @@ def errors_in(files: tuple[Path, ...]) -> Report:
     for file in files:
         document = _read(file, report)
         if document is not None:
-            _values(file, document, report)
+            _configuration(file, document, report)
     if len(files) > 1 and not report:
         message = f"{PYPROJECT} next to it also has [tool.codewheel]; keep the settings in one of them"
         report.add_at(str(files[1]), 1, 1, "duplicate-name", message)
     return report
 
 
-def error_at(file: Path, place: Place, rule: str, message: str) -> Report:
-    """Return a report with an error in a setting that was found later, such as in the name of a target."""
-    report = Report()
+def add_error(report: Report, file: Path, place: Place, rule: str, message: str, *, at_key: bool = False) -> None:
+    """Add an error in a setting that was found later, such as in the name of a target."""
     document = _read(file, Report())
     if document is not None:
-        report.add(rule, document, place, message)
-    return report
+        report.add(rule, document, place, message, at_key=at_key)
 
 
-def _read(file: Path, report: Report) -> Document | None:
-    """Return the settings in a file as a document, or None if there are none or they cannot be read."""
-    return _yaml_document(file, report) if file.name == CONFIGURATION else _section(file, report)
+def _read(file: Path, report: Report, *, has_places: bool = True) -> Document | None:
+    """Return the settings in a file as a document, or None if there are none or they cannot be read.
+
+    Without places, a ``pyproject.toml`` is read in half the time.
+    """
+    return _yaml_document(file, report) if file.name == CONFIGURATION else _section(file, report, has_places)
 
 
 def _yaml_document(file: Path, report: Report) -> Document | None:
@@ -85,7 +92,7 @@ def _yaml_document(file: Path, report: Report) -> Document | None:
     return document
 
 
-def _section(file: Path, report: Report) -> Document | None:
+def _section(file: Path, report: Report, has_places: bool) -> Document | None:
     """Return the section of a pyproject.toml as a document, or None if there is none or it cannot be read."""
     if sys.version_info >= (3, 11):
         import tomllib
@@ -117,7 +124,10 @@ def _section(file: Path, report: Report) -> Document | None:
     lines = tuple(text.split("\n"))
     if not isinstance(section, dict):
         return Document(str(file), lines, {"codewheel": section}, Mark(1, 1, 1, 1))
-    return Document(str(file), lines, section, _marks(text, section))
+    marks = places_in(text) if has_places else Mark(1, 1, 1, 1)
+    for name in ("tool", "codewheel"):
+        marks = marks.children.get(name, Mark(1, 1, 1, 1))
+    return Document(str(file), lines, section, marks)
 
 
 def _place_of(message: str, text: str) -> tuple[int, int, str]:
@@ -129,64 +139,104 @@ def _place_of(message: str, text: str) -> tuple[int, int, str]:
     return len(lines), max(len(lines[-1]), 1), message if place is None else message[: place.start()]
 
 
-def _marks(text: str, section: Mapping[str, Any]) -> Mark:
-    """Return the places of the section, of its keys and of the texts in its lists."""
-
-    def at(offset: int) -> tuple[int, int]:
-        return text.count("\n", 0, offset) + 1, offset - text.rfind("\n", 0, offset)
-
-    header = _HEADER.search(text)
-    start = header.end() if header is not None else 0
-    line, column = at(header.start()) if header is not None else (1, 1)
-    marks = Mark(line, column, line, column)
-    for key, value in section.items():
-        key_match = re.compile(_KEY.format(re.escape(key)), re.MULTILINE).search(text, start)
-        if key_match is None:
-            continue
-        key_line, key_column = at(key_match.start() + len(key_match[0]) - len(key_match[0].lstrip()))
-        mark = Mark(*at(key_match.end()), key_line, key_column)
-        marks.children[key] = mark
-        if isinstance(value, list):
-            for index, offset in zip(range(len(value)), _texts_of_a_list(text, key_match.end()), strict=False):
-                mark.children[index] = Mark(*at(offset), *at(offset))
-    return marks
-
-
-def _texts_of_a_list(text: str, start: int) -> Iterator[int]:
-    """Yield the offset of each text in the list that begins at ``start``."""
-    for token in _IN_A_LIST.finditer(text, start):
-        if token[0] == "]":
-            return
-        if not token[0].startswith("#"):
-            yield token.start()
-
-
-def _values(file: Path, document: Document, report: Report) -> dict[str, list[str]]:
-    """Return the settings in a document as lists of texts. Settings with errors are reported and left out."""
-    settings: dict[str, list[str]] = {key: [] for key in SETTINGS}
-    for key, value in document.data.items():
-        kind = _KEYS.get(key)
-        if kind is None:
-            message = f"unknown key '{key}'{suggestion(str(key), _KEYS, 'known keys')}"
-            report.add("unknown-key", document, (key,), message, at_key=True)
-        elif (texts := _texts(value, kind)) is None:
-            report.add("wrong-type", document, (key,), f"'{key}' must be {kind}, such as {_example(key, file)}")
-        else:
-            settings[key] = texts
-    for index, path in enumerate(settings_in(file, settings).specs):
+def _configuration(file: Path, document: Document, report: Report) -> Configuration:
+    """Return the settings in a document. Settings with errors are reported and left out."""
+    settings = document.data
+    _report_unknown_keys(document, (), settings, _KEYS, report)
+    output = _text_at(document, "output", report)
+    configuration = Configuration(
+        file=file,
+        specs=tuple(file.parent / text for text in _texts_at(document, settings, ("specs",), report)),
+        output=file.parent / output if output else None,
+        targets=_texts_at(document, settings, ("targets",), report),
+        only=_filters(document, report),
+    )
+    for index, path in enumerate(configuration.specs):
         if not exists(path):
             message = f"there is no file or folder {path.as_posix()}"
             report.add("undefined-reference", document, ("specs", index), message)
-    return settings
+    return configuration
 
 
-def _example(key: str, file: Path) -> str:
-    value = _EXAMPLES[key] if file.name == PYPROJECT else _EXAMPLES[key].replace('"', "")
-    return f"{key} = {value}" if file.name == PYPROJECT else f"{key}: {value}"
+def _report_unknown_keys(
+    document: Document, place: Place, keys: Iterable[Any], known_keys: Iterable[str], report: Report
+) -> None:
+    for key in keys:
+        if key not in known_keys:
+            message = f"unknown key '{key}'{suggestion(str(key), known_keys, 'known keys')}"
+            report.add("unknown-key", document, (*place, key), message, at_key=True)
 
 
-def _texts(value: Any, kind: str) -> list[str] | None:
-    """Return the texts of a value, or None if it is not of this kind or has an empty text."""
-    values = value if kind == _LIST else [value]
-    is_valid = isinstance(values, list) and values and all(isinstance(text, str) and text for text in values)
-    return list(values) if is_valid else None
+def _text_at(document: Document, key: str, report: Report) -> str:
+    """Return a setting that is a text, or an empty string if it is missing or has an error."""
+    value = document.data.get(key, "")
+    if key in document.data and not _is_text(value):
+        _report_type(document, (key,), "a text", _EXAMPLES[key], report)
+    return value if _is_text(value) else ""
+
+
+def _texts_at(document: Document, table: Mapping[Any, Any], place: Place, report: Report) -> tuple[str, ...]:
+    """Return a setting that is a list of texts, or no texts if it is missing or has an error.
+
+    ``table`` is the map with the last key of ``place``.
+    """
+    key = str(place[-1])
+    if key not in table:
+        return ()
+    texts = table[key]
+    if isinstance(texts, list) and texts and all(map(_is_text, texts)):
+        return tuple(texts)
+    _report_type(document, place, "a list of texts", _EXAMPLES[key], report)
+    return ()
+
+
+def _is_text(value: Any) -> bool:
+    return isinstance(value, str) and bool(value)
+
+
+def _filters(document: Document, report: Report) -> dict[str, FamilyFilter]:
+    """Return the conditions of all targets that have one."""
+    if "only" not in document.data:
+        return {}
+    filters = document.data["only"]
+    if not isinstance(filters, dict) or not filters:
+        _report_type(document, ("only",), "a map of targets", _EXAMPLES["only"], report)
+        return {}
+    return {str(target): _filter(document, target, conditions, report) for target, conditions in filters.items()}
+
+
+def _filter(document: Document, target: str, conditions: Any, report: Report) -> FamilyFilter:
+    """Return the condition of a target. ``conditions`` is the value in the file."""
+    place = ("only", target)
+    if not isinstance(conditions, dict) or not conditions:
+        _report_type(document, place, "a map with 'families' or 'grades'", _EXAMPLE_OF_A_FILTER, report)
+        return FamilyFilter()
+    _report_unknown_keys(document, place, conditions, _FILTER_KEYS, report)
+    families = _texts_at(document, conditions, (*place, "families"), report)
+    grades = _texts_at(document, conditions, (*place, "grades"), report)
+    _report_unknown_grades(document, (*place, "grades"), grades, report)
+    return FamilyFilter(families, grades)
+
+
+def _report_unknown_grades(document: Document, place: Place, grades: Iterable[str], report: Report) -> None:
+    from ..say.evidence import GRADES  # Settings without grades need no model.
+
+    for index, grade in enumerate(grades):
+        if grade not in GRADES:
+            nearest_grade = nearest_choice(grade, GRADES)
+            if nearest_grade:
+                hint = f"did you mean '{nearest_grade}'?"
+            else:
+                hint = f"it can be {listed(map(quoted, GRADES), 'or')}"
+            message = f"a grade cannot be {quoted(grade)}; {hint}"
+            report.add("not-allowed", document, (*place, index), message)
+
+
+def _report_type(document: Document, place: Place, kind: str, example: str, report: Report) -> None:
+    """Report a value that is not of a kind. ``example`` is a correct value in TOML."""
+    if Path(document.file).name == PYPROJECT:
+        setting = f"{place[-1]} = {example}"
+    else:
+        setting = f"{place[-1]} = {example}".replace(" = ", ": ").replace('"', "")
+    name = ".".join(map(str, place))
+    report.add("wrong-type", document, place, f"'{name}' must be {kind}, such as {setting}")

@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ..language.files import CONFIGURATION, REPOSITORY, is_spec
-from .configuration import PYPROJECT, Configuration, Faulty, settings_in
+from .configuration import PYPROJECT, Configuration, Faulty
 
 #: Text that a pyproject.toml with the section must contain. Others are not parsed.
 _NEEDED = b"tool.codewheel"
@@ -28,7 +28,9 @@ def configuration_above() -> Configuration | None:
         if len(files) > 1:
             raise Faulty(*files)
         if files:
-            configuration = _configuration(files[0])
+            from .configuration_file import read_configuration
+
+            configuration = read_configuration(files[0])
             if configuration is not None:
                 return configuration
         if os.path.lexists(folder / REPOSITORY):
@@ -61,15 +63,3 @@ def _has_settings(file: Path) -> bool:
         return _NEEDED in file.read_bytes()
     except OSError:
         raise Faulty(file) from None
-
-
-def _configuration(file: Path) -> Configuration | None:
-    """Return the settings in a file, or None if it has none.
-
-    Raises:
-        Faulty: There are errors in the settings.
-    """
-    from .configuration_file import read_configuration
-
-    values = read_configuration(file)
-    return None if values is None else settings_in(file, values)

@@ -17,6 +17,8 @@ _MEANING = {
     " share no code",
     "uncorroborated": "the facts have a single source, so do not rely on them",
 }
+#: All grades, from the highest to the lowest.
+GRADES = tuple(_MEANING)
 
 
 def grade(device: Device) -> Statement:

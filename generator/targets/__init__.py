@@ -31,7 +31,7 @@ class Library:
     """The devices for which files are generated.
 
     Attributes:
-        devices: All devices described by the specs, sorted by name.
+        devices: The devices that the target writes, sorted by name.
         own_templates: Folder of the user's templates for this target. Pass it to ``Templates.render``.
         stored_part: Returns the part of a device from the cache, or else calls its second argument.
     """

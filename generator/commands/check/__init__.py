@@ -14,6 +14,7 @@ if TYPE_CHECKING:
 
     from ...cache import Cache
     from ...language.problems import Problem, Report
+    from ...loading.configuration import Configuration
     from ...readings.coverage import Coverage
     from ..cached_result import CachedResult
     from ..review_formats import Finding
@@ -62,20 +63,25 @@ def run(chosen: argparse.Namespace) -> int:
         Stop: There are no specs, options contradict each other, or a target fails.
     """
     from ...cache import NO_CACHE
+    from ...loading.configuration import filters_as_texts
     from ..cached_result import cached_result
     from ..read_specs import specs_to_judge
 
     if chosen.write and not chosen.coverage:
         raise Stop("--write needs --coverage", 2)
-    paths = specs_to_judge([*chosen.specs, *chosen.more_specs], "check").paths
+    named = [*chosen.specs, *chosen.more_specs]
+    specs = specs_to_judge(named, "check")
+    # Specs that the user names may be only some of those that the settings refer to.
+    settings = None if named else specs.settings
     if chosen.format in ("github", "sarif") and chosen.coverage:
         raise Stop(f"--format {chosen.format} lists problems only; leave --coverage out", 2)
     chosen.json = chosen.json or chosen.format == "json"
     cache = cache_for(chosen)
-    result = cached_result(NO_CACHE if chosen.coverage or chosen.target else cache, "check", paths)
+    options = filters_as_texts(settings.only) if settings is not None else []
+    result = cached_result(NO_CACHE if chosen.coverage or chosen.target else cache, "check", specs.paths, options)
     if _print_stored(result, chosen):
         return 0
-    return _check(paths, chosen, cache, result)
+    return _check(specs.paths, settings, chosen, cache, result)
 
 
 def _print_stored(result: CachedResult, chosen: argparse.Namespace) -> bool:
@@ -89,12 +95,19 @@ def _print_stored(result: CachedResult, chosen: argparse.Namespace) -> bool:
     return True
 
 
-def _check(paths: Sequence[Path], chosen: argparse.Namespace, cache: Cache, result: CachedResult) -> int:
-    """Check the specs, print and store the result, and return the exit code."""
+def _check(
+    paths: Sequence[Path],
+    settings: Configuration | None,
+    chosen: argparse.Namespace,
+    cache: Cache,
+    result: CachedResult,
+) -> int:
+    """Check the specs, print and store the result, and return the exit code. ``settings`` are about all these specs."""
     from ...cache import NO_CACHE
     from ...targets.registry import WITH_PROBLEMS
     from ..cached_result import specs_read
     from ..outputs import are_built_in, targets_named
+    from ..settings_targets import report_unknown_families
     from . import coverage
     from .specs import check_specs
 
@@ -102,6 +115,7 @@ def _check(paths: Sequence[Path], chosen: argparse.Namespace, cache: Cache, resu
     with Progress("codewheel: checking the specs"):
         checked = check_specs(paths, targets, NO_CACHE if chosen.coverage else cache)
     names = [family.device.name for family in checked.families]
+    report_unknown_families(settings, names, checked.report)
     covered: Sequence[Coverage] = []
     counts: dict[str, Any] = {}
     if chosen.coverage:
