@@ -3,12 +3,12 @@
 They use only the model and the reference codec, so they can also check generated code.
 """
 
-from .biss import BissLine as BissLine
+from .clocked_lines import BissLine as BissLine
+from .clocked_lines import SsiLine as SsiLine
 from .encoder import VirtualEncoder as VirtualEncoder
 from .faults import FAULTS as FAULTS
 from .faults import Faults as Faults
 from .faults import faults_of as faults_of
-from .motion import motion as motion
+from .faults import motion as motion
 from .rs485 import Rs485Line as Rs485Line
 from .spi import SpiLine as SpiLine
-from .ssi import SsiLine as SsiLine

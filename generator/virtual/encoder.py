@@ -33,9 +33,8 @@ from ..model import (
 from ..order_codes.labels import Match, UnknownOrderCode, find
 from ..order_codes.run_time import with_answers
 from ..reference import codec
-from .faults import Faults
+from .faults import Faults, Position
 from .memory import Memory
-from .motion import Position
 
 #: Seconds without supply after a restart, and until an encoder that reports this is ready.
 OFF_S = 0.02

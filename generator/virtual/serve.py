@@ -11,11 +11,10 @@ from threading import Event, Thread
 from time import monotonic
 from typing import NamedTuple, Protocol
 
-from .biss import BissLine
+from .clocked_lines import BissLine, SsiLine
 from .encoder import VirtualEncoder
 from .rs485 import Rs485Line
 from .spi import SpiLine
-from .ssi import SsiLine
 
 #: Longest wait in seconds before the server checks whether it should stop.
 _TICK_S = 0.2

@@ -15,7 +15,7 @@ from codewheel.loading.library import load_library
 from codewheel.model import INTERFACES, Device, Layout, Rs485, Spi, number_to_bytes
 from codewheel.reference import codec
 from codewheel.virtual import FAULTS, BissLine, Faults, Rs485Line, SpiLine, SsiLine, VirtualEncoder, faults_of
-from codewheel.virtual.levels import ByLevels
+from codewheel.virtual.clocked_lines import ByLevels
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples" / "encoders"

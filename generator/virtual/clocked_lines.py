@@ -1,17 +1,60 @@
-"""BiSS interface of a virtual encoder: single cycles, register access, and the data line clock by clock.
+"""BiSS and SSI interfaces of a virtual encoder, clock by clock, and their levels as bytes for a socket.
 
 Source of the protocol: "BiSS Interface, Protocol Description (BiSS C)", Rev C6, iC-Haus, pages 3 to 14.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Generator
 
-from ..model import Crc
+from ..model import Crc, Layout
 from ..reference.crc import compute_bits
 from .encoder import VirtualEncoder
-from .faults import BUSY_S
-from .levels import ByLevels
+from .faults import BUSY_S, disturbed
+
+#: Bytes with which the master lets the time-out pass, and the clock go low and high.
+TIMEOUT, CLOCK = b"TC"
+
+
+class ByLevels(ABC):
+    """Line whose master sends ``0`` or ``1`` for each level of the clock, ``C`` for 0 and 1, and ``T`` for a time-out.
+
+    Each byte is answered by the level of the data line after it, ``0`` or ``1``. Other bytes are ignored.
+    """
+
+    def __init__(self) -> None:
+        self._levels = bytearray()
+
+    @abstractmethod
+    def clock(self, level: int) -> int:
+        """Set the level of the clock, and return that of the data line."""
+
+    @abstractmethod
+    def timeout(self) -> int:
+        """Let the time-out pass, and return the level of the data line."""
+
+    def receive(self, data: bytes) -> None:
+        """Take bytes that the master sends."""
+        for byte in data:
+            if byte in b"01":
+                self._levels.append(ord("0") + self.clock(byte & 1))
+            elif byte == CLOCK:
+                self.clock(0)
+                self._levels.append(ord("0") + self.clock(1))
+            elif byte == TIMEOUT:
+                self._levels.append(ord("0") + self.timeout())
+
+    def send(self) -> bytes:
+        """Return each answer once."""
+        data = bytes(self._levels)
+        self._levels.clear()
+        return data
+
+    def due(self) -> float | None:
+        """Return None, because the answers never wait."""
+        return None
+
 
 #: Number of zeros after which a control frame can start, and that abort one.
 ZEROS = 14
@@ -184,3 +227,61 @@ def _receive_head() -> Generator[int, int, tuple[int, int]]:
         head = head << 1 | cdm
         cdm = yield 0
     return cdm, head
+
+
+class SsiLine(ByLevels):
+    """SSI line with one encoder.
+
+    Args:
+        encoder: The encoder.
+
+    Raises:
+        ValueError: The encoder has a different interface.
+    """
+
+    def __init__(self, encoder: VirtualEncoder) -> None:
+        if encoder.variant.interface != "ssi":
+            raise ValueError(f"{encoder.variant.code} has no SSI")
+        self.encoder = encoder
+        super().__init__()
+        self._left, self._word = -1, 0
+        self._level = self._data = 1
+
+    @property
+    def bits(self) -> int:
+        """Number of bits of a word."""
+        return self.encoder.place(self._layout).bits
+
+    @property
+    def _layout(self) -> Layout:
+        return self.encoder.layouts("encoder")[0]
+
+    @property
+    def _is_not_ready(self) -> bool:
+        """True if the encoder is busy and no flag can report it, so that it keeps the data line low."""
+        encoder = self.encoder
+        return encoder.is_busy() and not encoder.is_off() and not encoder.reports_busy
+
+    def word(self) -> int:
+        """Return the current word, which a fault can change. The first bit sent is the most significant."""
+        fault = self.encoder.faults.draw()
+        if fault == "busy":
+            self.encoder.be_busy(BUSY_S)
+        word = 0 if self._is_not_ready else self.encoder.frame(self._layout)
+        return disturbed(self.encoder, fault, word, self.bits)
+
+    def clock(self, level: int) -> int:
+        """Set the level of the clock, and return that of the data line. Zeros follow the word."""
+        if level and not self._level:
+            if self._left < 0:
+                self._word, self._left = self.word(), self.bits
+            self._left -= self._left > 0
+            self._data = self._word >> self._left & 1
+            self._word &= (1 << self._left) - 1
+        self._level = level
+        return self._data
+
+    def timeout(self) -> int:
+        """Let the pause after a word pass. The data line is then high, unless the encoder is busy."""
+        self._left, self._data = -1, int(not self._is_not_ready)
+        return self._data
