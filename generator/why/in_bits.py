@@ -14,8 +14,7 @@ from ..order_codes.run_time import possible_states, with_changed
 from ..reference.codec import binary_to_gray, gray_to_binary
 from ..reference.crc import reflect
 from ..say.numbers import counted, first_of
-from .bit_text import BitText
-from .tries import NOT_INVERTED, Try, fixed_bits, likelihood
+from .tries import NOT_INVERTED, BitText, Try, fixed_bits, likelihood
 
 #: Polynomials, including their top bit, that BiSS masters offer: those of the Microchip dsPIC33A by length, and 0x97,
 #: which Beckhoff names next to 0x43.

@@ -15,8 +15,7 @@ from ..model import Crc, Device, Number, PlacedLayout, Rs485, Variant
 from ..model.record import dataclass
 from ..reference import codec
 from . import in_bits, in_bytes
-from .bit_text import BitText
-from .tries import MISTAKES, NOT_INVERTED, Try
+from .tries import MISTAKES, NOT_INVERTED, BitText, Try
 
 #: A mistake that matches more than one random frame in eight explains nothing.
 _LEAST_BITS = 3

@@ -1,4 +1,4 @@
-"""One mistake tried on one frame: the bits that the CRC would cover, and the chance that it matches by coincidence."""
+"""The text of a frame that is one number."""
 
 from __future__ import annotations
 
@@ -23,6 +23,16 @@ from ..model import (
 from ..model.record import dataclass
 from ..reference.codec import parity_bit
 from ..reference.crc import compute_bits, compute_bytes
+
+
+@dataclass(frozen=True, slots=True)
+class BitText:
+    """A frame as typed, with ``bits`` bits, or at least that many if the text does not show leading zeros."""
+
+    number: int
+    bits: int
+    exact: bool
+
 
 NOT_INVERTED = "crc_not_inverted"
 

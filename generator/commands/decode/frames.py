@@ -15,7 +15,7 @@ from ...model.layout import have_lengths
 from ...reference import codec
 from ...reference.registers import decode_register
 from ...say import frame_text as say
-from ...why.bit_text import BitText
+from ...why.tries import BitText
 
 if TYPE_CHECKING:
     from ...why.mistakes import Why
