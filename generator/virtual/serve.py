@@ -13,8 +13,7 @@ from typing import NamedTuple, Protocol
 
 from .clocked_lines import BissLine, SsiLine
 from .encoder import VirtualEncoder
-from .rs485 import Rs485Line
-from .spi import SpiLine
+from .request_lines import Rs485Line, SpiLine
 
 #: Longest wait in seconds before the server checks whether it should stop.
 _TICK_S = 0.2
