@@ -7,9 +7,9 @@ from typing import Any
 from .document import Document
 from .problems import MAX_FOUND, TOO_MANY, DocumentReport, Path, Report
 from .rules import FOUNDATIONS, RULES, SHAPES
-from .rules.bases import number_base
 from .rules.master import check_master
 from .rules.order_code import is_whole
+from .rules.values import number_base
 from .schema import FileKind, SchemaResult, check_schema, place_to_remove, shape_of, without_places
 from .second_reading import family_of, with_stand_ins
 

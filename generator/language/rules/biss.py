@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from ...model import Biss
 from ..problems import DocumentReport, Path, quoted
-from .flags import position_names
+from .bits import position_names
 from .walk import Spec, bank_select, by_name, expanded, explained, interface_of, items, layouts, mapping
 
 #: Registers with a fixed place in BiSS, by their usual name: address, length, and the place in words.

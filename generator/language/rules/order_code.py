@@ -1,4 +1,4 @@
-"""Rules for parameters and order codes: every code is unambiguous and sets everything."""
+"""Rules for references to names, which must exist. Messages suggest the most similar name."""
 
 from __future__ import annotations
 
@@ -10,8 +10,33 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...model.expressions import Expression, ExpressionError
-from ..problems import WORDS_ONLY, DocumentReport, Path, quoted
-from .walk import Spec, items, mapping
+from ..document import Path
+from ..problems import WORDS_ONLY, DocumentReport, quoted
+from .references import NameResolver
+from .walk import Spec, by_name, items, mapping
+
+
+def order_code_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check the references of order code values: parameters, interfaces, other parts and their values."""
+    resolver, parts = NameResolver(raw, report), by_name(raw, "order_code", "parts")
+
+    def refer_to_parts(path: Path, part: Spec, combined: Spec) -> None:
+        for name in combined:
+            resolver.refer(
+                (*path, name), "other part", name, [other_part for other_part in parts if other_part != part["name"]]
+            )
+            if name in parts:
+                resolver.refer_by(name, path, combined, name, mapping(parts[name], "values"))
+
+    for path, part in items(spec, "order_code", "parts"):
+        refer_to_parts((*path, "open_only_with"), part, mapping(part, "open_only_with"))
+        for text, value in part["values"].items():
+            value_path = (*path, "values", text)
+            for name in mapping(value, "sets"):
+                resolver.refer((*value_path, "sets", name), "parameter", name)
+            resolver.refer_by("interface", value_path, value, "interface")
+            refer_to_parts((*value_path, "only_with"), part, mapping(value, "only_with"))
+
 
 #: Largest number of codes of one family. More indicate an error, as the largest catalogue pages list a few hundred.
 MAX_CODES = 10_000

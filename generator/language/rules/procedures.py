@@ -1,13 +1,28 @@
-"""Rules for procedures: each step is possible, and matches the name of its procedure."""
+"""Rules for procedures and register banks: each step is possible, and parameters are written before they are saved."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+from collections.abc import Iterable, Mapping
 from itertools import takewhile
 
-from ...model import Biss
-from ..problems import DocumentReport, Path, quoted
-from .walk import Spec, bank_select, by_name, has_other_bits, items, mapping, named_values
+from ...model import INTERFACES, Biss
+from ..document import Path
+from ..problems import DocumentReport, quoted
+from ..second_reading import is_second
+from .walk import (
+    Fields,
+    Has,
+    Spec,
+    bank_select,
+    by_name,
+    expanded,
+    has_other_bits,
+    interface_of,
+    items,
+    mapping,
+    named_values,
+)
 
 #: Access of a register that makes a kind of step impossible.
 _REFUSED = {"write": "read_only", "read": "write_only", "poll": "write_only"}
@@ -145,3 +160,93 @@ def procedure_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                     f" {quoted(value)}; write that value, or rename the procedure"
                 )
                 report.add("procedure-name", place, message)
+
+
+_SAVE = re.compile(r"(?:save|store|burn)(?:_.*)?")
+
+
+def saved_before_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that a procedure writes its arguments before it saves, unless a note of the procedure explains it."""
+    if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
+        return
+    registers = by_name(raw, "registers")
+    for path, procedure in items(spec, "procedures"):
+        if "note" in procedure:
+            continue
+        arguments = {argument["name"] for _, argument in items(procedure, "arguments")}
+        writes = [(below, step) for below, step in items(procedure, "steps") if step["do"] == "write"]
+        is_saved = [step.get("register") in registers and _is_save(step) for _, step in writes]
+        for index, (below, save) in enumerate(writes):
+            later = [step for _, step in writes[index + 1 :] if step.get("register") != save.get("register")]
+            if not is_saved[index] or any(is_saved[index + 1 :]):
+                continue
+            unsaved = _first_unsaved(later, arguments, registers)
+            if unsaved:
+                problem = f"this step saves before {quoted(unsaved)} is written, so that value is lost at power-off"
+                remedy = "move this step behind the write, or explain the order in a 'note' of the procedure"
+                report.add("saved-too-early", (*path, *below), f"{problem}; {remedy}")
+
+
+def _is_save(step: Spec) -> bool:
+    """Return whether a step writes a value that is called save, store or burn."""
+    return _SAVE.fullmatch(str(step.get("value", ""))) is not None
+
+
+def _first_unsaved(later: Iterable[Spec], arguments: set[str], registers: dict[str, Spec]) -> str:
+    """Return the first register that later steps write with an argument, or an empty text. Not a volatile one."""
+    for step in later:
+        name = str(step.get("register", ""))
+        if step.get("value") in arguments and name in registers and not registers[name].get("volatile"):
+            return name
+    return ""
+
+
+def bank_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that the interface of a register in a bank has banks and names the register that selects them."""
+    select = bank_select(raw)
+    for path, register in items(spec, "registers"):
+        interface = interface_of(register)
+        if "bank" not in register:
+            continue
+        if INTERFACES[interface].highest_in_bank is None:
+            message = (
+                f"{quoted(register['name'])} is in a bank, but only BiSS has a register that selects banks; leave"
+                " 'bank' out, and describe in 'note' how the bank is selected"
+            )
+            report.add("bank-not-selected", (*path, "bank"), message, at_key=True)
+        elif select is None:
+            message = (
+                f"{quoted(register['name'])} is in bank {register['bank']}; name the register that selects banks with"
+                " 'bank_select' under 'biss'"
+            )
+            report.add("bank-not-selected", (*path, "bank"), message)
+
+
+def bank_selected(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that a procedure selects the bank before it accesses a register in it."""
+    registers, select = by_name(raw, "registers"), bank_select(raw)
+    if not isinstance(select, str):
+        return
+    numbers = _numbers(registers.get(select, {}), raw)
+    for path, procedure in items(spec, "procedures"):
+        selected: object = None
+        for below, step in items(procedure, "steps"):
+            register = registers.get(step.get("register", ""), {})
+            bank = register.get("bank")
+            if step["do"] == "write" and step.get("register") == select:
+                # An argument may select any bank.
+                selected = numbers.get(step.get("value", ""), "any")
+            elif isinstance(bank, int) and selected not in (bank, "any"):
+                message = (
+                    f"{quoted(step['register'])} is in bank {bank}; write {bank} to {quoted(select)} before this step"
+                )
+                report.add("bank-not-selected", (*path, *below, "register"), message)
+
+
+def _numbers(register: Spec, raw: Spec) -> dict[str, object]:
+    """Return the numbers of all named values of a register."""
+    fields = expanded(Fields(Has.REGISTER, register, (), ""), by_name(raw, "field_groups"))
+    numbers: dict[str, object] = {}
+    for _, field in fields:
+        numbers |= {name: mapping(value).get("value") for name, value in mapping(field, "values").items()}
+    return numbers

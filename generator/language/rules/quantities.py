@@ -12,7 +12,7 @@ from typing import Any
 from ...say.words import counted, nanoseconds
 from ..places import Affected
 from ..problems import DocumentReport, Path, listed, quoted
-from .meanings import supply_named
+from .printed_twice import supply_named
 from .walk import Spec, items, leaves, leaves_of, mapping
 
 _UNITS = {

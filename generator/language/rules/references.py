@@ -9,8 +9,9 @@ from typing import Any
 from ...model import INTERFACES, Biss
 from ...model.by_hand import has_steps
 from ...model.expressions import Expression, ExpressionError
+from ..document import Path
 from ..hints import expression_hint, number_hint
-from ..problems import DocumentReport, Path, nearest_choice, quoted, suggestion
+from ..problems import DocumentReport, nearest_choice, quoted, suggestion
 from ..schema import value_at
 from . import parameters
 from .shapes import KINDS
@@ -36,7 +37,7 @@ from .walk import (
 _NAME = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 
-class _Names:
+class NameResolver:
     """Names defined in a spec as read, by kind, and the report for undefined ones."""
 
     def __init__(self, raw: Spec, report: DocumentReport) -> None:
@@ -108,7 +109,7 @@ class _Names:
 
 def field_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of fields and layouts: groups, CRCs, sibling fields, data IDs."""
-    resolver = _Names(raw, report)
+    resolver = NameResolver(raw, report)
     for fields in field_lists(spec):
         names = list(field_names(fields, resolver.groups))
         joins, gray, gray_path = mapping(fields.owner, "join"), mapping(fields.owner, "gray"), (*fields.path, "gray")
@@ -140,7 +141,7 @@ def field_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def register_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of registers: their interface, their opener, the field that their limits apply to."""
-    resolver = _Names(raw, report)
+    resolver = NameResolver(raw, report)
     for path, register in items(spec, "registers"):
         resolver.refer_by("interface", path, register, "interface")
         if "interface" not in register and INTERFACE_OF_REGISTERS not in mapping(raw, "interfaces"):
@@ -158,7 +159,7 @@ def register_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             _check_meaning((*path, *below), meaning, resolver)
 
 
-def _check_opener(path: Path, opened: Spec, resolver: _Names) -> None:
+def _check_opener(path: Path, opened: Spec, resolver: NameResolver) -> None:
     resolver.refer_by("register", path, opened, "register")
     name = opened.get("register")
     if name in resolver.registers:
@@ -170,7 +171,7 @@ def _check_opener(path: Path, opened: Spec, resolver: _Names) -> None:
             resolver.report_problem((*path, "value"), f"{problem} that must hold {quoted(opened['value'])}")
 
 
-def _check_meaning(path: Path, meaning: Spec, resolver: _Names) -> None:
+def _check_meaning(path: Path, meaning: Spec, resolver: NameResolver) -> None:
     """Check the field that selects the meaning of a register, and its value."""
     when = meaning["when"]
     resolver.refer_to_bit((*path, "when"), when)
@@ -181,7 +182,7 @@ def _check_meaning(path: Path, meaning: Spec, resolver: _Names) -> None:
 
 def device_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of parameters, hardware inputs, the measurement and BiSS as a whole."""
-    resolver = _Names(raw, report)
+    resolver = NameResolver(raw, report)
     for parameter_name, parameter in mapping(spec, "parameters").items():
         if "read_from" in parameter:
             resolver.refer_to_bit(("parameters", parameter_name, "read_from"), parameter["read_from"])
@@ -209,7 +210,7 @@ def device_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def alarm_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of alarms: the flag in a field group or register, and the procedures that clear them."""
-    resolver = _Names(raw, report)
+    resolver = NameResolver(raw, report)
     for path, alarm in items(spec, "alarms"):
         resolver.refer_by("group", path, alarm, "field group")
         resolver.refer_by("register", path, alarm, "register")
@@ -231,7 +232,7 @@ def _kind_of(field: Spec) -> str:
 
 def by_hand_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that manual remedies refer to a characteristic with numbered steps."""
-    resolver = _Names(raw, report)
+    resolver = NameResolver(raw, report)
     characteristics = by_name(raw, "characteristics").items()
     counted = [name for name, characteristic in characteristics if has_steps(f"{characteristic.get('value')}")]
     states = [((*path, *below), state) for path, led in items(spec, "leds") for below, state in items(led, "states")]
@@ -242,7 +243,7 @@ def by_hand_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def procedure_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of procedures: their interface, registers, values and data IDs."""
-    resolver = _Names(raw, report)
+    resolver = NameResolver(raw, report)
     for path, procedure in items(spec, "procedures"):
         resolver.refer_by("interface", path, procedure, "interface")
         for below, argument in items(procedure, "arguments"):
@@ -259,7 +260,7 @@ def procedure_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             resolver.refer_by("data_id", (*path, *below), step, "data ID", data_ids)
 
 
-def _check_step(path: Path, step: Spec, procedure: Spec, resolver: _Names) -> None:
+def _check_step(path: Path, step: Spec, procedure: Spec, resolver: NameResolver) -> None:
     """Check the register of a step, with its field and its value."""
     resolver.refer_by("register", path, step, "register")
     name = step.get("register")
@@ -278,7 +279,7 @@ def _check_step(path: Path, step: Spec, procedure: Spec, resolver: _Names) -> No
 
 def alternative_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the answers of an alternative set the same parameters, and that these name the alternative."""
-    resolver, alternatives = _Names(raw, report), by_name(raw, "alternatives")
+    resolver, alternatives = NameResolver(raw, report), by_name(raw, "alternatives")
     for path, alternative in items(spec, "alternatives"):
         _check_answers(path, alternative, resolver, report)
     for name, parameter in mapping(spec, "parameters").items():
@@ -299,7 +300,7 @@ def alternative_references(spec: Spec, raw: Spec, report: DocumentReport) -> Non
                 resolver.refer(answer_path, f"answer of {quoted(name)} called", answer, answers)
 
 
-def _check_answers(path: Path, alternative: Spec, resolver: _Names, report: DocumentReport) -> None:
+def _check_answers(path: Path, alternative: Spec, resolver: NameResolver, report: DocumentReport) -> None:
     """Check that each answer of an alternative sets all its parameters, and no others."""
     answers, owner = alternative["values"], alternative["name"]
     parameters = resolver.parameters
@@ -322,7 +323,7 @@ def _check_answers(path: Path, alternative: Spec, resolver: _Names, report: Docu
 
 def example_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of examples: their subject, the fields with values, and errata."""
-    resolver = _Names(raw, report)
+    resolver = NameResolver(raw, report)
     named_layouts = ((layout.owner.get("name"), layout) for layout in layouts(raw))
     known_layouts: dict[Any, Fields] = {name: layout for name, layout in named_layouts if isinstance(name, str)}
     for path, example in items(spec, "examples"):
@@ -349,7 +350,7 @@ _LISTS = ("layouts", "fields", "combinations")
 
 def erratum_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that each path affected by an erratum exists."""
-    resolver, steps_by_node = _Names(raw, report), {id(raw): dict(_next_steps(raw))}
+    resolver, steps_by_node = NameResolver(raw, report), {id(raw): dict(_next_steps(raw))}
     for path, erratum in items(spec, "errata"):
         for index, affected in enumerate(erratum.get("affects", ())):
             steps = affected.split(".")
@@ -388,7 +389,7 @@ def _next_steps(node: Any) -> Iterator[tuple[str, Any]]:
 
 def expressions(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that every expression is valid, and that every parameter in it exists."""
-    resolver = _Names(raw, report)
+    resolver = NameResolver(raw, report)
     for path, text in parameters.expressions(spec):
         try:
             names = Expression.parse(text).parameters
@@ -400,31 +401,9 @@ def expressions(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             resolver.refer(path, "parameter", name)
 
 
-def order_code_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check the references of order code values: parameters, interfaces, other parts and their values."""
-    resolver, parts = _Names(raw, report), by_name(raw, "order_code", "parts")
-
-    def refer_to_parts(path: Path, part: Spec, combined: Spec) -> None:
-        for name in combined:
-            resolver.refer(
-                (*path, name), "other part", name, [other_part for other_part in parts if other_part != part["name"]]
-            )
-            if name in parts:
-                resolver.refer_by(name, path, combined, name, mapping(parts[name], "values"))
-
-    for path, part in items(spec, "order_code", "parts"):
-        refer_to_parts((*path, "open_only_with"), part, mapping(part, "open_only_with"))
-        for text, value in part["values"].items():
-            value_path = (*path, "values", text)
-            for name in mapping(value, "sets"):
-                resolver.refer((*value_path, "sets", name), "parameter", name)
-            resolver.refer_by("interface", value_path, value, "interface")
-            refer_to_parts((*value_path, "only_with"), part, mapping(value, "only_with"))
-
-
 def printed_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that registers, fields and errata named in the manual's list of defaults exist."""
-    resolver = _Names(raw, report)
+    resolver = NameResolver(raw, report)
     for path, row in items(spec, "printed_defaults"):
         name = row["register"]
         resolver.refer_by("register", path, row, "register")
@@ -435,7 +414,7 @@ def printed_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def connector_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the interfaces that a connector is wired for exist."""
-    resolver = _Names(raw, report)
+    resolver = NameResolver(raw, report)
     for path, connector in items(spec, "connectors"):
         resolver.refer_by("interfaces", path, connector, "interface")
 
@@ -454,7 +433,7 @@ def unused_crc(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def evidence_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the names of documents, implementations and examples in the evidence."""
-    resolver, evidence, documents = _Names(raw, report), mapping(spec, "evidence"), mapping(raw, "documents")
+    resolver, evidence, documents = NameResolver(raw, report), mapping(spec, "evidence"), mapping(raw, "documents")
     languages = [str(edition.get("language")) for _, edition in items(raw, "manual", "editions")]
     for key in mapping(evidence, "documents"):
         resolver.refer(("evidence", "documents", key), "document", key, ("manual", *languages, *documents))

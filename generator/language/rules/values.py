@@ -8,8 +8,10 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from ...model import INTERFACES, Biss
-from ...say.words import counted
-from ..problems import DocumentReport, Path, missing, quoted, suggestion
+from ...say.numbers import counted
+from ..document import Path
+from ..problems import DocumentReport, missing, quoted, suggestion
+from ..second_reading import is_second
 from .walk import (
     MAX_FIELDS,
     Spec,
@@ -326,3 +328,95 @@ def constant_width(field: Spec) -> int | None:
         width = int(match[1]) - int(match[2]) + 1
         return width if width > 0 else None
     return 1 if "active" in field or isinstance(field.get("at"), int) else None
+
+
+#: No encoder has such a low limit in Hz. The highest limits in kHz, of SPI, are still below.
+_LOWEST_MAXIMUM_HZ = 50_000
+#: The lowest clock in Hz of an encoder whose highest clock is plausible.
+_LOWEST_MINIMUM_HZ = 1_000
+#: The lowest standard baud rate. Rates in kbaud and Mbaud that do not look like one are below it.
+_LOWEST_BAUD = 300
+#: Below this number, a unit of MHz is more likely than kHz.
+_LIKELY_MEGA = 50
+#: Standard baud rates that are not whole numbers of kbaud.
+_STANDARD_BAUDS = (9600, 19_200, 38_400, 57_600, 115_200, 230_400, 460_800, 921_600)
+
+
+def plausible_rate(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that no clock or baud rate is too low for an encoder, unless a note of the interface mentions it."""
+    if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
+        return
+    for kind, interface in mapping(spec, "interfaces").items():
+        if "note" in interface:
+            continue
+        clock, path = mapping(interface, "clock"), ("interfaces", kind, "clock")
+        highest_hz = clock.get("max_hz", _LOWEST_MAXIMUM_HZ)
+        if highest_hz < _LOWEST_MAXIMUM_HZ:
+            _report_rate(highest_hz, "max_hz", "Hz", (*path, "max_hz"), report)
+        elif 0 < clock.get("min_hz", 0) < _LOWEST_MINIMUM_HZ:
+            _report_rate(clock["min_hz"], "min_hz", "Hz", (*path, "min_hz"), report)
+        baud = mapping(interface, "port").get("baud", _LOWEST_BAUD)
+        if baud < _LOWEST_BAUD:
+            _report_rate(baud, "baud", "baud", ("interfaces", kind, "port", "baud"), report)
+
+
+def _report_rate(rate: int, key: str, unit: str, path: tuple[str, ...], report: DocumentReport) -> None:
+    prefix, factor = ("M", 1_000_000) if rate < _LIKELY_MEGA else ("k", 1000)
+    standard_rates = (standard for standard in _STANDARD_BAUDS if unit == "baud" and standard // 1000 == rate)
+    likely_rate = next(standard_rates, rate * factor)
+    problem = f"'{key}' is {rate} {unit}, which is implausible; if the manual means {rate} {prefix}{unit}"
+    remedy = f"write {likely_rate}. If the number is right, say so in a 'note' of the interface"
+    report.add("implausible-rate", path, f"{problem}, {remedy}")
+
+
+#: Keys of numbers that manuals print in hexadecimal.
+HEXADECIMAL = frozenset("address addresses poly init xorout check control constant unused biss_id".split())
+#: Maps whose keys are names defined in the spec.
+_OWN_NAMES = frozenset(("values", "arguments", "sets"))
+#: Pairs of quotes used by word processors and PDF files.
+_TYPOGRAPHIC = frozenset(map(tuple, ("“”", "„“", "„”", "””", "‘’", "‚‘", "’’", "«»", "»«")))
+_DECIMAL = re.compile("[0-9]{2,}")
+_LEADING_ZERO = re.compile("[-+]?0[0-9]+")
+
+
+def number_base(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that numbers printed in hexadecimal have 0x, and that no number has leading zeros.
+
+    A JSON file may use decimal numbers, because JSON has no others.
+    """
+    in_json = report.document.line(1).startswith("{")
+    for path, number in leaves_of(spec, report):
+        if not isinstance(number, int) or isinstance(number, bool):
+            continue
+        spelling = report.document.spelling_at(path)
+        hexadecimal = f"0x{spelling.lstrip('+-0'):0>2}"
+        if not in_json and _is_hexadecimal(path) and _DECIMAL.fullmatch(spelling):
+            decimal_hint = f", or {number:#04x} for decimal {number}" if number > 9 else ""
+            message = (
+                f"{quoted(path[-1])} is {spelling}, which is decimal, but manuals print it in hexadecimal; "
+                f"write {hexadecimal}{decimal_hint}"
+            )
+            report.add("number-base", path, message)
+        elif _LEADING_ZERO.fullmatch(spelling):
+            message = (
+                f"{spelling} begins with a zero and is read as decimal {number}; "
+                f"write {number}, or {hexadecimal} if it is hexadecimal"
+            )
+            report.add("number-base", path, message)
+
+
+def typographic_quotes(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that no text is in typographic quotes, which YAML treats as part of the text."""
+    for path, value in leaves_of(spec, report):
+        if isinstance(value, str) and len(value) > 1 and (value[0], value[-1]) in _TYPOGRAPHIC:
+            message = (
+                f"the quotes {value[0]} and {value[-1]} are part of this text; "
+                f'write "{value[1:-1]}" with straight quotes'
+            )
+            report.add("typographic-quotes", path, message)
+
+
+def _is_hexadecimal(path: Path) -> bool:
+    if path[-1] == "value":
+        return "writes" in path
+    return path[-1] in HEXADECIMAL and _OWN_NAMES.isdisjoint(path[-2:-1])

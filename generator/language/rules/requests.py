@@ -1,24 +1,116 @@
-"""Rules for SPI: requests with their replies, and the frames that access registers."""
+"""Rules for requests with their replies, over SPI and RS-485."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
-from ...model import Spi
-from ..problems import DocumentReport, Path, quoted
-from .exchanges import KEYS, check_exchanges, report_unused
-from .walk import Fields, Has, Spec, by_name, field_names, interface_of, items, mapping
+from ...model import Rs485, Spi
+from ..document import Path
+from ..problems import DocumentReport, quoted, suggestion
+from ..second_reading import is_second
+from .values import constant_width
+from .walk import Fields, Has, Spec, by_name, expanded, field_names, interface_of, items, mapping
 
-_HERE = ("interfaces", Spi.name)
+#: Senders with the key of their frames in an exchange.
+KEYS: Mapping[str, str] = {"master": "request", "encoder": "reply"}
+
+
+def check_exchanges(
+    spec: Spec, raw: Spec, interface: str, rule: str, report: DocumentReport
+) -> list[tuple[Path, Spec]]:
+    """Check that the frames of exchanges exist, and that each request is in one of them. Return the exchanges.
+
+    A request for the position needs a measurement, because without one no output has a position.
+    """
+    interface_path = ("interfaces", interface)
+    layouts = by_name(raw, *interface_path, "layouts")
+    exchanges = list(items(spec, *interface_path, "exchanges"))
+    for sender, key in KEYS.items():
+        names = [name for name, layout in layouts.items() if layout.get("from") == sender]
+        for path, exchange in exchanges:
+            name = exchange.get(key, "")
+            if name not in ("", *names):
+                message = f"there is no layout {quoted(name)} from the {sender}{suggestion(name, names)}"
+                report.add("undefined-reference", (*path, key), message)
+    requests = [exchange["request"] for _, exchange in exchanges]
+    for index, (path, exchange) in enumerate(exchanges):
+        if exchange["request"] in requests[:index]:
+            report.add(rule, (*path, "request"), f"{quoted(exchange['request'])} already has a reply; keep one")
+    if "measurement" not in raw and "measurement" not in mapping(raw, *interface_path):
+        for path, exchange in exchanges:
+            if exchange["purpose"] == "position":
+                message = (
+                    f"{quoted(exchange['request'])} asks for the position, but the spec has no 'measurement'; add one"
+                )
+                report.add(rule, (*path, "purpose"), message)
+    return exchanges
+
+
+def report_unused(
+    layout: Spec, path: Path, exchanges: list[tuple[Path, Spec]], rule: str, report: DocumentReport
+) -> None:
+    """Report a frame that no exchange contains."""
+    key = KEYS.get(layout.get("from", ""), "")
+    if key and layout["name"] not in [exchange.get(key) for _, exchange in exchanges]:
+        message = f"no exchange has {quoted(layout['name'])} as its {key}; add one under 'exchanges'"
+        report.add(rule, path, message)
+
+
+_RS485_PATH = ("interfaces", Rs485.name)
+_RULE = "rs485-exchange"
+#: Keys that belong to data IDs, in the interface and in its layouts.
+_OF_DATA_IDS = ("data_ids", "memory_access")
+
+
+def requests(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that each request over RS-485 has a data ID, or is in an exchange with its reply."""
+    interface = mapping(spec, *_RS485_PATH)
+    if not interface:
+        return
+    if mapping(interface, "port").get("data_bits", 8) != 8:
+        message = "frames over RS-485 consist of bytes, so a character has 8 data bits, and its parity bit is 'parity'"
+        report.add(_RULE, (*_RS485_PATH, "port", "data_bits"), message)
+    if "exchanges" not in interface:
+        if "data_ids" not in mapping(raw, *_RS485_PATH):
+            message = "no request is described; add 'data_ids' (for frames like those of the T-format) or 'exchanges'"
+            report.add(_RULE, _RS485_PATH, message)
+        return
+    for key in _OF_DATA_IDS:
+        if key in interface:
+            message = f"{quoted(key)} belongs to frames like those of the T-format; keep either it or 'exchanges'"
+            report.add(_RULE, (*_RS485_PATH, key), message, at_key=True)
+    _check_exchanges(spec, raw, report)
+
+
+def _check_exchanges(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that one exchange has the position, and that each frame is in an exchange."""
+    exchanges = check_exchanges(spec, raw, Rs485.name, _RULE, report)
+    positions = [(path, exchange) for path, exchange in exchanges if exchange["purpose"] == "position"]
+    for path, exchange in positions:
+        if "reply" not in exchange:
+            report.add(_RULE, path, f"{quoted(exchange['request'])} asks for the position, so it needs a 'reply'")
+    for path, _ in positions[1:]:
+        report.add(_RULE, (*path, "purpose"), "a second request asks for the position; use 'other'")
+    for path, layout in items(spec, *_RS485_PATH, "layouts"):
+        report_unused(layout, path, exchanges, _RULE, report)
+        if "when" in layout:
+            message = "the request decides which frame is the reply; leave 'when' out"
+            report.add(_RULE, (*path, "when"), message, at_key=True)
+        if layout.get("carried_as") == "bits":
+            message = f"{quoted(layout['name'])} is sent over a serial port, as bytes; use 'carried_as: bytes'"
+            report.add(_RULE, (*path, "carried_as"), message)
+
+
+_SPI_PATH = ("interfaces", Spi.name)
 #: Fields of the requests, and of the reply, that access a register.
 _NEEDED = {"read": (("address",), ("data",)), "write": (("address", "data"), ())}
 
 
 def exchanges(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that each frame over SPI is a request or its reply, and that accesses have their fields."""
-    layouts = by_name(raw, *_HERE, "layouts")
-    if not mapping(spec, *_HERE):
+    layouts = by_name(raw, *_SPI_PATH, "layouts")
+    if not mapping(spec, *_SPI_PATH):
         return
     spi_exchanges = check_exchanges(spec, raw, Spi.name, "spi-exchange", report)
     _check_registers(spec, raw, report)
@@ -56,7 +148,7 @@ def _check_registers(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def _check_lengths(spec: Spec, exchanges: list[tuple[Path, Spec]], report: DocumentReport) -> None:
     """Check that only exchanges with another length say so, and that late replies can be read completely."""
-    interface = mapping(spec, *_HERE)
+    interface = mapping(spec, *_SPI_PATH)
     default_bits = interface.get("word_bits")
     for path, exchange in exchanges:
         if exchange.get("word_bits") == default_bits is not None:
@@ -81,7 +173,7 @@ _DECIDED = frozenset(("constant", "unused", "parity_of", "crc", "use"))
 
 def _check_frames(spec: Spec, exchanges: list[tuple[Path, Spec]], report: DocumentReport) -> None:
     """Check that each frame has a place in an exchange, or that there is only one frame."""
-    for path, layout in items(spec, *_HERE, "layouts"):
+    for path, layout in items(spec, *_SPI_PATH, "layouts"):
         key = KEYS.get(layout.get("from", ""), "")
         if exchanges or key == "request" or path[-1] != 0:
             report_unused(layout, path, exchanges, "spi-exchange", report)
@@ -92,7 +184,7 @@ def _check_frames(spec: Spec, exchanges: list[tuple[Path, Spec]], report: Docume
 
 def _check_parities(spec: Spec, report: DocumentReport) -> None:
     """Check that the parity bits of a word without a CRC cover the other fields, unless a note names those left out."""
-    for path, layout in items(spec, *_HERE, "layouts"):
+    for path, layout in items(spec, *_SPI_PATH, "layouts"):
         parity_fields = [(field_path, field) for field_path, field in items(layout, "fields") if "parity_of" in field]
         covered_names = {name for _, field in parity_fields for name in _covered_fields(layout, field["parity_of"])}
         fields = [field for _, field in items(layout, "fields") if "parity_of" not in field]
@@ -170,3 +262,57 @@ def _check_fields(
                 "use 'constant' or 'unused' there"
             )
             report.add("spi-exchange", (*path, key), message)
+
+
+_SPI_REQUESTS_PATH = ("interfaces", Spi.name)
+
+
+def requests_that_write(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that constants distinguish each request from those that write, unless a note of its layout explains it.
+
+    A second word of a write has no address. The encoder knows it by the word before.
+    """
+    if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
+        return
+    groups, layouts = by_name(raw, "field_groups"), by_name(spec, *_SPI_REQUESTS_PATH, "layouts")
+    exchanges = [exchange for _, exchange in items(spec, *_SPI_REQUESTS_PATH, "exchanges")]
+    bits = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
+    write_requests = (exchange["request"] for exchange in exchanges if exchange["purpose"] == "write")
+    writes = [name for name in write_requests if name in layouts]
+    addressed = [name for name in writes if "address" in _free_names(layouts[name], groups)]
+    for exchange in exchanges:
+        name = exchange["request"]
+        if name not in layouts or name in writes or "note" in layouts[name] or not bits[name]:
+            continue
+        with_constants = (write for write in addressed if set(bits[write]) > {"?"})
+        equal = next((write for write in with_constants if _may_be_equal(bits[name], bits[write])), None)
+        if equal is not None:
+            problem = f"{quoted(name)} can be the same word as {quoted(equal)}, so it would write a register"
+            remedy = "correct a 'constant' in one of them, or explain it in a 'note' of this layout"
+            report.add("spi-exchange", (*_SPI_REQUESTS_PATH, "layouts", name), f"{problem}; {remedy}")
+
+
+def _may_be_equal(request: str, write: str) -> bool:
+    """Return True if two words have the same length and no constant bit differs."""
+    if len(request) != len(write):
+        return False
+    return all(bit == write_bit or "?" in (bit, write_bit) for bit, write_bit in zip(request, write, strict=True))
+
+
+def _constant_bits(layout: Spec, groups: dict[str, Spec]) -> str:
+    """Return a word as 0, 1 and ? for bits that are not constant. Empty if a width depends on the order code."""
+    bits = ""
+    for _, field in expanded(Fields(Has.LAYOUT, layout, (), Spi.name), groups):
+        width = 1 if "parity_of" in field else constant_width(field)
+        if width is None:
+            return ""
+        constant = field.get("constant", field.get("unused"))
+        bits += f"{constant:0{width}b}" if isinstance(constant, int) else "?" * width
+    return bits
+
+
+def _free_names(layout: Spec, groups: dict[str, Spec]) -> Iterator[str]:
+    """Yield the names of the fields that have no fixed value."""
+    for _, field in expanded(Fields(Has.LAYOUT, layout, (), Spi.name), groups):
+        if "constant" not in field and "unused" not in field:
+            yield str(field.get("name"))
