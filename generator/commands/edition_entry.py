@@ -9,8 +9,7 @@ from typing import Any
 import yaml
 
 from ..changes.change import Change
-from ..language.document import label_of
-from ..language.places import resolve, steps_of, value_at
+from ..language.document import label_of, resolve, steps_of, value_at
 from ..language.rules.values import HEXADECIMAL
 from ..loading.library import Family
 from ..model import Variant

@@ -61,7 +61,7 @@ def _print_decisions(paths: Sequence[Path], changes: int) -> int:
 def _files(paths: Iterable[Path]) -> Iterator[Path]:
     """Yield the specs, each followed by its second reading if it has one."""
     from ..language.files import find_files, is_folder
-    from ..language.second_reading import second_reading_path
+    from ..language.schema_files import second_reading_path
 
     for path in paths:
         for spec in find_files(path).specs if is_folder(path) else (path,):

@@ -86,7 +86,7 @@ def placeholders_in(files: Iterable[str]) -> Iterator[Placeholder]:
 
 
 def _placeholders_of(path: Path) -> Iterator[Placeholder]:
-    from ..language.placeholders import placeholder_name, placeholder_paths
+    from ..language.document import placeholder_name, placeholder_paths
     from ..language.problems import Report
     from ..language.read import read_document
 

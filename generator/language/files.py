@@ -13,8 +13,7 @@ from collections.abc import Callable, Collection
 from dataclasses import dataclass
 from pathlib import Path
 
-from .schema_files import keys_of
-from .second_reading import is_second
+from .schema_files import is_second, keys_of
 
 SUFFIXES = (".yaml", ".yml")
 #: Any of these keys at the top level makes a YAML file a spec.

@@ -14,8 +14,7 @@ from typing import Any
 
 from ..say.markdown import anchor, code, link, paragraph, table, text
 from .problems import listed
-from .schema_files import load_schema
-from .second_reading import NO_FACTS, ONLY_SECOND, PROSE
+from .schema_files import NO_FACTS, ONLY_SECOND, PROSE, load_schema
 
 Shape = Mapping[str, Any]
 #: Largest number of entries of a list or mapping, unless its description gives another limit.

@@ -9,7 +9,7 @@ from typing import Any
 
 from .hints import TO_ADD, foreign_key_hint, key_hint, number_hint, value_hint, word_hint
 from .problems import WORDS_ONLY, Path, listed, missing, nearest_choice, quoted, suggestion
-from .second_reading import is_only_in_device_files
+from .schema_files import is_only_in_device_files
 
 _TYPES = {
     "integer": "a whole number",

@@ -13,11 +13,13 @@ from enum import Enum
 from pathlib import Path as File
 from typing import Any
 
-from .document import Document, Path, label_of
-from .places import (
+from .document import (
+    Document,
     MissingPath,
+    Path,
     as_affected,
     from_file,
+    label_of,
     leads_somewhere,
     mark_at,
     named_path,

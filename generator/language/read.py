@@ -15,7 +15,7 @@ from collections.abc import Iterable, Sequence
 from . import files
 from .document import Document, Path
 from .problems import Report
-from .second_reading import family_of, is_second
+from .schema_files import family_of, is_second
 from .yaml import FORBIDDEN, LINE_BREAK, MAX_BYTES, Unreadable, parse
 
 

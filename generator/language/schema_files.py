@@ -1,13 +1,119 @@
-"""The JSON Schemas as data. Validating with them is in ``schema``, whose validator takes long to import."""
+"""The JSON Schemas as data, and the language of second readings. This module loads no validator.
+
+It is derived from the schema of device files, so that each key is described only once. Other required keys of a device
+file are with_stand_ins in with stand-ins, so that rules and build can treat a second reading like a device file.
+"""
 
 from __future__ import annotations
 
 import functools
 import json
-from pathlib import Path
+from collections.abc import Mapping
+from pathlib import Path, PurePath
 from typing import Any
 
-from .second_reading import second_reading_schema
+#: Suffix of a second reading, next to the file that it belongs to: ``encoder.second.yaml``.
+SUFFIX = ".second"
+
+#: Keys for prose, at any place. Of their texts, only the numbers and the cited sections are compared.
+PROSE = frozenset(
+    """
+    source alignment_source output_code_source meaning note title names where changes content why
+    special publisher mating detected remedy precondition result when_active when_inactive low high when_unused
+    hexadecimal profile signals
+    """.split()
+)
+#: Parts of a device file that explain or calculate.
+NO_FACTS = frozenset("evidence documents lost_figures examples errata editions".split())
+#: Keys that a spec must have and its second reading does not need.
+_NOT_NEEDED = frozenset(("manufacturer",))
+
+#: Parts that only a second reading has.
+ONLY_SECOND: dict[str, dict[str, Any]] = {
+    "sections": {
+        "description": "Sections of the manual, each with the paths of the facts that come from there. A path applies"
+        " to everything under it, unless a more specific path is listed.",
+        "type": "object",
+        "additionalProperties": {"type": "array", "minItems": 1, "items": {"type": "string", "maxLength": 200}},
+    },
+    "found": {
+        "description": "Numbers in texts, and cited sections, by path, that were not read a second time. They are"
+        " compared, so that no later typo passes, but count as read once.",
+        "type": "object",
+        "additionalProperties": {"type": "string", "maxLength": 500},
+    },
+    "decided": {
+        "description": "Facts that the manual does not print, so that both readings contain a decision: paths, or"
+        " classes of facts such as verdict.",
+        "type": "array",
+        "items": {"type": "string", "maxLength": 200},
+    },
+}
+
+_SOME_SOURCE = "Cover"
+
+
+def is_second(file: Path | str) -> bool:
+    """Return True if a file has the name of a second reading."""
+    return PurePath(file).stem.endswith(SUFFIX)
+
+
+def second_reading_path(spec: Path) -> Path:
+    """Return the path of the second reading of a spec."""
+    return spec.with_name(f"{spec.stem}{SUFFIX}{spec.suffix}")
+
+
+def coverage_path(spec: Path) -> Path:
+    """Return the path of the file that counts the readings of the facts of a spec."""
+    return spec.with_name(f"{spec.stem}.coverage.json")
+
+
+def family_of(file: str) -> str:
+    """Return the name of the family in a file: the stem, without the suffix of a second reading."""
+    return PurePath(file).stem.removesuffix(SUFFIX)
+
+
+def second_reading_schema(schema: Mapping[str, Any]) -> dict[str, Any]:
+    """Derive the schema of second readings from that of device files."""
+    derived: dict[str, Any] = _prose_optional(schema)
+    derived["properties"] = {key: shape for key, shape in derived["properties"].items() if key not in NO_FACTS}
+    derived["properties"] |= ONLY_SECOND
+    derived["required"] = [key for key in derived["required"] if key not in _NOT_NEEDED | NO_FACTS]
+    return derived
+
+
+def is_only_in_device_files(key: str) -> bool:
+    """Return True if device files have this key and second readings do not."""
+    return key in NO_FACTS
+
+
+def _prose_optional(schema: Any) -> Any:
+    """Return a part of the schema in which no key for prose is required."""
+    if isinstance(schema, list):
+        return [_prose_optional(inner) for inner in schema]
+    if not isinstance(schema, dict):
+        return schema
+    derived = {key: _prose_optional(inner) for key, inner in schema.items()}
+    if "required" in schema:
+        derived["required"] = [key for key in schema["required"] if key not in PROSE]
+    return derived
+
+
+def with_stand_ins(data: Any, schema: Mapping[str, Any]) -> Any:
+    """Return checked data of a second reading, with a stand-in for each key required by ``schema`` of device files."""
+    if isinstance(data, list):
+        return [with_stand_ins(inner, schema.get("items", {})) for inner in data]
+    if not isinstance(data, dict):
+        return data
+    shapes = schema.get("properties", {})
+    other_shape = schema.get("additionalProperties", {})
+    if not isinstance(other_shape, dict):
+        other_shape = {}
+    completed = {key: with_stand_ins(value, shapes.get(key) or other_shape) for key, value in data.items()}
+    for key in schema.get("required", ()):
+        if key not in completed and key in PROSE:
+            completed[key] = _SOME_SOURCE if key == "source" else "?"
+    return completed
 
 
 @functools.cache

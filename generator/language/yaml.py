@@ -15,8 +15,7 @@ import yaml
 
 from .document import Mark, Path
 from .problems import quoted
-from .syntax import explain
-from .typos import CorrectedEvents
+from .yaml_mistakes import CorrectedEvents, explain
 
 MAX_BYTES = 4 * 2**20
 #: Largest number of values in a spec, including repetitions by aliases. The largest manuals need about 20,000.

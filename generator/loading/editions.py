@@ -11,9 +11,8 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any
 
-from ..language.document import Path
+from ..language.document import MissingPath, Path, as_affected, resolve
 from ..language.overlay import KINDS, Layer, LayeredSpec, LayerKind
-from ..language.places import MissingPath, as_affected, resolve
 from ..language.problems import DocumentReport, Report, listed, quoted
 from ..language.rules.walk import leaves
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 from ..language.problems import DocumentReport
 from ..language.rules.walk import leaves
-from ..language.second_reading import is_second
+from ..language.schema_files import is_second
 from ..model import Device, Interface, Layout, Parameter
 from .from_mapping import Raw
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..language.placeholders import is_placeholder, placeholder_names
+from ..language.document import is_placeholder, placeholder_names
 from ..language.problems import DocumentReport
 from ..model import Device
 from ..say.numbers import first_of

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..language.problems import DocumentReport, Path
-from ..language.second_reading import is_second
+from ..language.schema_files import is_second
 from ..model import Device, Field, Interface, Layout, Measurement, Variant
 from ..model.expressions import Expression
 

@@ -7,7 +7,7 @@ from dataclasses import asdict, fields
 from pathlib import Path
 
 from ..language.problems import Report
-from ..language.second_reading import coverage_path
+from ..language.schema_files import coverage_path
 from ..model import TimesRead
 
 RULE = "coverage-file"

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..cache import Cache, content_of
-from ..language.second_reading import is_second
+from ..language.schema_files import is_second
 from .family_files import MANUFACTURER, family_files, spec_files
 
 if TYPE_CHECKING:

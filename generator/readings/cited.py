@@ -11,7 +11,7 @@ from typing import Any
 
 from ..language.document import label_of
 from ..language.problems import Path
-from ..language.second_reading import PROSE
+from ..language.schema_files import PROSE
 from ..loading.from_mapping import parse_sources
 from .fact import Fact, Sort
 from .reading import Reading

@@ -11,7 +11,7 @@ from ..language.check import check_second
 from ..language.document import Document
 from ..language.problems import Path, Report, quoted
 from ..language.read import read_document
-from ..language.second_reading import second_reading_path
+from ..language.schema_files import second_reading_path
 from ..loading.device import build_device
 from ..loading.library import Family
 from ..model import Manufacturer

@@ -14,7 +14,7 @@ from codewheel.commands.decode.decoding import decoded_data
 from codewheel.dump.plain import device_dump, variant_dump
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
-from codewheel.language.second_reading import is_second
+from codewheel.language.schema_files import is_second
 from codewheel.loading.from_mapping import parse_sources
 from codewheel.model import Device, FrameExample, Variant
 from codewheel.model.expressions import Expression, ExpressionError

@@ -14,11 +14,9 @@ from codewheel.language.check import check_document
 from codewheel.language.document import Document
 from codewheel.language.messages import KEYWORDS, PATTERNS, explain
 from codewheel.language.problems import MAX_PROBLEMS, Report
-from codewheel.language.quick_validation import follows_schema
 from codewheel.language.read import read_document
-from codewheel.language.schema import FileKind, check_schema, shape_of
-from codewheel.language.schema_files import load_schema
-from codewheel.language.second_reading import is_second
+from codewheel.language.schema import FileKind, check_schema, follows_schema, shape_of
+from codewheel.language.schema_files import is_second, load_schema
 from codewheel.loading.device import build_device
 from codewheel.model import Manufacturer
 from jsonschema import Draft202012Validator

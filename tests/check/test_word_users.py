@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 
 import pytest
 import yaml
-from codewheel.language.schema_files import load_schema
-from codewheel.language.second_reading import is_second
+from codewheel.language.schema_files import is_second, load_schema
 
 ROOT = Path(__file__).parents[2]
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)

@@ -13,7 +13,7 @@ from types import ModuleType
 from typing import Any
 
 import pytest
-from codewheel.language.second_reading import is_second
+from codewheel.language.schema_files import is_second
 from codewheel.loading.library import load_library
 from codewheel.model import (
     Choice,

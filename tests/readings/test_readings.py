@@ -13,7 +13,7 @@ from codewheel.commands.check.specs import check_specs
 from codewheel.commands.cli import main
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
-from codewheel.language.second_reading import is_only_in_device_files
+from codewheel.language.schema_files import is_only_in_device_files
 from codewheel.loading.library import load_families
 
 # Reads whole specs twice, which does not depend on wording or rules of check.

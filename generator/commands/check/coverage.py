@@ -11,7 +11,7 @@ from typing import Any
 from ...cache import NO_CACHE, Cache, content_of
 from ...language.document import Path as SpecPath
 from ...language.problems import Report
-from ...language.second_reading import coverage_path
+from ...language.schema_files import coverage_path
 from ...loading.family_files import family_files
 from ...loading.library import Family
 from ...loading.reading_counts import RULE, counts_text

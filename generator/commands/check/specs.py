@@ -9,7 +9,7 @@ from pathlib import Path
 
 from ...cache import NO_CACHE, Cache, content_of
 from ...language.problems import Report
-from ...language.second_reading import second_reading_path
+from ...language.schema_files import second_reading_path
 from ...loading.family_files import family_files
 from ...loading.library import Family, contents, is_clean, load_families
 from ...readings.coverage import Coverage

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from ...model import INTERFACES
 from ..document import Path
 from ..problems import DocumentReport, quoted, suggestion
-from ..second_reading import is_second
+from ..schema_files import is_second
 from .walk import Fields, Has, Spec, by_name, field_lists, field_names, items, layouts, mapping
 
 #: Words in the name of a flag that signals an error. BiSS calls it nE.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 
 from ..problems import DocumentReport, Path, quoted
-from ..second_reading import family_of
+from ..schema_files import family_of
 from .walk import Spec, by_name, expanded, field_lists, interface_of, items, last_address, layouts, mapping
 
 #: Top-level lists with unique items, with the word for an item and the key that must be unique.

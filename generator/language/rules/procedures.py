@@ -9,7 +9,7 @@ from itertools import takewhile
 from ...model import INTERFACES, Biss
 from ..document import Path
 from ..problems import DocumentReport, quoted
-from ..second_reading import is_second
+from ..schema_files import is_second
 from .walk import (
     Fields,
     Has,

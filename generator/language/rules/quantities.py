@@ -10,7 +10,7 @@ from decimal import Decimal
 from typing import Any
 
 from ...say.words import counted, nanoseconds
-from ..places import Affected
+from ..document import Affected
 from ..problems import DocumentReport, Path, listed, quoted
 from .printed_twice import supply_named
 from .walk import Spec, items, leaves, leaves_of, mapping

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 from ...model import Rs485, Spi
 from ..document import Path
 from ..problems import DocumentReport, quoted, suggestion
-from ..second_reading import is_second
+from ..schema_files import is_second
 from .values import constant_width
 from .walk import Fields, Has, Spec, by_name, expanded, field_names, interface_of, items, mapping
 

@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping
 from itertools import pairwise
 from typing import Any
 
-from ..document import Path
-from ..placeholders import is_placeholder
+from ..document import Path, is_placeholder
 from ..problems import DocumentReport, listed, quoted, suggestion
 from .walk import Spec, by_name, explained, items, leaves, leaves_of, mapping, sources
 

@@ -11,7 +11,7 @@ from ...model import INTERFACES, Biss
 from ...say.numbers import counted
 from ..document import Path
 from ..problems import DocumentReport, missing, quoted, suggestion
-from ..second_reading import is_second
+from ..schema_files import is_second
 from .walk import (
     MAX_FIELDS,
     Spec,

@@ -16,7 +16,7 @@ from typing import Any
 from ...model import INTERFACES, Biss
 from ..document import Document
 from ..problems import DocumentReport, Path
-from ..second_reading import is_second
+from ..schema_files import is_second
 
 #: A spec, or part of one.
 Spec = dict[str, Any]
