@@ -13,9 +13,9 @@ from codewheel.commands.outputs import targets_named, tell_unfit
 from codewheel.language.document import Document
 from codewheel.language.problems import Report
 from codewheel.language.read import read_specs
-from codewheel.loading.across_devices import check_shared_facts
 from codewheel.loading.library import Family, families_of
-from codewheel.loading.shipped import packaged_masters, packaged_specs
+from codewheel.loading.repeated_facts import check_shared_facts
+from codewheel.loading.spec_files import packaged_masters, packaged_specs
 from codewheel.readings.collect import facts_of
 from codewheel.readings.compare import compare
 from codewheel.readings.coverage import Coverage

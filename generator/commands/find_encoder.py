@@ -160,7 +160,7 @@ def _report_skipped(report: Report) -> None:
 def _no_such_encoder(specs: Specs, text: str, cache: Cache, is_name: bool) -> Stop:
     """Return the reason why no group has the text: problems in a spec, or the nearest codes of all families."""
     from ..loading.library import load_sound
-    from ..loading.shipped import packaged_families
+    from ..loading.spec_files import packaged_families
 
     devices: list[Device] = []
     for paths in specs.groups:

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 from ..cache import Cache
 from ..language.files import find_files
 from ..loading.configuration import NO_FILTERS, Configuration, FamilyFilters
-from ..loading.family_files import MANUFACTURER
-from ..loading.shipped import packaged_families
+from ..loading.spec_files import MANUFACTURER, packaged_families
 from .find_encoder import find_family_or_code
 from .settings_targets import refuse_unknown_targets
 from .terminal import Stop, refuse_missing

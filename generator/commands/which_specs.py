@@ -14,7 +14,7 @@ from pathlib import Path
 from ..language.files import LINK, UNREADABLE, describes_encoders, find_files, is_folder
 from ..loading.configuration import Configuration, Faulty
 from ..loading.find_configuration import configuration_above
-from ..loading.shipped import packaged_families
+from ..loading.spec_files import packaged_families
 from ..say.numbers import first_of
 from .terminal import Stop, problems, refuse_missing
 

@@ -42,25 +42,28 @@ from ..order_codes.labels import combinations
 from ..order_codes.run_time import resolve_parameters
 from ..reference import codec
 from .editions import editions
-from .examples import build_examples, check_examples
-from .expression_range import check_reach
-from .facts import supply, table
+from .evidence import with_placeholders
+from .examples import build_examples, check_examples, samples
 from .fields import Context, Site
 from .frame_kinds import check_frame_kinds
-from .from_mapping import Raw, record, records, sources
-from .interfaces import build_interfaces, build_measurement
+from .from_mapping import (
+    Raw,
+    build_procedures,
+    check_alarms,
+    check_only,
+    only_while,
+    record,
+    records,
+    set_parameters,
+    sources,
+    supply,
+    table,
+)
+from .interfaces import build_interfaces, build_measurement, check_spi_registers
 from .layouts import build_layout
-from .measurement_rules import check_measurements
-from .named_widths import check_named_widths
-from .only import check_alarms, check_only, only_while, set_parameters
-from .parameter_sets import parameter_sets, too_much_work
-from .placeholders import with_placeholders
-from .position_width import check_position_widths
-from .procedures import build_procedures
+from .parameters import check_named_widths, check_reach, coded_values, held_in_registers, parameter_sets, too_much_work
+from .position_rules import check_measurements, check_position_widths
 from .repeated_facts import check_agreement
-from .run_time_parameters import coded_values, held_in_registers
-from .samples import samples
-from .spi_registers import check_spi_registers
 from .valid_parts import valid_parts_so_far
 from .verdicts import check_errata
 

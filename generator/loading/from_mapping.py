@@ -1,15 +1,36 @@
-"""Build those parts of the model that have the same members and names as the spec."""
+"""Build the parts of the model that take their members from the spec by name, procedures, and lists of order codes."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import cache
 from types import MappingProxyType
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
-from ..model import Source, Sources
+from ..language.document import Path
+from ..language.problems import DocumentReport, quoted
+from ..model import (
+    Argument,
+    Device,
+    Manufacturer,
+    ModifyStep,
+    PollStep,
+    Procedure,
+    ReadStep,
+    Rs485,
+    SendStep,
+    Source,
+    Sources,
+    Step,
+    Supply,
+    Table,
+    Variant,
+    WaitStep,
+    WriteStep,
+)
+from ..model.only import fits
 
 Raw = Mapping[str, Any]
 T = TypeVar("T")
@@ -78,3 +99,137 @@ def _value(hint: Any, value: Any) -> Any:
 
 def _member(kind: Any, value: Any) -> Any:
     return record(kind, value) if isinstance(value, Mapping) else value
+
+
+def build_manufacturer(raw: Raw) -> Manufacturer:
+    """Return the manufacturer described by a checked manufacturer file."""
+    name = raw["manufacturer"]
+    return record(Manufacturer, {"python_package": f"{name}_encoders", "version": "0.0.0", **raw, "name": name})
+
+
+def supply(raw: Raw, inherited: Sources = ()) -> Supply | None:
+    """Return the supply of a device or of a value of its order code."""
+    definition = raw.get("supply")
+    return (
+        None
+        if definition is None
+        else record(Supply, definition, source=sources(definition) or sources(raw) or inherited)
+    )
+
+
+def table(raw: Raw) -> Table:
+    return record(Table, raw, rows=tuple(tuple(map(str, row)) for row in raw["rows"]))
+
+
+def only_while(only: str, variants: Sequence[Variant], parameters: Collection[str]) -> str:
+    """Return the parameter that is 0 for all order codes except those of ``only``, or an empty string."""
+    return next((name for name in parameters if _distinguishes(name, only, variants)), "")
+
+
+def _distinguishes(parameter: str, only: str, variants: Sequence[Variant]) -> bool:
+    """Return True if a parameter is 0 for all order codes except those of ``only``."""
+    return all((variant.parameters.get(parameter, 0) != 0) == fits(only, variant.code) for variant in variants)
+
+
+def set_parameters(raw: Raw) -> list[str]:
+    """Return the parameters that order codes set."""
+    derived_keys = {"equals", "read_from", "alternative"}
+    return [name for name, definition in raw["parameters"].items() if derived_keys.isdisjoint(definition)]
+
+
+def check_only(raw: Raw, variants: Sequence[Variant], report: DocumentReport) -> None:
+    """Report an ``only`` that no order code matches, and an ``only`` of a flag that no parameter distinguishes."""
+    if not variants:
+        return
+    for path, owner in _mappings_with_only(raw, ()):
+        only = owner["only"]
+        if not any(fits(only, variant.code) for variant in variants):
+            example_code = variants[0].code
+            message = f"no order code of the family matches {quoted(only)}"
+            example = quoted(f"{example_code[: len(example_code) // 2]}...")
+            remedy = f"'...' matches any text and 'x' matches one character, as in {example}"
+            report.add("only-codes", (*path, "only"), f"{message}; {remedy}")
+        elif "active" in owner and not only_while(only, variants, set_parameters(raw)):
+            message = f"no parameter distinguishes the order codes {quoted(only)} from the others"
+            remedy = "add one that these set and that is 0 for all others"
+            report.add("only-parameter", (*path, "only"), f"{message}; {remedy}")
+
+
+def check_alarms(raw: Raw, report: DocumentReport) -> None:
+    """Report an alarm with a different ``only`` than its flag."""
+    owners = {("group", group["name"]): group for group in raw.get("field_groups", ())}
+    owners |= {("register", register["name"]): register for register in raw.get("registers", ())}
+    for index, alarm in enumerate(raw.get("alarms", ())):
+        kind = "register" if "register" in alarm else "group"
+        fields = owners.get((kind, alarm.get(kind, "")), {}).get("fields", ())
+        flag = next((candidate for candidate in fields if candidate.get("name") == alarm.get("field", "")), None)
+        if flag is None or alarm.get("only", "") == flag.get("only", ""):
+            continue
+        message = (
+            f"the alarm applies to {_quoted(alarm)}, but its flag {quoted(flag['name'])} applies to {_quoted(flag)}"
+        )
+        path: Path = ("alarms", index, "only") if "only" in alarm else ("alarms", index)
+        report.add("only-alarm", path, f"{message}; give both the same 'only'")
+
+
+def _quoted(owner: Raw) -> str:
+    return f"the order codes {quoted(owner['only'])}" if "only" in owner else "all order codes"
+
+
+def _mappings_with_only(value: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
+    """Yield the mappings that have an ``only``."""
+    if isinstance(value, Mapping):
+        if isinstance(value.get("only"), str):
+            yield path, value
+        for key, member in value.items():
+            if key not in ("also_written", "names"):  # below these are texts of labels and of languages
+                yield from _mappings_with_only(member, (*path, key))
+    elif isinstance(value, (list, tuple)):
+        for index, member in enumerate(value):
+            yield from _mappings_with_only(member, (*path, index))
+
+
+def build_procedures(raw: Raw, device: Device) -> tuple[Procedure, ...]:
+    return tuple(_procedure(definition, device) for definition in raw.get("procedures", ()))
+
+
+def _procedure(raw: Raw, device: Device) -> Procedure:
+    arguments = [record(Argument, argument, meant_as=argument.get("as", "")) for argument in raw.get("arguments", ())]
+    steps = [_STEPS[step["do"]](step, sources(step) or sources(raw), device) for step in raw["steps"]]
+    return record(Procedure, raw, arguments=tuple(arguments), steps=tuple(steps))
+
+
+def _write(raw: Raw, source: Sources, device: Device) -> Step:
+    """Build a write step. A name not among the values of the field, or of a single-field register, is an argument."""
+    register, field, name, meaning = (raw.get(key, "") for key in ("register", "field", "value", "meaning"))
+    fields_of_register = (candidate.layout.fields for candidate in device.registers if candidate.name == register)
+    fields = [field_ for fields in fields_of_register for field_ in fields if field in ("", field_.name)]
+    values = fields[0].values if len(fields) == 1 else ()
+    value = next((candidate.value for candidate in values if candidate.name == name), None)
+    if field:
+        return ModifyStep(register, field, name, value, meaning=meaning, source=source)
+    return WriteStep(register, name, value, meaning=meaning, source=source)
+
+
+def _read(raw: Raw, source: Sources, device: Device) -> Step:
+    return record(ReadStep, raw, source=source)
+
+
+def _poll(raw: Raw, source: Sources, device: Device) -> Step:
+    return record(PollStep, raw, source=source, value=raw.get("until", 0))
+
+
+def _wait(raw: Raw, source: Sources, device: Device) -> Step:
+    return record(WaitStep, raw, source=source, microseconds=1000 * raw.get("at_least_ms", 0))
+
+
+def _send(raw: Raw, source: Sources, device: Device) -> Step:
+    """Build a send step. The request is one byte, the control field of the data ID."""
+    interface = device.find_interface(Rs485)
+    data_ids = interface.data_ids if interface is not None else ()
+    control = bytes(data_id.control for data_id in data_ids if data_id.name == raw.get("data_id"))
+    pause = raw.get("every_at_least_us", 0)
+    return record(SendStep, raw, source=source, request=control[:1], microseconds=pause)
+
+
+_STEPS = {"write": _write, "read": _read, "poll": _poll, "wait": _wait, "send": _send}

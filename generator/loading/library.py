@@ -17,16 +17,15 @@ from ..language.document import Document
 from ..language.problems import Report, listed
 from ..language.read import read_document, read_specs
 from ..model import Device, Manufacturer
-from .across_devices import check_shared_facts
 from .device import build_device
 from .editions import check_editions, edition_of, notes
-from .facts import build_manufacturer
-from .family_files import family_files, spec_files
+from .evidence import read_counts
+from .from_mapping import build_manufacturer
 from .history import read_history
 from .overlays import Family as Family
 from .overlays import apply_overlays, is_overlay, overlays_beside
-from .reading_counts import read_counts
-from .shipped import packaged_families
+from .repeated_facts import check_shared_facts
+from .spec_files import family_files, packaged_families, spec_files
 from .stored import store_device, stored_device
 
 #: Names of Python packages, and of the folder next to them, that do not belong to a manufacturer.

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 from ..cache import Cache, content_of
 from ..language.schema_files import is_second
-from .family_files import MANUFACTURER, family_files, spec_files
+from .spec_files import MANUFACTURER, family_files, spec_files
 
 if TYPE_CHECKING:
     from ..model import Device

@@ -16,7 +16,7 @@ from ..language.check import check_document
 from ..language.master_items import NUMBERS, STEPS
 from ..language.problems import Report, listed
 from ..language.read import read_specs
-from ..loading.shipped import packaged_masters
+from ..loading.spec_files import packaged_masters
 from ..model import INTERFACES, Document
 from ..model.expressions import Expression, ExpressionError
 from ..model.record import dataclass

@@ -12,9 +12,9 @@ from ...cache import NO_CACHE, Cache, content_of
 from ...language.document import Path as SpecPath
 from ...language.problems import Report
 from ...language.schema_files import coverage_path
-from ...loading.family_files import family_files
+from ...loading.evidence import RULE, counts_text
 from ...loading.library import Family
-from ...loading.reading_counts import RULE, counts_text
+from ...loading.spec_files import family_files
 from ...model import TimesRead
 from ...readings.coverage import Coverage, added
 from ...readings.fact import Sort

@@ -10,8 +10,8 @@ from pathlib import Path
 from ...cache import NO_CACHE, Cache, content_of
 from ...language.problems import Report
 from ...language.schema_files import second_reading_path
-from ...loading.family_files import family_files
 from ...loading.library import Family, contents, is_clean, load_families
+from ...loading.spec_files import family_files
 from ...readings.coverage import Coverage
 from ...readings.second_readings import Reader, SecondReading, comparable_specs, compare_readings, read_beside
 from ...targets import Target
