@@ -54,7 +54,6 @@ READERS = {
     "shows the order codes beside each fact": {
         "changes/families.py",
         "changes/interfaces.py",
-        "changes/surroundings.py",
         "dump/plain.py",
         "readings/interfaces.py",
         "readings/surroundings.py",

@@ -10,7 +10,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from codewheel.changes.impact import TITLES
+from codewheel.changes.change import TITLES
 from codewheel.changes.rules import RULES
 from codewheel.say.markdown import code, table, text
 

@@ -15,10 +15,9 @@ from ..say.numbers import first_of
 from ..say.place import register_at
 from .change import Change, Subject
 from .counterparts import in_section, recognised
-from .expressions import NumberDifferences
 from .family_pair import FamilyPair
 from .pairs import Pair
-from .value_text import arrow, differing_items, plain, short_value, without_words
+from .values import NumberDifferences, arrow, differing_items, plain, short_value, without_words
 
 _Item = TypeVar("_Item")
 #: Rules whose changes are described only by their location.

@@ -11,11 +11,10 @@ from .change import Change, Subject
 from .compare import compare_section
 from .counterparts import note_all
 from .family_pair import FamilyPair
-from .interfaces import interfaces, timings
+from .interfaces import contacts, displayed, interfaces, timings
 from .order_codes import family, order_codes, quantities, supply
 from .pairs import Pair, paired
 from .registers import procedure, register
-from .surroundings import contacts, displayed
 
 
 def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:

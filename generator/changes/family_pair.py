@@ -10,12 +10,10 @@ from typing import Any, TypeVar
 from ..model import Device, Field, Variant
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS
-from .affected_codes import describe_codes
 from .change import Change, Subject
-from .expressions import NumberDifferences, Point, differing, settings_of, with_setting
 from .pairs import Pair, both_of
 from .rules import RULES, SAME
-from .value_text import plain
+from .values import NumberDifferences, Point, describe_codes, differing, plain, settings_of, with_setting
 
 _Part = TypeVar("_Part", bound=Any)
 #: Rules whose values are interfaces, both of which are affected.

@@ -8,13 +8,12 @@ from operator import attrgetter
 
 from ..model import Alternative, CodePart, Manual, Parameter, Spelling, Supply, Variant
 from ..say.numbers import first_of
-from .affected_codes import pattern
 from .change import Change, Subject
 from .compare import compare_members, compare_parts, compare_section
 from .counterparts import in_section
 from .family_pair import FamilyPair
 from .pairs import both_of, paired
-from .value_text import arrow
+from .values import arrow, pattern
 
 
 def family(family_pair: FamilyPair) -> Iterator[Change]:

@@ -1,16 +1,17 @@
-"""Reports on changes: as data, and the parts that are common to text and Markdown."""
+"""Reports on changes: as data, as text for a terminal, and as a section of a changelog."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..say.words import counted
-from .change import Change
-from .impact import OUTPUTS, TITLES, Impact
-from .version import Package
+from ..say.lines import WIDTH, wrapped
+from ..say.markdown import code as in_code
+from ..say.markdown import text
+from ..say.numbers import counted, first_of
+from .change import OUTPUTS, TITLES, Change, Impact, Package
 
 #: Version of the data, in the shape of ``language/diff.schema.json``.
 VERSION = 2
@@ -120,3 +121,99 @@ def _change_data(change: Change) -> dict[str, Any]:
         "reach": change.reach,
         "names": dict(change.names),
     }
+
+
+_TITLES = {
+    Impact.BREAKING: "Breaking",
+    Impact.BEHAVIOUR: "Behaviour",
+    Impact.COMPATIBLE: "Compatible",
+    Impact.DOCUMENTATION: "Documentation",
+}
+
+
+def as_markdown(findings: DiffResult) -> str:
+    """Return the output of ``codewheel diff --markdown``: a heading for each package, family and impact."""
+    lines = [f"## {'; '.join(map(versions, findings.packages)) or 'Changes'}", ""]
+    lines += [line for notice in findings.notices for line in (text(notice), "")]
+    for family in dict.fromkeys(change.family for change in findings.changes):
+        lines += [f"### {text(family)}", ""]
+        lines += _family([change for change in findings.changes if change.family == family])
+    if not findings.changes:
+        lines += ["No differences.", ""]
+    if findings.changes and findings.files is not None:
+        lines += [f"{len(findings.files.changed)} of {findings.files.count} generated files change.", ""]
+    return "\n".join(lines).rstrip()
+
+
+def _family(changes: Sequence[Change]) -> Iterator[str]:
+    for impact, title in _TITLES.items():
+        changes_of_impact = [change for change in changes if change.impact is impact]
+        if changes_of_impact:
+            yield from (f"#### {title}", "", *map(_item, changes_of_impact), "")
+
+
+def _item(change: Change) -> str:
+    return f"- {text(change.text)} ({in_code(change.rule.name)}): {_about(change)}"
+
+
+def _about(change: Change) -> str:
+    pieces = about(change, "\0{}\0").split("\0")  # Prose and code in turn.
+    pieces[::2] = map(_escaped, pieces[::2])
+    pieces[1::2] = map(in_code, pieces[1::2])
+    return "".join(pieces)
+
+
+def _escaped(piece: str) -> str:
+    """Return escaped text with its leading and trailing space."""
+    start = " " if piece.startswith(" ") else ""
+    end = " " if piece.endswith(" ") else ""
+    return f"{start}{text(piece)}{end}" if piece.strip() else piece
+
+
+_COLUMN = 17
+
+
+def as_text(findings: DiffResult) -> str:
+    """Return the output of ``codewheel diff``."""
+    lines = list(findings.notices)
+    for family in dict.fromkeys(change.family for change in findings.changes):
+        family_changes = [change for change in findings.changes if change.family == family]
+        lines.append(family)
+        for change in sorted(family_changes, key=lambda change: (-change.impact, change.rule.is_renaming)):
+            if change.impact > Impact.DOCUMENTATION:
+                lines += _change(change)
+        lines += _words([change for change in family_changes if change.impact is Impact.DOCUMENTATION])
+    lines.append(totals(findings.changes) if findings.changes else "no differences")
+    if findings.changes:
+        lines += _result(findings)
+    return "\n".join(lines)
+
+
+def _change(change: Change) -> Iterator[str]:
+    indent = " " * _COLUMN
+    yield wrapped(change.text, WIDTH, indent, f"  {change.rule.word:<13}  ")
+    yield wrapped(f"{about(change)} [{change.rule.name}]", WIDTH, indent)
+
+
+def _words(changes: Sequence[Change]) -> Iterator[str]:
+    """Yield the documentation changes: the places of the first few, and the number of the others."""
+    for rule in dict.fromkeys(change.rule for change in changes):
+        changes_of_rule = [change for change in changes if change.rule is rule]
+        texts = first_of([_place(change) for change in changes_of_rule], between="; ")
+        yield wrapped(f"{texts} [{rule.name}]", WIDTH, " " * _COLUMN, f"  {rule.word:<13}  ")
+
+
+def _place(change: Change) -> str:
+    path = change.path.removeprefix("interfaces.").replace(".layouts.", ".")
+    return path if change.rule.name in ("words", "source") else change.text
+
+
+def _result(findings: DiffResult) -> Iterator[str]:
+    """Yield the line about generated files and versions."""
+    parts = []
+    if findings.files is not None:
+        count = len(findings.files.changed)
+        parts.append(f"{count} of {counted(findings.files.count, 'file')} change{'s' * (count == 1)}")
+    parts += map(versions, findings.packages)
+    if parts:
+        yield wrapped(f"generated: {'; '.join(parts)}", WIDTH, "  ", "")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from types import MappingProxyType
 
-from .impact import Impact, Rule
+from .change import Impact, Rule
 
 _LETTERS = {
     "B": Impact.BREAKING,

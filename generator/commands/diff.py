@@ -13,7 +13,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..changes.impact import IMPACTS, Impact
+from ..changes.change import IMPACTS, Impact
 from .arguments import FORMATS, FORMATS_HELP, Parser, a_path, add_cache_option, cache_for
 from .terminal import Stop, print_json, refuse_missing
 
@@ -135,11 +135,11 @@ def _print_comparison(comparison: DiffResult, before: _Side, after: _Side, chose
 
         print_json(as_data(comparison))
     elif chosen.markdown:
-        from ..changes.report_markdown import as_markdown
+        from ..changes.report import as_markdown
 
         print(as_markdown(comparison))
     else:
-        from ..changes.report_text import as_text
+        from ..changes.report import as_text
 
         print(as_text(comparison))
         if chosen.editions:
@@ -169,7 +169,7 @@ def _without_accepted(changes: Sequence[Change], chosen: argparse.Namespace) -> 
     Raises:
         Stop: The file with accepted changes is missing or not valid. The exit code is 2.
     """
-    from ..changes.accepted import NAME, NotAccepted, read_accepted, still_open
+    from ..changes.release_files import NAME, NotAccepted, read_accepted, still_open
 
     new = Path(chosen.new)
     place = chosen.accepted or (new if new.is_dir() else new.parent) / NAME
@@ -183,9 +183,9 @@ def _without_accepted(changes: Sequence[Change], chosen: argparse.Namespace) -> 
 
 def _compare(before: _Side, after: _Side, cache: Cache) -> DiffResult:
     """Return the changes in the families that could be read on both sides."""
+    from ..changes.change import packages
     from ..changes.families import compare
     from ..changes.report import DiffResult
-    from ..changes.version import packages
 
     olds, news = _devices(before, after), _devices(after, before)
     changes = compare(olds, news)

@@ -104,7 +104,7 @@ def _describe_rule_of_check(name: str, examples: dict[str, Example]) -> list[str
 
 
 def _describe_rule_of_diff(name: str) -> list[str]:
-    from ..changes.impact import OUTPUTS, TITLES
+    from ..changes.change import OUTPUTS, TITLES
     from ..changes.rules import RULES
     from ..say.lines import WIDTH, wrapped
 

@@ -9,8 +9,7 @@ from tempfile import TemporaryDirectory
 from typing import TypedDict
 
 from codewheel.changes.families import compare
-from codewheel.changes.report import DiffResult
-from codewheel.changes.report_text import as_text
+from codewheel.changes.report import DiffResult, as_text
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 

@@ -337,7 +337,7 @@ def test_what_order_codes_of_amm5_are_called(amm5: Device) -> None:
 
 
 def _reach(device: Device, parts: Sequence[str]) -> str:
-    from codewheel.changes.affected_codes import describe_codes
+    from codewheel.changes.values import describe_codes
 
     codes = [variant.code for variant in device.variants if set(parts) <= set(variant.parts.values())]
     return describe_codes(device, codes)
@@ -359,7 +359,7 @@ def test_reach(amm5: Device, parts: Sequence[str], reach_text: str) -> None:
 
 
 def test_reach_of_a_few(amm5: Device) -> None:
-    from codewheel.changes.affected_codes import describe_codes
+    from codewheel.changes.values import describe_codes
 
     codes = [variant.code for variant in amm5.variants]
     assert describe_codes(amm5, [codes[0], codes[4], codes[8], codes[15]]) == (

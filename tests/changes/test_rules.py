@@ -10,8 +10,8 @@ from typing import Any
 
 import pytest
 import yaml
+from codewheel.changes.change import OUTPUTS, Impact
 from codewheel.changes.families import compare
-from codewheel.changes.impact import OUTPUTS, Impact
 from codewheel.changes.rules import RULES
 from codewheel.commands.explain import explain
 from codewheel.commands.terminal import Stop

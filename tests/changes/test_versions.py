@@ -8,8 +8,7 @@ from pathlib import Path
 from shutil import copytree
 
 import pytest
-from codewheel.changes.impact import Impact
-from codewheel.changes.version import due_version
+from codewheel.changes.change import Impact, due_version
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.targets import Library
