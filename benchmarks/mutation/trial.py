@@ -16,16 +16,16 @@ from codewheel.language.read import read_specs
 from codewheel.loading.library import Family, families_of
 from codewheel.loading.repeated_facts import check_shared_facts
 from codewheel.loading.spec_files import packaged_masters, packaged_specs
-from codewheel.readings.collect import facts_of
 from codewheel.readings.compare import compare
-from codewheel.readings.coverage import Coverage
 from codewheel.readings.fact import Facts
 from codewheel.readings.reading import Reading
 from codewheel.readings.second_readings import (
+    Coverage,
     SecondReading,
     comparable_specs,
     compare_readings,
     explain,
+    facts_of,
     read_beside,
     second_of,
 )

@@ -14,9 +14,8 @@ from ..language.problems import Path
 from ..say.numbers import first_of
 from ..say.place import bits
 from .cited import NUMBERS
-from .fact import NOTHING, Bit, Case, Fact, Facts, Key, Names, Sort, Value, Word, WordCase
+from .fact import NOTHING, Bit, Case, Fact, Facts, Key, Names, Sort, Value, Word, WordCase, are_settled, mistaken_pairs
 from .frame_bits import continues_item, describe_bits
-from .mistaken_names import are_settled, mistaken_pairs
 from .reading import same_name
 
 #: Items that each reader defines as needed, so that none is missing if the other has a different set.

@@ -1,26 +1,88 @@
-"""Second readings: find them next to their specs, read, check and compare them."""
+"""Second readings: find, read, check and compare them, and count how often each fact was read."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import astuple
 from decimal import Decimal
+from functools import cached_property
 from pathlib import Path as File
 
 from ..language.check import check_second
-from ..language.document import Document
-from ..language.problems import Path, Report, quoted
+from ..language.document import Document, Path
+from ..language.problems import Report, quoted
 from ..language.read import read_document
 from ..language.schema_files import second_reading_path
 from ..loading.device import build_device
-from ..loading.library import Family
-from ..model import Manufacturer
+from ..loading.overlays import Family
+from ..model import Manufacturer, TimesRead
 from ..model.record import dataclass
-from .collect import facts_of
+from . import cited, interfaces, order_codes, procedures, surroundings
+from . import interfaces as registers
 from .compare import Comparison, Disagreement, Read, compare
-from .coverage import Coverage
 from .fact import NOTHING, Facts, Sort
 from .reading import Reading
+
+
+def facts_of(reading: Reading) -> Facts:
+    """Return all facts of a reading that can be compared with those of another reader."""
+    facts = Facts()
+    order_codes.add_codes(reading, facts)
+    interfaces.add_interfaces(reading, facts)
+    registers.add_registers(reading, facts)
+    facts.add(procedures.procedures(reading))
+    facts.add(surroundings.surroundings(reading))
+    facts.add(cited.contents(reading))
+    facts.add(cited.texts(reading))
+    facts.printed_numbers, facts.sections = cited.by_path(reading), cited.sections_by_path(reading)
+    facts.decided = reading.document.data.get("decided", ())
+    return facts
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """Readings of the facts of a family: the comparison with its second reading, and the number of derived facts."""
+
+    family: Family
+    outcome: Comparison
+    derived: Mapping[Sort, int]
+
+    @property
+    def spec(self) -> Document:
+        return self.family.document
+
+    @cached_property
+    def counts(self) -> Mapping[Sort, TimesRead]:
+        """Counts of each class."""
+        return {sort: self._count(sort) for sort in Sort}
+
+    def _count(self, sort: Sort) -> TimesRead:
+        readings = [read for (counted_sort, _), read in self.outcome.read.items() if counted_sort is sort]
+        twice, explained, decided, once = map(readings.count, (Read.TWICE, Read.EXPLAINED, Read.DECIDED, Read.ONCE))
+        return TimesRead(twice, explained, decided, once, self.derived.get(sort, 0))
+
+    @property
+    def total(self) -> TimesRead:
+        """Counts of all classes together."""
+        return added(self.counts.values())
+
+    @cached_property
+    def once(self) -> Sequence[tuple[Sort, Path]]:
+        """Facts that were read once, in the order of the file."""
+        read_once = [key for key, read in self.outcome.read.items() if read is Read.ONCE]
+        return sorted(read_once, key=lambda key: (self.spec.position(key[1]), key[0].value))
+
+    @property
+    def lacking(self) -> list[tuple[Sort, Path]]:
+        """Facts that must be read twice but were read once."""
+        return [key for key in self.once if key[0].is_needed]
+
+
+def added(counts: Iterable[TimesRead]) -> TimesRead:
+    """Return the sum of several counts."""
+    return TimesRead(*map(sum, zip(*map(astuple, (TimesRead(0, 0, 0, 0, 0), *counts)), strict=True)))
+
 
 RULE = "readings-disagree"
 #: A number, and a value with its unit.

@@ -22,10 +22,10 @@ from codewheel.model import Device, Register
 from codewheel.model.members import PARTS, PARTS_BY_CLASS, Member, Part
 from codewheel.model.record import dataclass
 from codewheel.readings import stated
-from codewheel.readings.collect import facts_of
 from codewheel.readings.compare import compare
 from codewheel.readings.fact import Sort
 from codewheel.readings.reading import Reading
+from codewheel.readings.second_readings import facts_of
 from codewheel.targets.python import records
 from codewheel.targets.python.facts import register_rows
 

@@ -10,9 +10,8 @@ from codewheel.commands.check.specs import check_specs
 from codewheel.language.problems import Report
 from codewheel.loading.library import load_families
 from codewheel.readings.cited import numbers_in
-from codewheel.readings.coverage import Coverage
 from codewheel.readings.fact import Sort
-from codewheel.readings.second_readings import comparable_specs, compare_readings
+from codewheel.readings.second_readings import Coverage, comparable_specs, compare_readings
 
 pytestmark = pytest.mark.slow
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ...cache import Cache
     from ...language.problems import Problem, Report
     from ...loading.configuration import Configuration
-    from ...readings.coverage import Coverage
+    from ...readings.second_readings import Coverage
     from ..cached_result import CachedResult
     from ..review_formats import Finding
 

@@ -16,8 +16,8 @@ from ...loading.evidence import RULE, counts_text
 from ...loading.library import Family
 from ...loading.spec_files import family_files
 from ...model import TimesRead
-from ...readings.coverage import Coverage, added
 from ...readings.fact import Sort
+from ...readings.second_readings import Coverage, added
 from ...say.words import counted
 from ..editions import check_editions
 from ..terminal import Stop

@@ -12,8 +12,7 @@ from ...language.problems import Report
 from ...language.schema_files import second_reading_path
 from ...loading.library import Family, contents, is_clean, load_families
 from ...loading.spec_files import family_files
-from ...readings.coverage import Coverage
-from ...readings.second_readings import Reader, SecondReading, comparable_specs, compare_readings, read_beside
+from ...readings.second_readings import Coverage, Reader, SecondReading, comparable_specs, compare_readings, read_beside
 from ...targets import Target
 from ..editions import check_editions
 from ..outputs import tell_unfit
