@@ -15,7 +15,6 @@ READERS = {
         "masters/cable.py",
         "masters/record.py",
         "order_codes/reduction.py",
-        "order_codes/narrowing.py",
         "targets/python/readme.py",
     },
     "reads a device that reduced_to_codes has reduced to the order codes": {

@@ -10,7 +10,7 @@ from typing import Any, TypeVar
 from ..model import Alarm, Alternative, Connector, Crc, Device, Layout
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, WIDER, Member
-from ..order_codes.narrowing import sent_crcs
+from ..order_codes.reduction import sent_crcs
 from ..say.numbers import first_of
 from ..say.place import register_at
 from .change import Change, Subject

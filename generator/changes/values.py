@@ -10,7 +10,7 @@ from typing import Any
 
 from ..model import CodedValue, Device, Scale, Supply, Variant
 from ..model.expressions import Expression, ExpressionError
-from ..order_codes.run_time import with_changed
+from ..order_codes.parameters import with_changed
 from ..say.numbers import counted, first_of, formula
 from ..say.words import hertz, microseconds, volts
 

@@ -6,8 +6,7 @@ from collections.abc import Container, Iterator, Sequence
 
 from ..language.problems import quoted, visible
 from ..model import Alternative, Device, Layout, Variant
-from ..order_codes.narrowing import for_interface
-from ..order_codes.reduction import reduced_to_codes
+from ..order_codes.reduction import for_interface, reduced_to_codes
 from .terminal import Stop
 
 

@@ -9,8 +9,7 @@ from ..language.problems import Report
 from ..loading.editions import UnknownEdition, revision_for
 from ..loading.library import Family, in_edition, load_families
 from ..model import Device
-from ..order_codes.editions import edition_by_label
-from ..order_codes.labels import Match, UnknownOrderCode, find
+from ..order_codes.labels import Match, UnknownOrderCode, edition_by_label, find
 from ..reference.editions import edition_by_registers, without_tests
 from .terminal import Stop, problems
 

@@ -204,7 +204,7 @@ def _is_special_model(device: Device, code: str) -> bool:
 def _unknown(devices: Sequence[Device], text: str) -> Stop:
     """Return the reason why text is not an order code of any of these families."""
     from ..language.files import SUFFIXES
-    from ..order_codes import messages
+    from ..order_codes import labels
     from ..order_codes.labels import NEAR, closest_reason, nearest_codes
 
     reason = closest_reason(_candidates(devices, text), text)
@@ -213,12 +213,12 @@ def _unknown(devices: Sequence[Device], text: str) -> Stop:
     device = _family(devices, text)
     if device is not None:
         code = device.variants[0].code
-        return Stop(f"{messages.family(text, code)} (codewheel show {device.name} explains them)", 2)
+        return Stop(f"{labels.family_instead_of_code(text, code)} (codewheel show {device.name} explains them)", 2)
     if Path(text).suffix in SUFFIXES:
         return Stop(f"'{text}' is not an order code; give a spec as --specs {text}", 2)
     near = ", ".join(nearest_codes(devices, text, NEAR))
-    remedy = messages.nearest(near) if near else "; codewheel list shows the known patterns"
-    return Stop(messages.unknown(text) + remedy, 2)
+    remedy = labels.nearest_codes_hint(near) if near else "; codewheel list shows the known patterns"
+    return Stop(labels.unknown_code(text) + remedy, 2)
 
 
 def _family(devices: Sequence[Device], text: str) -> Device | None:

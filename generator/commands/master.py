@@ -131,7 +131,7 @@ def _requested_record(chosen: argparse.Namespace) -> tuple[Device, Match, Record
         Stop: There is no such order code or edition, or there are no settings for it.
     """
     from ..masters.record import NoRecord, Undecided, record
-    from ..order_codes.run_time import RegisterError, with_registers
+    from ..order_codes.parameters import RegisterError, with_registers
     from .choose import answers_of, open_questions
     from .find_encoder import find_requested
     from .read_specs import specs_to_read

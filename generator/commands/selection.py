@@ -219,9 +219,9 @@ def _no_packaged(name: str, stop: Stop, folders: Mapping[str, Path]) -> Stop:
     from difflib import get_close_matches
 
     from ..language.problems import nearest_choice
-    from ..order_codes import messages
+    from ..order_codes import labels
 
-    unknown = messages.unknown(name)
+    unknown = labels.unknown_code(name)
     if not str(stop).startswith(unknown):  # The name is close to an order code, and the message says how.
         return stop
     families: list[str] = []
@@ -233,7 +233,7 @@ def _no_packaged(name: str, stop: Stop, folders: Mapping[str, Path]) -> Stop:
     if nearest:
         remedy = f"; did you mean '{nearest}'?"
     elif similar:
-        remedy = messages.nearest(", ".join(similar))
+        remedy = labels.nearest_codes_hint(", ".join(similar))
     return Stop(f"'{name}' is not a packaged order code, family or manufacturer{remedy}", stop.code)
 
 

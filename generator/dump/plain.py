@@ -47,8 +47,7 @@ from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, Member
 from ..model.record import dataclass
 from ..order_codes.labels import Match
-from ..order_codes.narrowing import for_interface
-from ..order_codes.reduction import reduced_to_codes
+from ..order_codes.reduction import for_interface, reduced_to_codes
 from .shape import filled
 
 VERSION = 1

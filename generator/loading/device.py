@@ -39,7 +39,7 @@ from ..model import (
 from ..model.expressions import Expression, ExpressionError
 from ..model.limits import bounded, bounded_width, bounds, representable
 from ..order_codes.labels import combinations
-from ..order_codes.run_time import resolve_parameters
+from ..order_codes.parameters import resolve_parameters
 from ..reference import codec
 from .editions import editions
 from .evidence import with_placeholders

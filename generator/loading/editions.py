@@ -16,7 +16,7 @@ from ..language.overlay import KINDS, Layer, LayeredSpec, LayerKind
 from ..language.problems import DocumentReport, Report, listed, quoted
 from ..language.rules.walk import leaves
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition
-from ..order_codes.narrowing import for_codes
+from ..order_codes.reduction import for_codes
 from .from_mapping import record
 from .overlays import Build, Family, errata_of, shortened, without_examples
 

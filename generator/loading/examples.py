@@ -44,7 +44,7 @@ from ..model import (
     number_from_bytes,
 )
 from ..order_codes.labels import UnknownOrderCode, find
-from ..order_codes.run_time import with_answers
+from ..order_codes.parameters import with_answers
 from ..reference import codec
 from ..reference.crc import compute_bytes, in_order, start_for
 from ..reference.procedures import register_writes

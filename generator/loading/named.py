@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from ..language.problems import nearest_choice
 from ..model import Device, Variant
-from ..order_codes.narrowing import for_codes
+from ..order_codes.reduction import for_codes
 
 
 class UnknownName(ValueError):

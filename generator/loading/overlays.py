@@ -18,7 +18,7 @@ from ..language.document import Document
 from ..language.overlay import SUFFIX, AppliedChange, Layer, LayeredSpec, LayerKind
 from ..language.problems import Problem, Report, quoted, suggestion
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, Overlay
-from ..order_codes.narrowing import for_codes
+from ..order_codes.reduction import for_codes
 from .from_mapping import record
 
 #: Largest number of places named in one sentence.

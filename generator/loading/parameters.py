@@ -13,7 +13,7 @@ from ..language.rules.walk import by_name, expanded, field_lists, interface_of, 
 from ..language.schema_files import is_second
 from ..model import Alternative, CodedValue, Device, Interface, Layout, Parameter, Variant
 from ..model.expressions import Expression, ExpressionError
-from ..order_codes.run_time import State, coded_states, corners, resolve_parameters
+from ..order_codes.parameters import State, coded_states, corners, resolve_parameters
 from .fields import Context, bit_range
 from .from_mapping import Raw
 

@@ -32,7 +32,7 @@ from ..model import (
     Variant,
 )
 from ..model.only import facts_for_code
-from ..order_codes.run_time import with_answers
+from ..order_codes.parameters import with_answers
 from ..say.evidence import document
 from ..say.mentions import Subject, mentions
 from ..say.parameter import initial

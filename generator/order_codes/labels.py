@@ -1,4 +1,4 @@
-"""Enumerate order codes, and parse the text of a label."""
+"""Enumerate order codes, parse the text of a label, and find the edition of the manual for a label."""
 
 from __future__ import annotations
 
@@ -7,9 +7,50 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
 
-from ..model import CodePart, Device, OrderCode, Spelling, Variant, member_named
+from ..model import CodePart, Device, EditionTest, OrderCode, Spelling, Variant, member_named
 from ..model.record import dataclass
-from . import messages
+
+
+def too_long(start: str, length: str, longest: str) -> str:
+    """Return the message for text that is longer than any label."""
+    return f"'{start}...' is not an order code: it has {length} characters, more than the {longest} of any label"
+
+
+def cannot_be_combined(code: str, parts: str, nearest: str) -> str:
+    """Return the message for parts that are valid individually but not in combination."""
+    return f"'{code}' has {parts}, which cannot be combined; the nearest codes are {nearest}"
+
+
+def not_of_family(code: str, family: str, nearest: str) -> str:
+    return f"'{code}' is not an order code of {family}; the nearest are {nearest}"
+
+
+def wrong_part(code: str, problem: str, valid: str, nearest: str) -> str:
+    """Return the message for one wrong or missing part. ``problem`` says which: ``has singleturn '19'``."""
+    return f"'{code}' {problem}; valid values: {valid}. The nearest codes are {nearest}"
+
+
+def has_part(name: str, value: str) -> str:
+    return f"has {name} '{value}'"
+
+
+def has_no_part(name: str) -> str:
+    return f"has no {name}"
+
+
+def family_instead_of_code(text: str, code: str) -> str:
+    """Return the message for the name of a family in place of an order code."""
+    return f"'{text}' is a family; give an order code, such as {code}"
+
+
+def unknown_code(text: str) -> str:
+    return f"'{text}' is not a known order code"
+
+
+def nearest_codes_hint(codes: str) -> str:
+    """Return the end of the message for an unknown order code that is similar to others."""
+    return f"; the nearest are {codes}"
+
 
 #: Highest number of characters in a label.
 LONGEST = 100
@@ -73,7 +114,7 @@ def find(device: Device, text: str) -> Match:
         UnknownOrderCode: A part is missing or wrong, or the text is longer than any label.
     """
     if len(text) > LONGEST:
-        raise UnknownOrderCode(messages.too_long(text[:20], str(len(text)), str(LONGEST)), close=True)
+        raise UnknownOrderCode(too_long(text[:20], str(len(text)), str(LONGEST)), close=True)
     code = without_blanks(text).upper()
     # A part of the code itself may look like /Sxxx, which is a special model only after the code.
     for spelling in (as_listed(device.order_code), *device.order_code.also_written):
@@ -181,7 +222,7 @@ def _clash_message(device: Device, code: str, parts: Mapping[str, str], listed_v
     """Return the message about parts that are valid individually but not in combination, with the parts to change."""
     names = [part.name for part in device.order_code.parts if _fits_if_changed(device, part, listed_values)]
     listed_parts = " and ".join(f"{name} '{listed_values[name] or parts[name]}'" for name in names) or "its parts"
-    return messages.cannot_be_combined(code, listed_parts, _nearest_hint(device, code))
+    return cannot_be_combined(code, listed_parts, _nearest_hint(device, code))
 
 
 def _fits_if_changed(device: Device, part: CodePart, listed_values: Mapping[str, str | None]) -> bool:
@@ -207,13 +248,13 @@ def _explain(device: Device, code: str) -> UnknownOrderCode:
                 )
             )
     if not candidates:
-        problem = messages.not_of_family(code, device.name.upper(), _nearest_hint(device, code))
+        problem = not_of_family(code, device.name.upper(), _nearest_hint(device, code))
         return UnknownOrderCode(problem, close=False)
     # Prefer a part without which all others have listed values, and then a missing part.
     _, _, part, part_text = min(candidates, key=lambda candidate: candidate[:2])
     valid = ", ".join(value.text for value in part.values)
-    problem = messages.has_part(part.name, part_text) if part_text else messages.has_no_part(part.name)
-    return UnknownOrderCode(messages.wrong_part(code, problem, valid, _nearest_hint(device, code)), close=True)
+    problem = has_part(part.name, part_text) if part_text else has_no_part(part.name)
+    return UnknownOrderCode(wrong_part(code, problem, valid, _nearest_hint(device, code)), close=True)
 
 
 def _has_more_than(match: re.Match[str], part: CodePart, code: str) -> bool:
@@ -258,3 +299,25 @@ def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> l
 
     ranking = ((likeness(variant.code), variant.code) for device in devices for variant in device.variants)
     return [code for ratio, code in sorted(ranking, key=lambda ranked: ranked[0], reverse=True)[:3] if ratio >= least]
+
+
+def edition_before(device: Device, revision: str) -> str:
+    """Return the revision that precedes this one."""
+    revisions = [edition.revision for edition in device.editions]
+    return revisions[revisions.index(revision) - 1]
+
+
+def edition_by_label(device: Device, match: Match) -> str:
+    """Return the edition whose labels are written like this one, or an empty string if the label does not show it."""
+    spellings = device.order_code.also_written
+    patterns = {spelling.pattern for spelling in spellings if spelling.where == match.written_as_in}
+    revisions = (edition.revision for edition in device.editions if not patterns.isdisjoint(edition.labels))
+    return next(revisions, "")
+
+
+def tests_of(device: Device, register: str) -> Iterator[tuple[str, EditionTest]]:
+    """Yield the tests of a register, each with the first revision for which the register passes the test."""
+    for edition in device.editions:
+        for test in edition.tests:
+            if test.register == register:
+                yield edition.revision, test

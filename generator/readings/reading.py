@@ -12,7 +12,7 @@ from ..language.problems import Path
 from ..model import INTERFACES, Device, Field, Layout, Register
 from ..model.expressions import Expression
 from ..model.record import dataclass
-from ..order_codes.run_time import with_changed
+from ..order_codes.parameters import with_changed
 from ..say.place import bits
 from .fact import Case, Key
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from ..model import Device, member_named, number_from_bytes
-from ..order_codes.editions import edition_before, tests_of
-from ..order_codes.labels import Match
+from ..order_codes.labels import Match, edition_before, tests_of
 from ..say.fault import of_older_edition
 from .codec import Decoded
 from .codec import decode as decode_word

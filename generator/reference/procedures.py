@@ -18,7 +18,7 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from ..model.limits import bounded, bounds
-from ..order_codes.run_time import after_write
+from ..order_codes.parameters import after_write
 from ..say import fault
 from . import codec
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..model import NOT_KNOWN, Device, Erratum, Variant, cite, number_from_bytes
-from ..order_codes.run_time import RegisterError
+from ..order_codes.parameters import RegisterError
 from ..say.frame_text import register_length
 from ..say.words import counted
 from . import codec

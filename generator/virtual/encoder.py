@@ -31,7 +31,7 @@ from ..model import (
     assert_never,
 )
 from ..order_codes.labels import Match, UnknownOrderCode, find
-from ..order_codes.run_time import with_answers
+from ..order_codes.parameters import with_answers
 from ..reference import codec
 from .faults import Faults, Position
 from .memory import Memory

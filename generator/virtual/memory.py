@@ -26,7 +26,7 @@ from ..model import (
     number_from_bytes,
     number_to_bytes,
 )
-from ..order_codes.run_time import after_write
+from ..order_codes.parameters import after_write
 from ..reference import codec
 
 

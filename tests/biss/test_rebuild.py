@@ -17,7 +17,7 @@ from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.model.expressions import Expression
 from codewheel.order_codes.labels import find
-from codewheel.order_codes.run_time import with_registers
+from codewheel.order_codes.parameters import with_registers
 from xml_reader import from_xml
 
 # Rebuilds every model from its XML, which does not depend on wording or rules of check.

@@ -10,7 +10,7 @@ import pytest
 from browser_harness import Asker, Case
 from codewheel.commands.decode.frames import FrameTextError, decode_register_text, decode_text, frame_lines
 from codewheel.commands.find_encoder import find_among
-from codewheel.order_codes.run_time import RegisterError
+from codewheel.order_codes.parameters import RegisterError
 from codewheel.targets import Library
 from working_tools import require
 

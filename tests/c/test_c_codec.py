@@ -25,7 +25,7 @@ from codewheel.model import (
     Variant,
     number_to_bytes,
 )
-from codewheel.order_codes.run_time import with_answers, with_registers
+from codewheel.order_codes.parameters import with_answers, with_registers
 from codewheel.plan.crcs import crc_functions
 from codewheel.reference import codec
 from codewheel.reference.crc import compute_bits, compute_bytes

@@ -38,7 +38,7 @@ from codewheel.model import (
 )
 from codewheel.model.expressions import Expression
 from codewheel.order_codes.labels import UnknownOrderCode, find
-from codewheel.order_codes.run_time import RegisterError, with_registers
+from codewheel.order_codes.parameters import RegisterError, with_registers
 from codewheel.reference import codec
 from codewheel.reference.procedures import register_writes
 from codewheel.targets.c.device import DeviceView, views_of

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from codewheel.commands.outputs import load_for, targets_named
 from codewheel.model import Device, Unused, Verdict
-from codewheel.order_codes.run_time import with_answers, with_registers
+from codewheel.order_codes.parameters import with_answers, with_registers
 from codewheel.reference import codec
 
 HERE = Path(__file__).parent

@@ -12,7 +12,7 @@ from codewheel.commands.outputs import targets_named
 from codewheel.loading.library import load_library, load_sound
 from codewheel.model import Device
 from codewheel.model.expressions import Expression
-from codewheel.order_codes.with_numbers import with_quantities
+from codewheel.order_codes.reduction import with_quantities
 from codewheel.targets import Library
 from codewheel.targets.docs.order_code_page import RESERVED_NAMES
 from codewheel.targets.docs.order_code_patterns import patterns

@@ -10,7 +10,7 @@ from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.model.limits import bounds
 from codewheel.order_codes.labels import find
-from codewheel.order_codes.run_time import with_registers
+from codewheel.order_codes.parameters import with_registers
 from codewheel.reference.codec import EncodeError
 from codewheel.reference.procedures import register_writes
 

@@ -11,7 +11,7 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import FrameExample
-from codewheel.order_codes.run_time import RegisterError, with_registers
+from codewheel.order_codes.parameters import RegisterError, with_registers
 
 pytestmark = pytest.mark.slow
 

@@ -22,7 +22,7 @@ from browser_harness import Asker, program
 from codewheel.commands.cli import main
 from codewheel.model import Device
 from codewheel.order_codes.labels import find
-from codewheel.order_codes.run_time import with_answers
+from codewheel.order_codes.parameters import with_answers
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
 from codewheel.targets import Library

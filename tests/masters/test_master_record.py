@@ -13,8 +13,8 @@ from codewheel.masters.record import NoRecord, Record, Undecided, record
 from codewheel.masters.sheet import Master, sheet
 from codewheel.model import Biss, Constant, Device, Field, Number
 from codewheel.order_codes.labels import find
-from codewheel.order_codes.narrowing import for_interface
-from codewheel.order_codes.run_time import with_registers
+from codewheel.order_codes.parameters import with_registers
+from codewheel.order_codes.reduction import for_interface
 
 ROOT = Path(__file__).parents[2]
 RecordOf = Callable[[str], Record]

@@ -34,7 +34,7 @@ from codewheel.model import (
     number_to_bytes,
 )
 from codewheel.model.limits import bounded, bounds
-from codewheel.order_codes.run_time import with_answers, with_registers
+from codewheel.order_codes.parameters import with_answers, with_registers
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
 from codewheel.reference.procedures import register_writes

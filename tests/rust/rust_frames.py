@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 from codewheel.model import Choice, Device, Fault, Field, PlacedLayout, Text, Variant, number_to_bytes
 from codewheel.model.limits import bounded, bounds
-from codewheel.order_codes.run_time import with_answers
+from codewheel.order_codes.parameters import with_answers
 from codewheel.reference import codec
 from codewheel_rust.family import Struct
 from rust_harness import Program

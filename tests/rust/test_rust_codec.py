@@ -7,7 +7,7 @@ from collections.abc import Iterator
 
 import pytest
 from codewheel.model import Choice, Decimal, Flag, PlacedField, Register, Text, Variant, number_to_bytes
-from codewheel.order_codes.run_time import RegisterError, with_registers
+from codewheel.order_codes.parameters import RegisterError, with_registers
 from codewheel.plan.crcs import Carrier, Form
 from codewheel.plan.run_time_parameters import HoldingRegister
 from codewheel.reference import codec

@@ -83,8 +83,8 @@ def _request(chosen: argparse.Namespace) -> Request:
     Raises:
         Stop: As for ``run``.
     """
+    from ...order_codes.parameters import RegisterError, with_answers, with_registers
     from ...order_codes.reduction import reduced_to_codes
-    from ...order_codes.run_time import RegisterError, with_answers, with_registers
     from ...reference.findings import compare_held, fixed_addresses
     from ..choose import answers_of
     from ..find_encoder import find_requested

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 from ...model import Device, Flag, PlacedLayout, Scale, Variant, Verdict
 from ...order_codes.labels import Match
-from ...order_codes.run_time import RegisterError
+from ...order_codes.parameters import RegisterError
 from ...reference import codec
 from ...reference.editions import strange_values
 from ...reference.findings import Difference, Findings, Report, findings

@@ -24,10 +24,8 @@ from ...model import (
 )
 from ...model.expressions import Expression
 from ...order_codes.labels import Match
-from ...order_codes.narrowing import for_interface
 from ...order_codes.parameters import parameters_of, run_time_names, run_time_widths
-from ...order_codes.reduction import reduced_to_codes
-from ...order_codes.with_numbers import with_output_code
+from ...order_codes.reduction import for_interface, reduced_to_codes, with_output_code
 from ...say import erratum as say_erratum
 from ...say import field as say_field
 from ...say import interface as say_interface

@@ -14,7 +14,7 @@ from typing import Annotated, TypedDict
 
 from ...language.problems import LONGEST_QUOTE, listed
 from ...model import UNEXPLAINED, Device, Fault
-from ...order_codes import messages
+from ...order_codes import labels
 from ...order_codes.labels import LONGEST, NEAR
 from ...render import Templates, our_templates
 from ...say import fault, frame_text
@@ -66,15 +66,15 @@ _MESSAGES = {
     "instead": frame_text.possible_instead("{0}"),
     "valid_other": frame_text.valid_other("{0}"),
     "register_length": frame_text.register_length("{0}", "{1}", "{2}"),
-    "too_long": messages.too_long("{0}", "{1}", "{2}"),
-    "cannot_be_combined": messages.cannot_be_combined("{0}", "{1}", "{2}"),
-    "not_of_family": messages.not_of_family("{0}", "{1}", "{2}"),
-    "wrong_part": messages.wrong_part("{0}", "{1}", "{2}", "{3}"),
-    "has_part": messages.has_part("{0}", "{1}"),
-    "has_no_part": messages.has_no_part("{0}"),
-    "family": messages.family("{0}", "{1}"),
-    "unknown": messages.unknown("{0}"),
-    "nearest": messages.nearest("{0}"),
+    "too_long": labels.too_long("{0}", "{1}", "{2}"),
+    "cannot_be_combined": labels.cannot_be_combined("{0}", "{1}", "{2}"),
+    "not_of_family": labels.not_of_family("{0}", "{1}", "{2}"),
+    "wrong_part": labels.wrong_part("{0}", "{1}", "{2}", "{3}"),
+    "has_part": labels.has_part("{0}", "{1}"),
+    "has_no_part": labels.has_no_part("{0}"),
+    "family": labels.family_instead_of_code("{0}", "{1}"),
+    "unknown": labels.unknown_code("{0}"),
+    "nearest": labels.nearest_codes_hint("{0}"),
 }
 
 

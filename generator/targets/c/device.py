@@ -12,7 +12,7 @@ from typing import Protocol, TypeVar
 
 from ...model import Device, Document, Layout, Parameter, Procedure, Register, Ssi
 from ...model.record import dataclass
-from ...order_codes.narrowing import for_codes
+from ...order_codes.reduction import for_codes
 from ...plan.crcs import crc_functions
 from ...plan.run_time_parameters import held_parameters
 from ...plan.values import TwosComplement

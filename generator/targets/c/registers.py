@@ -8,7 +8,7 @@ from functools import cached_property
 from ...model import Field, Register, RegisterMeaning, assert_never
 from ...model.expressions import Expression
 from ...model.record import dataclass
-from ...order_codes.run_time import parameters_at_run_time
+from ...order_codes.parameters import parameters_at_run_time
 from ...plan.codec import Codec
 from ...plan.limits import limits_of
 from ...plan.refusals import NoPowerOfTwo, outside, refusals

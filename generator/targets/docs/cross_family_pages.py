@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from typing import Annotated, TypedDict
 
 from ...model import Alarm, Device, Field, Interface, Layout, Register, Supply
-from ...order_codes.narrowing import for_interface
 from ...order_codes.parameters import run_time_names
+from ...order_codes.reduction import for_interface
 from ...say import register as say_register
 from ...say.crc import sent
 from ...say.interface import settings

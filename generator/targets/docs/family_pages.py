@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Annotated, TypedDict
 
 from ...model import Device, Interface, Manual, Revision, Table, TimesRead
-from ...order_codes.narrowing import for_interface
+from ...order_codes.reduction import for_interface
 from ...say.evidence import basis, grade
 from ...say.interface import settings
 from ...say.markdown import STYLE, cited, code, joined, link, text

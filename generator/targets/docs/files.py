@@ -7,7 +7,7 @@ from typing import Annotated, Any, TypedDict
 
 from ...masters.sheet import Master, shipped_masters
 from ...model import Device
-from ...order_codes.narrowing import for_interface
+from ...order_codes.reduction import for_interface
 from ...render import Templates, our_templates
 from ...say import markdown
 from ...say.markdown import link, text

@@ -15,7 +15,7 @@ from ...model import (
     Variant,
     Verdict,
 )
-from ...order_codes.run_time import with_answers
+from ...order_codes.parameters import with_answers
 from ...plan.reports import reportings
 from ...plan.values import Active, TwosComplement, meaning_of
 from ...plan.verdicts import Judgement, Match, VerdictCause

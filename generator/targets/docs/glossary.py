@@ -7,7 +7,7 @@ from typing import Annotated, TypedDict
 
 from ...model import Device, Interface, Ssi
 from ...model.record import dataclass
-from ...order_codes.narrowing import for_interface
+from ...order_codes.reduction import for_interface
 from ...say.markdown import link, text
 from ...say.name import Titled
 from ...say.terms import TERMS, Term

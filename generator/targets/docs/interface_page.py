@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Annotated, TypedDict
 
 from ...model import Device, Interface, Supply, Variant
-from ...order_codes.narrowing import for_interface
 from ...order_codes.parameters import follows_registers
+from ...order_codes.reduction import for_interface
 from ...say.markdown import STYLE, cited, code, text
 from ...say.measurement import measurement, own_ranges, position_range
 from ...say.name import Named, title

@@ -8,9 +8,8 @@ from typing import Annotated
 
 from ...model import INTERFACES, Biss, Device, Example, Interface, Layout, LayoutRange, Parameter, Register, Variant
 from ...model.record import dataclass
-from ...order_codes.narrowing import for_codes
 from ...order_codes.parameters import parameters_of, run_time_names
-from ...order_codes.with_numbers import with_quantities
+from ...order_codes.reduction import for_codes, with_quantities
 from ...say.evidence import grade
 from ...say.layout import size
 from ...say.markdown import STYLE, cited, code, link, text
