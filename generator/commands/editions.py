@@ -10,7 +10,7 @@ from ..loading.editions import UnknownEdition, revision_for
 from ..loading.library import Family, in_edition, load_families
 from ..model import Device
 from ..order_codes.labels import Match, UnknownOrderCode, edition_by_label, find
-from ..reference.editions import edition_by_registers, without_tests
+from ..reference.findings import edition_by_registers, without_tests
 from .terminal import Stop, problems
 
 #: Words that ask to infer the edition instead of naming it.

@@ -40,7 +40,8 @@ from ..model.expressions import Expression, ExpressionError
 from ..model.limits import bounded, bounded_width, bounds, representable
 from ..order_codes.labels import combinations
 from ..order_codes.parameters import resolve_parameters
-from ..reference import codec
+from ..reference.bits import join_value
+from ..reference.codec import EncodeError, encode
 from .editions import editions
 from .evidence import with_placeholders
 from .examples import build_examples, check_examples, samples
@@ -321,7 +322,7 @@ def _bounded_part(register: Register, placed: PlacedLayout, default: int) -> int
     width = bounded_width(register, placed)
     join = next((join for join in register.layout.joins if join.name == bounded(register)), None)
     if join is not None:
-        value = codec.join_value(placed, join, default)
+        value = join_value(placed, join, default)
     else:
         bounded_field = placed.find_field(bounded(register))
         value = default >> (bounded_field.low if bounded_field is not None else 0) & ((1 << width) - 1)
@@ -344,8 +345,8 @@ def _check_control_bytes(device: Device, report: DocumentReport) -> None:
         placed = layout.place(variants[0].parameters)
         values = {field.name: 0 for field in layout.data_fields} | {layout.selector: data_id.id}
         try:
-            control_byte = number_to_bytes(layout, codec.encode(device, placed, values), placed.bits)[0]
-        except codec.EncodeError:
+            control_byte = number_to_bytes(layout, encode(device, placed, values), placed.bits)[0]
+        except EncodeError:
             continue  # a layout that cannot be encoded with zeros is found by other rules
         if control_byte != data_id.control:
             problem = f"according to its fields, the control field of data ID {data_id.id:X} is {control_byte:#04x}"

@@ -45,9 +45,10 @@ from ..model import (
 )
 from ..order_codes.labels import UnknownOrderCode, find
 from ..order_codes.parameters import with_answers
-from ..reference import codec
+from ..reference.bits import covered, from_gray, join_value
+from ..reference.codec import Decoded, EncodeError, decode, decode_bits, decode_bytes, decode_placed, encode
 from ..reference.crc import compute_bytes, in_order, start_for
-from ..reference.procedures import register_writes
+from ..reference.registers import register_writes
 from .from_mapping import Raw, record
 from .valid_parts import valid_parts_so_far
 
@@ -104,7 +105,7 @@ def _faults(device: Device, example: Example) -> list[Wrong]:
         return list(_check(device, example))
     except UnknownOrderCode as reason:
         return [(("order_code",), str(reason))]
-    except codec.EncodeError as reason:
+    except EncodeError as reason:
         return [(_data_path(example), str(reason))]
 
 
@@ -161,7 +162,7 @@ def _check_register(device: Device, example: RegisterExample) -> Iterator[Wrong]
         yield ("bytes",), message
         return
     number = number_from_bytes(register.layout, example.bytes)
-    yield from _check_decoded(device, codec.decode(device, register.layout.place(variant.parameters), number), example)
+    yield from _check_decoded(device, decode(device, register.layout.place(variant.parameters), number), example)
 
 
 def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:
@@ -186,7 +187,7 @@ def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:
         yield from _check_decoded(device, decoded, example)
 
 
-def _check_decoded(device: Device, decoded: codec.Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
+def _check_decoded(device: Device, decoded: Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
     """Yield bit errors, and differences from the printed values or from the re-encoded values."""
     problems = decoded.problems
     if problems and problems[0].fault in (Fault.LENGTH, Fault.CRC):  # Further errors may only follow from it.
@@ -223,7 +224,7 @@ def _start_values(device: Device, crc: Crc, example: Example) -> Iterator[int]:
         except UnknownOrderCode:  # Reported for that example.
             return
         if decoded.layout is not None and decoded.crc is not None and decoded.crc.name == crc.name:
-            yield start_for(crc, *codec.covered(crc, decoded.layout, decoded.number), decoded.crc.received)
+            yield start_for(crc, *covered(crc, decoded.layout, decoded.number), decoded.crc.received)
 
 
 def _data_path(example: Example) -> Path:
@@ -232,14 +233,14 @@ def _data_path(example: Example) -> Path:
     return ("bits",) if isinstance(example, FrameExample) and example.bits else ("bytes",)
 
 
-def decode_example(device: Device, example: FrameExample, variant: Variant) -> codec.Decoded:
+def decode_example(device: Device, example: FrameExample, variant: Variant) -> Decoded:
     """Decode the frame of an example with the model."""
     if not example.bits and (not example.layout or example.layout in _selected_layouts(device, example.sender)):
-        return codec.decode_bytes(device, variant, example.sender, example.bytes)
+        return decode_bytes(device, variant, example.sender, example.bytes)
     placed = device.layout(example.layout).place(variant.parameters)
     if not example.bits:
-        return codec.decode_placed(device, placed, example.bytes)
-    return codec.decode_bits(device, placed, int(example.bits, 2), len(example.bits))
+        return decode_placed(device, placed, example.bytes)
+    return decode_bits(device, placed, int(example.bits, 2), len(example.bits))
 
 
 def _selected_layouts(device: Device, sender: str) -> set[str]:
@@ -251,7 +252,7 @@ def _selected_layouts(device: Device, sender: str) -> set[str]:
     return names
 
 
-def _compare_values(decoded: codec.Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
+def _compare_values(decoded: Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
     decoded_values = decoded.values
     for name, value in example.values.items():
         if name not in decoded_values:
@@ -260,7 +261,7 @@ def _compare_values(decoded: codec.Decoded, example: FrameExample | RegisterExam
             yield ("values", name), f"{name} is {decoded_values[name]}, not {value}"
 
 
-def _check_encoding(device: Device, decoded: codec.Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
+def _check_encoding(device: Device, decoded: Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
     """Yield an error if encoding the decoded values does not return the example."""
     if decoded.layout is None:
         return
@@ -268,7 +269,7 @@ def _check_encoding(device: Device, decoded: codec.Decoded, example: FrameExampl
     runs = {run.name for field in decoded.layout.layout.fields for run in field.runs}
     fixed = {field.name for field in decoded.layout.layout.fields if not field.carries_data}
     values = {name: value for name, value in decoded.values.items() if name not in joins | runs | fixed}
-    encoded = codec.encode(device, decoded.layout, values)
+    encoded = encode(device, decoded.layout, values)
     if decoded.layout.layout.gaps == "unspecified":
         # An encoder may return anything in these bits, and a write keeps them.
         described = sum(((1 << field.width) - 1) << field.low for field in decoded.layout.fields)
@@ -289,7 +290,7 @@ def _of_interface(device: Device, interface: Interface) -> Iterator[Sample]:
     variant = _most_shown(device, interface.name)
     for layout in interface.layouts:
         if variant is not None and layout.sender == "encoder":
-            with suppress(codec.EncodeError):
+            with suppress(EncodeError):
                 yield _sample(device, variant, layout)
 
 
@@ -315,7 +316,7 @@ def _sample(device: Device, variant: Variant, layout: Layout) -> Sample:
     if measurement is not None and measured is not None and measurement.of in layout.member_names:
         parts = layout.names_in(measurement.of)
         other_values = {name: value for name, value in values.items() if name not in parts}
-        with suppress(codec.EncodeError):  # a position that does not fit
+        with suppress(EncodeError):  # a position that does not fit
             return _encoded(device, placed, variant, {**other_values, measurement.of: measured.counts}, measured.source)
     return _encoded(device, placed, variant, values)
 
@@ -339,7 +340,7 @@ def _value(field: Field, width: int, layout: Layout) -> int | str | bool:
         case Text():
             return "A" * (width // 8)
         case Constant() | Unused() | CrcValue() | Parity():
-            raise codec.EncodeError(f"'{field.name}' carries no data")
+            raise EncodeError(f"'{field.name}' carries no data")
         case kind:
             assert_never(kind)
 
@@ -350,15 +351,15 @@ def _number(bits: int) -> int:
 
 
 def _encoded(device: Device, placed: PlacedLayout, variant: Variant, values: Values, source: Sources = ()) -> Sample:
-    number = codec.encode(device, placed, values)
-    plain = codec.from_gray(placed, number)
+    number = encode(device, placed, values)
+    plain = from_gray(placed, number)
     flags = placed.layout.spoiling_flags
     fields = {field.name: values[field.name] for field in placed.fields if field.name in values}
     return Sample(
         order_code=variant.code,
         layout=placed.layout.name,
         frame=number,
-        values=fields | {join.name: codec.join_value(placed, join, plain) for join in placed.layout.joins},
-        spoilt=codec.encode(device, placed, {**values, flags[0].name: True}) if flags else None,
+        values=fields | {join.name: join_value(placed, join, plain) for join in placed.layout.joins},
+        spoilt=encode(device, placed, {**values, flags[0].name: True}) if flags else None,
         source=source,
     )

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from ..model import (
     Choice,
     Constant,
-    Crc,
     CrcValue,
     Decimal,
     Device,
@@ -27,14 +26,13 @@ from ..model import (
     Variant,
     assert_never,
     number_from_bytes,
-    number_to_bytes,
 )
 from ..model.positions import PositionRange
 from ..model.record import dataclass
 from ..say import fault
 from ..say.layout import as_one_number
-from ..say.words import counted
-from .crc import compute_bits, in_order
+from ..say.numbers import counted
+from .bits import compute, documented_bits, from_gray, join_value, parity_bit, to_gray, unused_bits
 
 Values = Mapping[str, "int | str | bool"]
 
@@ -232,65 +230,6 @@ def _decode_join(placed: PlacedLayout, join: Join, number: int, plain: int) -> D
     return DecodedField(join.name, raw, value, "", meaning, -1, -1)
 
 
-def unused_bits(placed: PlacedLayout, number: int) -> int:
-    """Return the unused bits of a frame as one number. A bit is 1 if it differs from the manual."""
-    bits = 0
-    for placed_field, low_bit in placed.unused:
-        bits |= (number >> placed_field.low & placed_field.mask ^ _documented_bits(placed_field)) << low_bit
-    return bits
-
-
-def _documented_bits(placed_field: PlacedField) -> int:
-    """Return the documented value of an unused field, cut to the width of the field for this order code."""
-    return placed_field.field.kind.value & placed_field.mask if isinstance(placed_field.field.kind, Unused) else 0
-
-
-def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
-    """Return the parity bit that matches the other bits of ``number``."""
-    fields = placed.find_fields(parity.of)
-    ones = sum((number >> field.low & field.mask & parity.mask).bit_count() for field in fields)
-    return (ones + parity.odd) & 1
-
-
-def join_value(placed: PlacedLayout, join: Join, number: int) -> int:
-    """Return the fields of a join as one number, with the first field most significant."""
-    value = 0
-    for part in placed.find_fields(join.fields):
-        value = value << part.width | number >> part.low & part.mask
-    return value
-
-
-def gray_to_binary(gray: int) -> int:
-    """Return the number whose Gray code is ``gray``."""
-    binary = gray
-    while gray := gray >> 1:
-        binary ^= gray
-    return binary
-
-
-def binary_to_gray(binary: int) -> int:
-    """Return the Gray code of ``binary``."""
-    return binary ^ binary >> 1
-
-
-def from_gray(placed: PlacedLayout, number: int) -> int:
-    """Return ``number`` with the part that is sent in Gray code, if any, converted to binary."""
-    return _with_part(placed, number, gray_to_binary)
-
-
-def to_gray(placed: PlacedLayout, number: int) -> int:
-    """Return ``number`` with the part that is sent in Gray code, if any, converted to Gray code."""
-    return _with_part(placed, number, binary_to_gray)
-
-
-def _with_part(placed: PlacedLayout, number: int, change: Callable[[int], int]) -> int:
-    if not placed.gray:
-        return number
-    low, width = placed.place_of(placed.layout.gray_of)
-    mask = (1 << width) - 1
-    return number & ~(mask << low) | change(number >> low & mask) << low
-
-
 def _decode_field(placed_field: PlacedField, wire: int, raw: int, problems: list[Problem]) -> list[DecodedField]:
     """Decode a field for the user. ``wire`` is the number as sent, ``raw`` the same number converted from Gray code."""
     field, high, low = placed_field.field, placed_field.high, placed_field.low
@@ -346,20 +285,6 @@ def _number_of(number: Number, raw: int, width: int) -> int:
     if number.signed and raw >> (width - 1):
         return raw - (1 << width)
     return raw or number.zero_means
-
-
-def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:
-    """Return the CRC that matches the other bits of ``number``."""
-    return compute_bits(crc, *covered(crc, placed, number))
-
-
-def covered(crc: Crc, placed: PlacedLayout, number: int) -> tuple[int, int]:
-    """Return the bits that the CRC covers as a number, in the order in which it processes them, and how many."""
-    if placed.layout.crc_covers_bytes:
-        data = number_to_bytes(placed.layout, number, placed.bits)
-        return in_order(crc, data[: -(crc.width // 8)])
-    low, bits = placed.crc_covers
-    return number >> low & (1 << bits) - 1, bits
 
 
 def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
@@ -422,7 +347,7 @@ def _unused(placed: PlacedLayout, inverted: int) -> int:
     """Return the unused bits at their positions in the frame: the manual's values, except those ``inverted``."""
     number = 0
     for placed_field, low_bit in placed.unused:
-        number |= (inverted >> low_bit & placed_field.mask ^ _documented_bits(placed_field)) << placed_field.low
+        number |= (inverted >> low_bit & placed_field.mask ^ documented_bits(placed_field)) << placed_field.low
         inverted &= ~(placed_field.mask << low_bit)
     if inverted:
         raise EncodeError(f"'{UNUSED}' has the bits {inverted:#x}, which are not unused bits of {placed.name}")

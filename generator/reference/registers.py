@@ -1,11 +1,31 @@
-"""Decode registers by name."""
+"""Decode registers by name, and list the register writes of a procedure."""
 
 from __future__ import annotations
 
-from ..model import NOT_KNOWN, Device, Erratum, Variant, cite, number_from_bytes
-from ..order_codes.parameters import RegisterError
+from collections.abc import Mapping
+
+from ..model import (
+    NOT_KNOWN,
+    Device,
+    Erratum,
+    ModifyStep,
+    Number,
+    PlacedLayout,
+    Procedure,
+    Register,
+    Variant,
+    Write,
+    WriteStep,
+    cite,
+    number_from_bytes,
+    number_to_bytes,
+)
+from ..model.expressions import Expression
+from ..model.limits import bounded, bounds
+from ..order_codes.parameters import RegisterError, after_write
+from ..say import fault
 from ..say.frame_text import register_length
-from ..say.words import counted
+from ..say.numbers import counted
 from . import codec
 
 
@@ -39,3 +59,83 @@ def _not_known(device: Device, erratum: Erratum, name: str) -> str:
     if erratum.used != NOT_KNOWN or not (erratum.overlay or device.edition) or name not in erratum.printed.split(", "):
         return ""
     return f"'{name}' is unknown {scope}: {erratum.why} [{cite(erratum.source)}]"
+
+
+Limits = tuple["Expression | None", "Expression | None"]
+
+
+def register_writes(
+    device: Device, procedure: Procedure, variant: Variant, arguments: Mapping[str, int]
+) -> tuple[Write, ...]:
+    """Return every byte that the procedure writes, in order, or the number if a register is written at once.
+
+    The limits of later steps take the written values into account.
+
+    Raises:
+        EncodeError: An argument is missing or does not fit its register.
+    """
+    writes: list[Write] = []
+    # The current value of a register: its default, then the value written by the procedure.
+    numbers: dict[str, int] = {}
+    for step in procedure.steps:
+        if isinstance(step, (WriteStep, ModifyStep)):
+            register = device.register(step.register)
+            argument = next((candidate for candidate in procedure.arguments if candidate.name == step.value_name), None)
+            limits = device.limits(register, argument.meant_as if argument is not None else "")
+            numbers[step.register] = _number(
+                register, step, variant, arguments, device, limits, numbers.get(step.register, register.default or 0)
+            )
+            variant = after_write(device, variant, register, numbers[step.register])
+            if register.is_accessed_whole:
+                writes.append(Write(register.address, numbers[step.register]))
+                continue
+            data = number_to_bytes(register.layout, numbers[step.register], 8 * register.length)
+            writes += [Write(register.address + index, byte) for index, byte in enumerate(data)]
+    return tuple(writes)
+
+
+def _number(
+    register: Register,
+    step: WriteStep | ModifyStep,
+    variant: Variant,
+    arguments: Mapping[str, int],
+    device: Device,
+    limits: Limits,
+    old_number: int,
+) -> int:
+    """Return the value that the step writes to the register, which held ``old_number``."""
+    placed = register.layout.place(variant.parameters)
+    if step.value is None and step.value_name not in arguments:
+        raise codec.EncodeError(f"the argument '{step.value_name}' is missing")
+    value = step.value if step.value is not None else arguments[step.value_name]
+    name = step.field if isinstance(step, ModifyStep) else bounded(register)
+    if step.value is None:
+        _check_argument(register, name, value, placed, limits)
+    if isinstance(step, ModifyStep):
+        placed_field = placed.find_field(step.field)
+        if placed_field is None or value & ~placed_field.mask:
+            raise codec.EncodeError(f"{value} does not fit '{step.field}'")
+        return old_number & ~(placed_field.mask << placed_field.low) | value << placed_field.low
+    if step.value is not None:
+        return value
+    numbers = {field.name for field in register.layout.fields if isinstance(field.kind, Number)}
+    numbers |= {join.name for join in register.layout.joins}
+    if name in numbers or register.limits_of == name:
+        return codec.encode(device, placed, {name: value})
+    # If a register has several fields and no limits on one of them, the argument is the number in the whole register.
+    for problem in codec.decode(device, placed, value).problems:
+        raise codec.EncodeError(f"{value:#x} is not a value of '{register.name}': {problem.message}")
+    return value
+
+
+def _check_argument(register: Register, name: str, value: int, placed: PlacedLayout, limits: Limits) -> None:
+    """Check that an argument is a value of the field, and within the limits of the register."""
+    fields = (field for field in register.layout.fields if field.name == name)
+    allowed_values = [choice.value for field in fields for choice in field.values]
+    if allowed_values and value not in allowed_values:
+        raise codec.EncodeError(f"{value} is not a value of '{name}'")
+    low, high = bounds(register, placed, limits, placed.parameters)
+    # The limits of a meaning apply to the field or register to which the argument is written.
+    has_meaning = limits != (register.min, register.max)
+    if (has_meaning or name == bounded(register)) and not low <= value <= high:
+        raise codec.EncodeError(fault.outside(f"{value}", f"{low}", f"{high}"))

@@ -10,7 +10,7 @@ from itertools import islice, product
 from ..model import Answer, Constant, Crc, Device, Flag, Kind, Number, PlacedLayout, Unused, Variant, choices
 from ..model.record import dataclass
 from ..order_codes.parameters import possible_states, run_time_widths, with_changed
-from ..reference.codec import binary_to_gray, gray_to_binary
+from ..reference.bits import binary_to_gray, gray_to_binary
 from ..reference.crc import reflect
 from ..say.numbers import counted, first_of
 from .tries import NOT_INVERTED, BitText, Try, fixed_bits, likelihood

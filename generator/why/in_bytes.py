@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from ..model import Constant, Crc, Device, Parity, PlacedLayout, Variant, number_from_bytes, number_to_bytes
-from ..reference.codec import parity_bit
+from ..reference.bits import parity_bit
 from .in_bits import POLYNOMIALS, OtherCrc, as_sent, read_as
 from .tries import NOT_INVERTED, Try
 

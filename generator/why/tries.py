@@ -21,7 +21,7 @@ from ..model import (
     assert_never,
 )
 from ..model.record import dataclass
-from ..reference.codec import parity_bit
+from ..reference.bits import parity_bit
 from ..reference.crc import compute_bits, compute_bytes
 
 

@@ -17,8 +17,7 @@ from typing import Any
 import pytest
 from codewheel.model import Device, Layout, PlacedLayout, Register, Variant, number_to_bytes
 from codewheel.reference import codec
-from codewheel.reference.editions import strange_values
-from codewheel.reference.findings import findings
+from codewheel.reference.findings import findings, strange_values
 from codewheel.say.numbers import quantity
 from rust_frames import numbers
 from test_c_codec import run_time_variants

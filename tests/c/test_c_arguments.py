@@ -9,7 +9,7 @@ import pytest
 from c_harness import MadeOnce, Run, compile_programs, devices_of, program_over, write
 from codewheel.model import Device, Procedure, Variant
 from codewheel.reference.codec import EncodeError
-from codewheel.reference.procedures import register_writes
+from codewheel.reference.registers import register_writes
 from test_c_families import steps_text
 from working_tools import require
 

@@ -27,7 +27,8 @@ from codewheel.model import (
 )
 from codewheel.order_codes.parameters import with_answers, with_registers
 from codewheel.plan.crcs import crc_functions
-from codewheel.reference import codec
+from codewheel.reference.bits import binary_to_gray, compute, from_gray, join_value, unused_bits
+from codewheel.reference.codec import UNUSED, decode, encode
 from codewheel.reference.crc import compute_bits, compute_bytes
 from codewheel.targets.c.device import views_of
 from codewheel.targets.c.reserved import c_name
@@ -59,7 +60,7 @@ class Table:
     def row(self, name: str, placed: PlacedLayout, number: int) -> str:
         """Return the expected output of the harness for a number without errors."""
         layout = placed.layout
-        number = codec.from_gray(placed, number)
+        number = from_gray(placed, number)
         values: dict[str, int | str] = {}
         for field in layout.fields:
             placed_field = placed.find_field(field.name)
@@ -72,13 +73,13 @@ class Table:
                 )
             for run in field.runs:
                 values[run.name] = raw // run.divisor % run.modulus
-        values |= {join.name: codec.join_value(placed, join, number) for join in layout.joins}
-        values[codec.UNUSED] = codec.unused_bits(placed, number)
+        values |= {join.name: join_value(placed, join, number) for join in layout.joins}
+        values[UNUSED] = unused_bits(placed, number)
         by_member = {c_name(key): value for key, value in values.items()}
         return " ".join(str(by_member[member.name]) for member in self.members[name])
 
     def expected_answer(self, name: str, placed: PlacedLayout, number: int) -> str:
-        problems = codec.decode(self.device, placed, number).problems
+        problems = decode(self.device, placed, number).problems
         return str(FAULTS[problems[0].fault.value]) if problems else f"0 {self.row(name, placed, number)}"
 
 
@@ -190,8 +191,8 @@ def encoded_sample(
             lowest, highest = valid.lowest.value(placed.parameters), valid.highest.value(placed.parameters)
             values[name] = min(max(int(values[name]), lowest), highest)
     if placed.layout.unused:
-        values[codec.UNUSED] = random_.getrandbits(64) & unused_mask(placed) if random_.getrandbits(1) else 0
-    return codec.encode(device, placed, values)
+        values[UNUSED] = random_.getrandbits(64) & unused_mask(placed) if random_.getrandbits(1) else 0
+    return encode(device, placed, values)
 
 
 def unused_mask(placed: PlacedLayout) -> int:
@@ -230,7 +231,7 @@ def within_limits(device: Device, name: str, variant: Variant, placed: PlacedLay
     limited_field = placed.find_field(register.limits_of) or (placed.fields[0] if len(placed.fields) == 1 else None)
     value = number
     if join is not None:
-        value = codec.join_value(placed, join, number)
+        value = join_value(placed, join, number)
     elif limited_field is not None:
         value = int(
             value_of_raw(limited_field.field, limited_field.width, number >> limited_field.low & limited_field.mask)
@@ -330,7 +331,7 @@ def with_crc(device: Device, placed: PlacedLayout, number: int) -> int:
     for field in placed.fields:
         if isinstance(field.field.kind, CrcValue):
             cleared = number & ~(field.mask << field.low)
-            return cleared | codec.compute(device.crc(field.field.kind.crc), placed, cleared) << field.low
+            return cleared | compute(device.crc(field.field.kind.crc), placed, cleared) << field.low
     return number
 
 
@@ -355,7 +356,7 @@ def _takes_every_value(placed: PlacedLayout, member: Member) -> bool:
     """
     if member.type == "bool" or member.characters:
         return True
-    if member.name == codec.UNUSED and unused_mask(placed) == (1 << _NUMBER_BITS[member.type]) - 1:
+    if member.name == UNUSED and unused_mask(placed) == (1 << _NUMBER_BITS[member.type]) - 1:
         return True
     placed_field = next((field for field in placed.fields if c_name(field.name) == member.name), None)
     repeated = {c_name(name) for join in placed.layout.joins for name in (join.name, *join.fields)}
@@ -612,4 +613,4 @@ int main(void)
     program = compile_c(["gcc", "-std=c99"], code, tmp_path, write(tmp_path, (words,)))
     printed = subprocess.run([str(program)], capture_output=True, text=True, check=True).stdout.split()
     number = 0x1555 * 3
-    assert printed == [f"{codec.binary_to_gray(number):x}", f"{number:x}"]
+    assert printed == [f"{binary_to_gray(number):x}", f"{number:x}"]

@@ -39,8 +39,9 @@ from codewheel.model import (
 from codewheel.model.expressions import Expression
 from codewheel.order_codes.labels import UnknownOrderCode, find
 from codewheel.order_codes.parameters import RegisterError, with_registers
-from codewheel.reference import codec
-from codewheel.reference.procedures import register_writes
+from codewheel.reference.bits import binary_to_gray
+from codewheel.reference.codec import EncodeError, decode
+from codewheel.reference.registers import register_writes
 from codewheel.targets.c.device import DeviceView, views_of
 from codewheel.targets.c.order_codes import written_out
 from test_c_codec import FAULTS, Table, check, register_bytes, run_time_variants
@@ -101,7 +102,7 @@ def register_lines(table: Table, variant: Variant, register: Register, data: byt
     name = f"reg_{register.name}"
     if name not in table.members:
         # One byte with a single value has no struct. The byte itself is the decoded value.
-        decoded = codec.decode(table.device, register.layout.place(variant.parameters), data[0])
+        decoded = decode(table.device, register.layout.place(variant.parameters), data[0])
         assert not decoded.problems
         assert decoded.fields[0].raw == data[0]
         yield f"{variant.code} find", f"{variant.code} 0"
@@ -221,7 +222,7 @@ def steps_text(device: Device, procedure: Procedure, variant: Variant, values: M
     """
     try:
         writes = list(register_writes(device, procedure, variant, values))
-    except codec.EncodeError:
+    except EncodeError:
         return str(FAULTS["range"])
     rows: list[tuple[int, ...]] = []
     written: list[tuple[int, ...]] = []
@@ -574,7 +575,7 @@ def test_a_shorter_frame_after_a_new_resolution(programs: Mapping[str, Run]) -> 
     """The BiSS frame of 13 + 4 bits, in Gray code and in binary."""
     run = programs["am36"]
     position = 5 << 13 | 77
-    for configuration, sent_position in (("00", codec.binary_to_gray(position)), ("20", position)):
+    for configuration, sent_position in (("00", binary_to_gray(position)), ("20", position)):
         state = f"AM3616/4096-I7;configuration={configuration};singleturn_bits_used=0d;multiturn_bits_used=04"
         (encoded,) = run([f"{state} encode single_cycle_data 5 77 {position} 0"])
         word = int(encoded.split()[1], 16)

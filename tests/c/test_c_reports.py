@@ -13,7 +13,8 @@ import pytest
 from c_harness import GCC, Run, compile_c, write
 from codewheel.model import Device, Flag, PlacedLayout, Variant, Verdict
 from codewheel.plan.reports import ReportCause, reportings, reports_of
-from codewheel.reference import codec
+from codewheel.reference.bits import unused_bits
+from codewheel.reference.codec import decode, encode
 from codewheel.reference.findings import Report, findings
 from codewheel.say.report import alarm_of, meaning
 from codewheel.targets.c.device import views_of
@@ -74,7 +75,7 @@ class ExpectedReports:
 
     def verdict_and_mask(self, variant: Variant, placed: PlacedLayout, number: int) -> tuple[int | None, int]:
         """Return the verdict, if there is one, and the mask of the reports."""
-        reference = findings(self.device, variant, codec.decode(self.device, placed, number))
+        reference = findings(self.device, variant, decode(self.device, placed, number))
         verdict = VERDICTS.index(reference.verdict) if reference.verdict is not None else None
         return verdict, self.mask(reference.reports, placed.name)
 
@@ -119,7 +120,7 @@ def every_report_is_made(device: Device, run: Run) -> None:
     texts: dict[int, list[str]] = {}
     expected_reports = ExpectedReports(device)
     for name, variant, placed, number in frames(device):
-        reference = findings(device, variant, codec.decode(device, placed, number))
+        reference = findings(device, variant, decode(device, placed, number))
         for report in reference.reports:
             bit = expected_reports.mask([report], name)
             row = [everything[bit.bit_length() - 1].name, report.printed_name, report.meaning, report.remedy]
@@ -135,10 +136,10 @@ def test_the_strict_form_wants_unused_bits_as_the_manual_has_them(machine: tuple
     device, run = machine
     pairs = []
     for name, variant, placed, number in frames(device):
-        reference = findings(device, variant, codec.decode(device, placed, number))
+        reference = findings(device, variant, decode(device, placed, number))
         documented = any(field.equals is not None for field in placed.layout.fields)
         if documented or placed.layout.unused:
-            strict = not reference.differences and not codec.unused_bits(placed, number)
+            strict = not reference.differences and not unused_bits(placed, number)
             pairs.append((f"{variant.code} expected {name} {on_the_wire(placed, number)}", f"0 {int(strict)}"))
     check(run, pairs)
     if device.name in ("am36", "amm5", "reserved", "sma21"):
@@ -199,7 +200,7 @@ def test_an_error_of_an_encoder_that_has_none(programs: Mapping[str, Run], every
     placed = device.interface("biss").layouts[0].place(variant.parameters)
     answers = {0: f"{UNKNOWN} 0", 1: f"{UNKNOWN} 2", 2: f"{NOT_USABLE} 1", 3: f"{NOT_USABLE} 3"}
     for unused, answer in answers.items():
-        word = codec.encode(device, placed, {"multiturn": 1, "singleturn": 2, "unused": unused})
+        word = encode(device, placed, {"multiturn": 1, "singleturn": 2, "unused": unused})
         assert word >> 6 & 3 == 3 - unused
         assert programs["am36"]([f"{variant.code} tells {placed.name} {word:X}"]) == [f"0 {answer}"]
 
@@ -214,7 +215,7 @@ def test_a_position_of_unknown_worth_ranks_below_a_usable_one(
         variant = next(variant for variant in device.variants if variant.code == code)
         placed = device.layout(layout).place(variant.parameters)
         values = {field.name: 0 for field in placed.fields if isinstance(field.field.kind, Flag)}
-        word = codec.encode(device, placed, {"singleturn": 5, **values})
+        word = encode(device, placed, {"singleturn": 5, **values})
         (answer,) = programs["amm5"]([f"{code} tells {layout} {word:X}"])
         numbers.append(int(answer.split()[1]))
     assert numbers[0] < numbers[1]

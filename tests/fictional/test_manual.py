@@ -13,7 +13,7 @@ from codewheel.model import Device
 from codewheel.model.limits import representable
 from codewheel.plan.crcs import crc_functions
 from codewheel.reference import codec
-from codewheel.reference.procedures import register_writes
+from codewheel.reference.registers import register_writes
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "example"
 

@@ -12,7 +12,7 @@ from codewheel.model.limits import bounds
 from codewheel.order_codes.labels import find
 from codewheel.order_codes.parameters import with_registers
 from codewheel.reference.codec import EncodeError
-from codewheel.reference.procedures import register_writes
+from codewheel.reference.registers import register_writes
 
 SPECS = Path(__file__).resolve().parents[1] / "c" / "specs"
 

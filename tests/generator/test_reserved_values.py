@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Choice, Verdict
-from codewheel.reference import codec
+from codewheel.reference.bits import compute
+from codewheel.reference.codec import decode
 from codewheel.reference.findings import findings
 
 SPECS = Path(__file__).parents[1] / "specs"
@@ -28,8 +29,8 @@ def test_a_reserved_value_is_named_and_the_position_counts(tmp_path: Path, is_re
     placed = device.interfaces[0].layouts[0].place(variant.parameters)
     # Position 1000, no error, no warning, status 3. The CRC is that of the bits before it.
     number = 0b00_0000_0011_1110_1000_11_11_000000
-    number |= codec.compute(device.crcs[0], placed, number)
-    decoded = codec.decode(device, placed, number)
+    number |= compute(device.crcs[0], placed, number)
+    decoded = decode(device, placed, number)
     status = next(field for field in decoded.fields if field.name == "status")
     if is_reserved:
         assert not decoded.problems

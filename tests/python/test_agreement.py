@@ -35,9 +35,10 @@ from codewheel.model import (
 )
 from codewheel.model.limits import bounded, bounds
 from codewheel.order_codes.parameters import with_answers, with_registers
-from codewheel.reference import codec
+from codewheel.reference.bits import compute, join_value
+from codewheel.reference.codec import Decoded, EncodeError, decode, decode_bytes, encode
 from codewheel.reference.findings import findings
-from codewheel.reference.procedures import register_writes
+from codewheel.reference.registers import register_writes
 from codewheel.targets import Library
 from codewheel.targets.python.context import Context
 from codewheel.targets.python.names import CLASS_NAMES, attribute
@@ -268,7 +269,7 @@ def is_allowed(case: Case, number: int) -> bool:
     if join is None:
         return True
     low, high = bounds(register, case.placed, (register.min, register.max), case.variant.parameters)
-    return low <= codec.join_value(case.placed, join, number) <= high
+    return low <= join_value(case.placed, join, number) <= high
 
 
 def values_of(case: Case, kind: str, source: random.Random) -> dict[str, int | str | bool]:
@@ -307,7 +308,7 @@ def report_facts(report: Any) -> tuple[str, str, str]:
     return report.meaning, report.remedy, report.makes_position.value if report.makes_position is not None else ""
 
 
-def compare_reports(family: Family, variant: Variant, expected: codec.Decoded, decoded: Any) -> None:
+def compare_reports(family: Family, variant: Variant, expected: Decoded, decoded: Any) -> None:
     """Compare the reports and the verdict of both."""
     assert expected.layout is not None
     layout, expected_findings = expected.layout.layout, findings(family.device, variant, expected)
@@ -323,7 +324,7 @@ def compare_reports(family: Family, variant: Variant, expected: codec.Decoded, d
         assert decoded._replace(unused=0).is_as_documented == (not expected_findings.differences), decoded
 
 
-def compare_values(expected: codec.Decoded, decoded: Any, layout: Layout) -> None:
+def compare_values(expected: Decoded, decoded: Any, layout: Layout) -> None:
     """Compare the values that both read."""
     if not hasattr(decoded, "_fields"):
         assert decoded.name.lower() == expected.fields[0].value
@@ -344,14 +345,14 @@ def test_round_trip_of_every_order_code(family: Family) -> None:
     source = random.Random(family.device.name)
     for case in cases(family):
         for kind in ["zero", "one", "ones", "top", *["random"] * ROUNDS]:
-            number = codec.encode(family.device, case.placed, values_of(case, kind, source))
+            number = encode(family.device, case.placed, values_of(case, kind, source))
             if not is_allowed(case, number):
                 continue
             data = case.carried(number)
             decoded = decode_generated(case, number)
             assert not isinstance(decoded, str), (case.variant.code, case.layout.name, kind, decoded)
             assert decoded.encode() == data, (case.variant.code, case.layout.name, kind)
-            expected = codec.decode(family.device, case.placed, number)
+            expected = decode(family.device, case.placed, number)
             compare_values(expected, decoded, case.layout)
             compare_reports(family, case.variant, expected, decoded)
             for join in case.layout.joins:
@@ -377,7 +378,7 @@ def test_faults_are_told_as_the_model_tells_them(family: Family) -> None:
         if case.layout.carried_as == "bits":
             possible.add("length")
         for number in damaged_frames(case, source):
-            expected = codec.decode(family.device, case.placed, number)
+            expected = decode(family.device, case.placed, number)
             if number >> case.placed.bits and case.layout.carried_as == "bytes":
                 continue
             decoded = decode_generated(case, number)
@@ -397,7 +398,7 @@ def test_an_encoder_whose_family_sends_bytes_alone(import_generated: Callable[..
     assert not report
     variant, package = devices[0].variants[0], import_generated(Library(devices), "acme_encoders")[1]
     placed = devices[0].layout("reply_first").place(variant.parameters)
-    number = codec.encode(devices[0], placed, {"position": 4711})
+    number = encode(devices[0], placed, {"position": 4711})
     reply = package.lookup(variant.code).decode(number_to_bytes(placed.layout, number, placed.bits))
     assert reply.position == 4711
 
@@ -405,7 +406,7 @@ def test_an_encoder_whose_family_sends_bytes_alone(import_generated: Callable[..
 def damaged_frames(case: Case, source: random.Random) -> Iterator[int]:
     """Frames with changed bits, some with a CRC that matches the change, and random numbers."""
     device, placed = case.family.device, case.placed
-    sound = codec.encode(device, placed, values_of(case, "random", source))
+    sound = encode(device, placed, values_of(case, "random", source))
     crc = placed.layout.crc_field
     yield sound
     yield sound | 1 << placed.bits
@@ -423,7 +424,7 @@ def damaged_frames(case: Case, source: random.Random) -> Iterator[int]:
 def with_matching_crc(device: Device, placed: PlacedLayout, number: int) -> int:
     crc_field = next(crc_field for crc_field in placed.fields if isinstance(crc_field.field.kind, CrcValue))
     cleared = number & ~(crc_field.mask << crc_field.low)
-    return cleared | codec.compute(device.crc(crc_field.field.kind.crc), placed, cleared) << crc_field.low
+    return cleared | compute(device.crc(crc_field.field.kind.crc), placed, cleared) << crc_field.low
 
 
 def has_selector(device: Device, variant: Variant) -> bool:
@@ -469,7 +470,7 @@ def test_any_bytes_are_told_as_the_model_tells_them(family: Family) -> None:
         for sender, name in (("encoder", "decode_reply"), ("master", "decode_request")):
             decode = decoder(family, name)
             for frame in frames:
-                expected = codec.decode_bytes(device, variant, sender, frame)
+                expected = decode_bytes(device, variant, sender, frame)
                 try:
                     decoded = decode(frame, family.module.VARIANTS[variant.code])
                 except ValueError as error:
@@ -497,7 +498,7 @@ def test_procedures_write_what_they_write_on_paper(family: Family) -> None:
                 arguments = {name: 1 << source.randrange(25) | source.choice((0, 0, 1)) for name in names}
                 try:
                     expected = register_writes(family.device, procedure, variant, arguments)
-                except codec.EncodeError:
+                except EncodeError:
                     with pytest.raises(ValueError):
                         build(*first_arguments, *arguments.values())
                     continue
@@ -533,12 +534,12 @@ def test_a_field_that_the_order_code_does_not_have(families: dict[str, Family]) 
     values = {"singleturn": 5, "error": False, "warning": False}
     frame = family.module.SingleCycleData(family.module.VARIANTS[variant.code], 0, 5)
     assert (
-        codec.encode(family.device, placed, values)
-        == codec.encode(family.device, placed, {**values, "multiturn": 0})
+        encode(family.device, placed, values)
+        == encode(family.device, placed, {**values, "multiturn": 0})
         == frame.encode()
     )
-    with pytest.raises(codec.EncodeError, match="multiturn 1 does not fit: this order code has no such field"):
-        codec.encode(family.device, placed, {**values, "multiturn": 1})
+    with pytest.raises(EncodeError, match="multiturn 1 does not fit: this order code has no such field"):
+        encode(family.device, placed, {**values, "multiturn": 1})
     with pytest.raises(ValueError):
         frame._replace(multiturn=1).encode()
 

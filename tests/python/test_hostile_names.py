@@ -15,7 +15,8 @@ from typing import Any
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Choice, Decimal, Device, Flag, Layout, Number, Variant, number_to_bytes
-from codewheel.reference import codec
+from codewheel.reference.bits import from_gray, join_value
+from codewheel.reference.codec import encode
 from codewheel.targets import Library
 from codewheel.targets.python import names
 from codewheel.targets.python.files import generate
@@ -208,7 +209,7 @@ def _check_round_trip(device: Device, layout: Layout, variant: Variant, module: 
     for field in layout.data_fields:
         values[field.name] = values_by_kind.get(type(field.kind), 3)
     placed = layout.place(variant.parameters)
-    number = codec.encode(device, placed, values)
+    number = encode(device, placed, values)
     wire = number_to_bytes(layout, number, placed.bits) if layout.carried_as == "bytes" else number
     frame_class = getattr(module, "".join(part.title() for part in layout.name.split("_")))
     frame = frame_class.decode(wire, encoder) if "variant" in frame_class._fields else frame_class.decode(wire)
@@ -218,7 +219,7 @@ def _check_round_trip(device: Device, layout: Layout, variant: Variant, module: 
             assert _attribute_of(frame, field.name) == 3, (layout.name, field.name)
     assert len(frame.reports) == (2 if layout.name.startswith("own_told") else 0), layout.name
     for join in layout.joins:
-        whole = codec.join_value(placed, join, codec.from_gray(placed, number))
+        whole = join_value(placed, join, from_gray(placed, number))
         assert _attribute_of(frame, join.name) == whole
         joined = {f"{name}_" if f"{name}_" in frame_class._fields else name for name in join.fields}
         other_members = {name: getattr(frame, name) for name in frame_class._fields if name not in joined}

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from codewheel.model import Choice, Device, Fault, Field, PlacedLayout, Text, Variant, number_to_bytes
 from codewheel.model.limits import bounded, bounds
 from codewheel.order_codes.parameters import with_answers
-from codewheel.reference import codec
+from codewheel.reference.bits import join_value
+from codewheel.reference.codec import UNUSED, Decoded, DecodedField, EncodeError, Problem, decode, encode
 from codewheel_rust.family import Struct
 from rust_harness import Program
 from test_c_codec import encoded_sample, run_time_variants, samples, with_crc
@@ -50,7 +51,7 @@ class Case:
 
     def decoding(self, number: int) -> str:
         """Return the expected answer to decoding."""
-        decoded = codec.decode(self.device, self.placed, number)
+        decoded = decode(self.device, self.placed, number)
         if decoded.problems:
             return first_fault(decoded.problems)
         powers = any(field.field.number.power_of_two for field in self.placed.fields)
@@ -60,37 +61,37 @@ class Case:
 
     def encoding(self, sound: int, name: str, value: int) -> tuple[str, str]:
         """Return a valid frame with another value of one member, and the expected answer to encoding it."""
-        reference = codec.decode(self.device, self.placed, sound)
+        reference = decode(self.device, self.placed, sound)
         # A run of digits or a join would contradict the value that it repeats, and a text can be other than ASCII.
         fields = {field.name: field.field for field in self.placed.fields if field.field.carries_data}
         values: dict[str, int | str | bool] = {}
         for decoded in reference.fields:
             if decoded.name in fields:
                 values[decoded.name] = decoded.raw if isinstance(fields[decoded.name].kind, Text) else decoded.value
-            if decoded.name == codec.UNUSED:
+            if decoded.name == UNUSED:
                 values[decoded.name] = decoded.raw
         return self._row(reference, {name: value}, "x"), self._encoded({**values, name: value})
 
     def _encoded(self, values: Values) -> str:
         try:
-            number = codec.encode(self.device, self.placed, values)
-        except codec.EncodeError:
+            number = encode(self.device, self.placed, values)
+        except EncodeError:
             return "range"
         # The model encodes digits that it would refuse to decode.
-        return "range" if codec.decode(self.device, self.placed, number).problems else self._limited(values, number)
+        return "range" if decode(self.device, self.placed, number).problems else self._limited(values, number)
 
     def _limited(self, values: Values, number: int) -> str:
         register = self.struct.register
         if register is not None and (register.min is not None or register.max is not None):
             name = bounded(register)
             low, high = bounds(register, self.placed, (register.min, register.max), self.variant.parameters)
-            joined = {join.name: codec.join_value(self.placed, join, number) for join in self.struct.layout.joins}
+            joined = {join.name: join_value(self.placed, join, number) for join in self.struct.layout.joins}
             value = {**values, **joined}.get(name, number)
             if not low <= int(value) <= high:
                 return f"range {name or register.name}"
         return self.wire(number).removeprefix("x")
 
-    def _row(self, decoded: codec.Decoded, changed_values: Mapping[str, int], mark: str = "") -> str:
+    def _row(self, decoded: Decoded, changed_values: Mapping[str, int], mark: str = "") -> str:
         """Return the members. In an answer, also return the runs of digits and the joins."""
         fields = {decoded_field.name: decoded_field for decoded_field in decoded.fields}
         members = [part.field for part in self.struct.codec.parts]
@@ -99,7 +100,7 @@ class Case:
             is_changed = member.name in changed_values
             words.append(str(changed_values[member.name]) if is_changed else _member_text(member, fields, mark))
         if self.struct.codec.reserved:
-            words.append(str(changed_values.get(codec.UNUSED, fields[codec.UNUSED].raw)))
+            words.append(str(changed_values.get(UNUSED, fields[UNUSED].raw)))
         if not mark:
             runs = [run.name for member in members for run in member.runs]
             joins = [join.name for join in self.struct.layout.joins]
@@ -107,7 +108,7 @@ class Case:
         return " ".join(words)
 
 
-def _member_text(field: Field, fields: Mapping[str, codec.DecodedField], mark: str) -> str:
+def _member_text(field: Field, fields: Mapping[str, DecodedField], mark: str) -> str:
     """Return a member. A field that this order code lacks is 0."""
     decoded = fields.get(field.name)
     if decoded is None:
@@ -119,7 +120,7 @@ def _member_text(field: Field, fields: Mapping[str, codec.DecodedField], mark: s
     return str(int(decoded.value))
 
 
-def first_fault(problems: Sequence[codec.Problem]) -> str:
+def first_fault(problems: Sequence[Problem]) -> str:
     """Return the first error, and its field if it is reported."""
     fault, field = problems[0].fault, problems[0].field
     return f"{fault.value} {field}" if fault in (Fault.CONSTANT, Fault.RANGE) else fault.value

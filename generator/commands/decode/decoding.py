@@ -13,8 +13,7 @@ from ...model import Device, Flag, PlacedLayout, Scale, Variant, Verdict
 from ...order_codes.labels import Match
 from ...order_codes.parameters import RegisterError
 from ...reference import codec
-from ...reference.editions import strange_values
-from ...reference.findings import Difference, Findings, Report, findings
+from ...reference.findings import Difference, Findings, Report, findings, strange_values
 from ..choose import UndecidedError, refuse_undecided
 from .frames import (
     FrameTextError,

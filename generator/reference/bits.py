@@ -1,0 +1,81 @@
+"""Bits of a frame: unused bits, parity bits, joined numbers and Gray code."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from ..model import Crc, Join, Parity, PlacedField, PlacedLayout, Unused, number_to_bytes
+from .crc import compute_bits, in_order
+
+
+def unused_bits(placed: PlacedLayout, number: int) -> int:
+    """Return the unused bits of a frame as one number. A bit is 1 if it differs from the manual."""
+    bits = 0
+    for placed_field, low_bit in placed.unused:
+        bits |= (number >> placed_field.low & placed_field.mask ^ documented_bits(placed_field)) << low_bit
+    return bits
+
+
+def documented_bits(placed_field: PlacedField) -> int:
+    """Return the documented value of an unused field, cut to the width of the field for this order code."""
+    return placed_field.field.kind.value & placed_field.mask if isinstance(placed_field.field.kind, Unused) else 0
+
+
+def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
+    """Return the parity bit that matches the other bits of ``number``."""
+    fields = placed.find_fields(parity.of)
+    ones = sum((number >> field.low & field.mask & parity.mask).bit_count() for field in fields)
+    return (ones + parity.odd) & 1
+
+
+def join_value(placed: PlacedLayout, join: Join, number: int) -> int:
+    """Return the fields of a join as one number, with the first field most significant."""
+    value = 0
+    for part in placed.find_fields(join.fields):
+        value = value << part.width | number >> part.low & part.mask
+    return value
+
+
+def gray_to_binary(gray: int) -> int:
+    """Return the number whose Gray code is ``gray``."""
+    binary = gray
+    while gray := gray >> 1:
+        binary ^= gray
+    return binary
+
+
+def binary_to_gray(binary: int) -> int:
+    """Return the Gray code of ``binary``."""
+    return binary ^ binary >> 1
+
+
+def from_gray(placed: PlacedLayout, number: int) -> int:
+    """Return ``number`` with the part that is sent in Gray code, if any, converted to binary."""
+    return with_changed_part(placed, number, gray_to_binary)
+
+
+def to_gray(placed: PlacedLayout, number: int) -> int:
+    """Return ``number`` with the part that is sent in Gray code, if any, converted to Gray code."""
+    return with_changed_part(placed, number, binary_to_gray)
+
+
+def with_changed_part(placed: PlacedLayout, number: int, change: Callable[[int], int]) -> int:
+    if not placed.gray:
+        return number
+    low, width = placed.place_of(placed.layout.gray_of)
+    mask = (1 << width) - 1
+    return number & ~(mask << low) | change(number >> low & mask) << low
+
+
+def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:
+    """Return the CRC that matches the other bits of ``number``."""
+    return compute_bits(crc, *covered(crc, placed, number))
+
+
+def covered(crc: Crc, placed: PlacedLayout, number: int) -> tuple[int, int]:
+    """Return the bits that the CRC covers as a number, in the order in which it processes them, and how many."""
+    if placed.layout.crc_covers_bytes:
+        data = number_to_bytes(placed.layout, number, placed.bits)
+        return in_order(crc, data[: -(crc.width // 8)])
+    low, bits = placed.crc_covers
+    return number >> low & (1 << bits) - 1, bits
