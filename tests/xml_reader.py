@@ -5,8 +5,7 @@ from __future__ import annotations
 import re
 from typing import Any
 
-from codewheel.dump.schema import show_schema
-from codewheel.dump.shape import Kind, Member, Shape, members, resolved, types_of
+from codewheel.dump.schema import DataMember, Kind, Shape, members, resolved, show_schema, types_of
 from codewheel.dump.xml import NAMESPACE
 from lxml import etree
 
@@ -49,7 +48,7 @@ def _read_source(node: Any) -> dict[str, Any]:
     }
 
 
-def _read_member(node: Any, member: Member, sources: list[dict[str, Any]]) -> Any:
+def _read_member(node: Any, member: DataMember, sources: list[dict[str, Any]]) -> Any:
     if member.kind in (Kind.ATTRIBUTE, Kind.LIST):
         text = node.get(member.name)
         if text is None:
@@ -76,7 +75,7 @@ def _read_member(node: Any, member: Member, sources: list[dict[str, Any]]) -> An
     )
 
 
-def _read_entry(node: Any, member: Member) -> Any:
+def _read_entry(node: Any, member: DataMember) -> Any:
     shape = resolved(member.shape)[0]
     if shape.get("type") == "array":
         return (node.text or "").split()

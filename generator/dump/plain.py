@@ -48,7 +48,7 @@ from ..model.members import PARTS_BY_CLASS, Member
 from ..model.record import dataclass
 from ..order_codes.labels import Match
 from ..order_codes.reduction import for_interface, reduced_to_codes
-from .shape import filled
+from .schema import filled
 
 VERSION = 1
 

@@ -1,4 +1,4 @@
-"""Derive the JSON Schema of the plain data from the table of members.
+"""The shape of the plain data by the table of members, and its JSON Schema.
 
 python -m codewheel.dump.schema generator/language/show.schema.json     writes it, as ``make spec-page`` does
 """
@@ -7,16 +7,18 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from enum import Enum, auto
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 from ..model.members import FAMILY, PARTS, Member, Part
+from ..model.record import dataclass
 
-Shape = dict[str, Any]
+JsonSchema = dict[str, Any]
 
-_SIMPLE: dict[str, Shape] = {
+_SIMPLE: dict[str, JsonSchema] = {
     "string": {"type": "string"},
     "integer": {"type": "integer"},
     "number": {"type": "number"},
@@ -24,9 +26,9 @@ _SIMPLE: dict[str, Shape] = {
     "hex": {"type": "integer", "x-form": "hexadecimal"},
     "scalar": {"type": ["integer", "string", "boolean"]},
 }
-_NULL: Shape = {"type": "null"}
+_NULL: JsonSchema = {"type": "null"}
 #: Types that are not parts of the model.
-_BASIC: dict[str, Shape] = {
+_BASIC: dict[str, JsonSchema] = {
     "name": {"description": "A word: a name, a key or a path.", "type": "string", "pattern": "^\\S*$"},
     "text": {"description": "Running text. Empty if there is none.", "type": "string"},
     "expression": {
@@ -45,7 +47,7 @@ _SOURCES = Member("sources", "[source]", "All sources, if there are several.")
 
 
 @cache
-def show_schema() -> Shape:
+def show_schema() -> JsonSchema:
     """Return the JSON Schema of the output of ``show --json``."""
     head = {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
@@ -55,7 +57,7 @@ def show_schema() -> Shape:
     return head | _object(FAMILY) | {"$defs": _BASIC | {part.name: _object(part) for part in PARTS}}
 
 
-def _object(part: Part) -> Shape:
+def _object(part: Part) -> JsonSchema:
     """Return the schema of an object with the members of a part."""
     members = [member for member in part.members if member.shape]
     sources = [_SOURCE, _SOURCES] if part.is_sourced else []
@@ -71,7 +73,7 @@ def _object(part: Part) -> Shape:
     }
 
 
-def _shape(notation: str) -> Shape:
+def _shape(notation: str) -> JsonSchema:
     """Return the schema of a type, given in the notation of ``Member.shape``."""
     if notation.startswith("="):
         return {"const": int(notation[1:])}
@@ -80,7 +82,7 @@ def _shape(notation: str) -> Shape:
     return shape | {"default": json.loads(default)} if default else shape
 
 
-def _without_default(notation: str) -> Shape:
+def _without_default(notation: str) -> JsonSchema:
     if notation.startswith("["):
         return {"type": "array", "items": _shape(notation[1:-1])}
     if notation.startswith("{"):
@@ -94,7 +96,7 @@ def _without_default(notation: str) -> Shape:
     return _SIMPLE.get(notation) or {"$ref": f"#/$defs/{notation}"}
 
 
-def _or_null(notation: str) -> Shape:
+def _or_null(notation: str) -> JsonSchema:
     if notation == "expression":
         return {"type": ["integer", "string", "null"]}
     shape = _without_default(notation)
@@ -126,3 +128,105 @@ def _lines(value: Any, indent: str) -> Iterator[str]:
 
 if __name__ == "__main__":
     Path(sys.argv[1]).write_text(schema_text(), encoding="utf-8")
+
+
+Shape = Mapping[str, Any]
+
+
+class Kind(Enum):
+    """Form of a member in XML. LIST is also an attribute. KEYED is a map of objects, keyed by one of their members."""
+
+    ATTRIBUTE = auto()
+    LIST = auto()
+    TEXT = auto()
+    TEXTS = auto()
+    OBJECT = auto()
+    OBJECTS = auto()
+    KEYED = auto()
+    MAP = auto()
+
+
+@dataclass(frozen=True)
+class DataMember:
+    """Member of an object: its form in XML, and the shape of its value."""
+
+    name: str
+    kind: Kind
+    shape: Shape
+    type_name: str = ""
+
+    @property
+    def types(self) -> tuple[str, ...]:
+        """JSON types of the value."""
+        return types_of(self.shape)
+
+    @property
+    def empty(self) -> Any:
+        """Value that stands for a missing member."""
+        if self.kind in (Kind.LIST, Kind.TEXTS, Kind.OBJECTS):
+            return []
+        if self.kind in (Kind.KEYED, Kind.MAP):
+            return {}
+        if self.kind is Kind.OBJECT or "null" in self.types:
+            return None
+        return self.shape.get("default", "")
+
+
+def filled(dumped: Mapping[str, Any], type_name: str) -> dict[str, Any]:
+    """Return an object with every member of its type, in schema order. Missing members are empty."""
+    shape = show_schema()["$defs"][type_name]
+    filled_members = {member.name: dumped.get(member.name, member.empty) for member in members(shape)}
+    return filled_members | {name: dumped[name] for name in ("source", "sources") if name in dumped}
+
+
+def members(shape: Shape) -> Iterator[DataMember]:
+    """Yield the members of an object in schema order, without its sources."""
+    for name, inner in shape["properties"].items():
+        if name not in ("source", "sources"):
+            yield _member(name, inner)
+
+
+def resolved(shape: Shape) -> tuple[Shape, str]:
+    """Return the shape to which a reference leads, and the name of the reference.
+
+    The null alternative of an optional object is dropped.
+    """
+    reference = shape.get("$ref") or next(
+        (alternative["$ref"] for alternative in shape.get("anyOf", ()) if "$ref" in alternative), ""
+    )
+    name = reference.rpartition("/")[2]
+    return (show_schema()["$defs"][name], name) if name else (shape, "")
+
+
+def _member(name: str, unresolved: Shape) -> DataMember:
+    shape, type_name = resolved(unresolved)
+    if type_name == "text":
+        return DataMember(name, Kind.TEXT, shape)
+    if shape.get("type") == "array":
+        items, item_type = resolved(shape["items"])
+        return DataMember(name, _kind_of_list(items, item_type), items, item_type)
+    if "properties" in shape:
+        return DataMember(name, Kind.OBJECT, shape, type_name)
+    if "additionalProperties" in shape:
+        if "x-key" in shape:
+            items, item_type = resolved(shape["additionalProperties"])
+            return DataMember(name, Kind.KEYED, {**items, "x-key": shape["x-key"]}, item_type)
+        return DataMember(name, Kind.MAP, shape["additionalProperties"])
+    return DataMember(name, Kind.ATTRIBUTE, shape, type_name)
+
+
+def _kind_of_list(items: Shape, item_type: str) -> Kind:
+    if item_type == "text":
+        return Kind.TEXTS
+    return Kind.OBJECTS if "properties" in items else Kind.LIST
+
+
+def types_of(shape: Shape) -> tuple[str, ...]:
+    """Return the JSON types of a value of this shape."""
+    json_types = shape.get("type", "integer" if isinstance(shape.get("const"), int) else "string")
+    return tuple(json_types) if isinstance(json_types, list) else (json_types,)
+
+
+def is_hexadecimal(shape: Shape) -> bool:
+    """Return whether a number of this shape is written in hexadecimal."""
+    return shape.get("x-form") == "hexadecimal"

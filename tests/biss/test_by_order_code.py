@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import pytest
-from codewheel.dump import xsd
+from codewheel.dump import xml
 from codewheel.dump.plain import variant_dump
 from codewheel.order_codes.labels import find
 from codewheel.targets import Library
@@ -37,7 +37,7 @@ def test_each_listed_code_has_a_file_and_no_other(library: Library, files: Mappi
 
 
 def test_each_is_what_show_prints(library: Library, files: Mapping[str, str]) -> None:
-    checker = etree.XMLSchema(read_xml(xsd.schema_text().encode()))
+    checker = etree.XMLSchema(read_xml(xml.schema_text().encode()))
     for device in library.devices:
         for variant in device.variants[::5]:
             content = files[f"biss/{device.manufacturer.name}-{device.name}/{variant.code.replace('/', '-')}.xml"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 import pytest
-from codewheel.dump import xsd
+from codewheel.dump import xml as xsd
 from codewheel.dump.plain import device_dump, variant_dump
 from codewheel.dump.xml import to_xml
 from codewheel.model import Device

@@ -14,8 +14,7 @@ from codewheel.changes import compare as changes
 from codewheel.changes.families import compare_family
 from codewheel.changes.rules import RULES
 from codewheel.dump import plain, schema
-from codewheel.dump.xml import to_xml
-from codewheel.dump.xsd import schema_text
+from codewheel.dump.xml import schema_text, to_xml
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
 from codewheel.model import Device, Register

@@ -16,8 +16,7 @@ from typing import Annotated, TypedDict
 from markupsafe import Markup, escape
 
 from ...dump.plain import device_dump, variant_dump
-from ...dump.xml import XSD_NAME, clean, to_xml
-from ...dump.xsd import schema_text
+from ...dump.xml import XSD_NAME, clean, schema_text, to_xml
 from ...model import (
     Alternative,
     Answer,
