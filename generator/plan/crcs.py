@@ -1,14 +1,127 @@
-"""Plan the CRC functions of a family: their form, and whether they cover bits or bytes."""
+"""CRCs: the functions of a family and their form, tables, undetected errors, and public test vectors.
+
+They are part of the self-test of the C headers. Tests compare them with ``tests/vectors.json``, which has the sources.
+"""
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator
 from enum import Enum
+from functools import cache
+from itertools import combinations
+from math import comb
 
 from ..model import Crc, Device, Layout
 from ..model.kinds import CrcValue
 from ..model.record import dataclass
-from .crc_tables import FoldStep, fold_plan
+
+
+@dataclass(frozen=True, slots=True)
+class Residual:
+    """Errors that a CRC misses in a frame of ``bits`` bits. It detects every error of fewer than ``distance`` bits.
+
+    Of ``patterns`` errors of exactly ``distance`` bits, it misses ``missed``. Errors of more than four bits are not
+    counted, so ``missed`` is 0 if ``distance`` is 5.
+    """
+
+    bits: int
+    distance: int
+    missed: int
+
+    @property
+    def patterns(self) -> int:
+        return comb(self.bits, self.distance)
+
+
+def residual(crc: Crc, bits: int) -> Residual:
+    """Return what ``crc`` misses in a frame of ``bits`` bits, including the CRC itself.
+
+    Start value, final XOR and order of the bits do not matter, since they are the same in the frame that was sent and
+    in the one that was received.
+    """
+    remainders, remainder = [], 1
+    for _ in range(bits):
+        remainders.append(remainder)
+        remainder <<= 1
+        if remainder >> crc.width:
+            remainder ^= crc.poly_with_top_bit
+    pairs = Counter(first ^ second for first, second in combinations(remainders, 2))
+    # Three pairs of bits cancel a third bit in each triple, and three pairs of pairs are equal in each four.
+    triples = sum(pairs[remainder] for remainder in remainders) // 3
+    fours = sum(count * (count - 1) // 2 for count in pairs.values()) // 3
+    missed = {2: pairs[0], 3: triples, 4: fours}
+    distance = next((error_bits for error_bits, count in missed.items() if count), 5)
+    return Residual(bits, distance, missed.get(distance, 0))
+
+
+@dataclass(frozen=True, slots=True)
+class FoldStep:
+    """One step of a table-free CRC: ``v = (v & mask) ^ (v >> shift) ^ (v >> shift << back)``.
+
+    If ``back`` is 0, the last term is absent.
+    """
+
+    shift: int
+    mask: int
+    back: int
+
+
+def reflect(value: int, width: int) -> int:
+    """Return ``value`` with its ``width`` bits in reverse order."""
+    return int(f"{value:0{width}b}"[::-1], 2)
+
+
+def table(width: int, poly: int, reflected: bool = False) -> tuple[int, ...]:
+    """Return the remainder of each byte, shifted left by the width of the CRC.
+
+    With ``reflected``, the CRC register has its bits in reverse order, as needed for reflected input.
+    """
+    whole = poly | 1 << width
+    if reflected:
+        return tuple(reflect(remainder(reflect(byte, 8) << width, whole), width) for byte in range(256))
+    return tuple(remainder(byte << width, whole) for byte in range(256))
+
+
+def word_table(width: int, poly: int) -> tuple[int, ...]:
+    """Return the remainder of each byte above the lowest ``max(width, 8)`` bits, used to reduce a word byte by byte."""
+    return tuple(remainder(byte << max(width, 8), poly | 1 << width) for byte in range(256))
+
+
+def remainder(number: int, polynomial: int) -> int:
+    """Return the remainder of long division by ``polynomial``, which includes its top bit."""
+    while number.bit_length() >= polynomial.bit_length():
+        number ^= polynomial << (number.bit_length() - polynomial.bit_length())
+    return number
+
+
+def fold_plan(width: int, poly: int, bits: int) -> tuple[FoldStep, ...]:
+    """Return the fewest steps that reduce a word of ``bits`` bits to its remainder modulo x^n + x^m + 1 or x^n + 1.
+
+    Squaring the polynomial k times gives x^(n*2^k) = x^(m*2^k) + 1, so the part of the word from bit n*2^k up can be
+    added to the lower part twice, once shifted to bit 0 and once to bit m*2^k. For x^n + 1, it is added only once. The
+    largest power is not always the best, since a smaller one may leave a word that needs fewer further steps. Among
+    plans with the same number of steps, the function chooses the one that reaches 32 bits soonest, and then the one
+    with the smallest powers, since a short mask is a cheaper constant.
+    """
+    middle = (poly & ~1).bit_length() - 1 if poly & ~1 else 0
+
+    @cache
+    def cheapest(bits_left: int) -> tuple[int, int, int, tuple[int, ...]]:
+        """Return the number of steps, of those with results above 32 bits, the exponents' sum, and the exponents."""
+        if bits_left <= width:
+            return 0, 0, 0, ()
+        plans = []
+        for power in range((bits_left - 1).bit_length()):
+            shift, second_shift = width << power, middle << power
+            if shift < bits_left:
+                next_bits = max(shift, bits_left - shift + second_shift)
+                steps, wide, total, powers = cheapest(next_bits)
+                plans.append((steps + 1, wide + (next_bits > 32), total + power, (power, *powers)))
+        return min(plans)
+
+    return tuple(FoldStep(width << power, (1 << (width << power)) - 1, middle << power) for power in cheapest(bits)[-1])
+
 
 #: Width in bits of the longest word, and of the widest CRC that is folded in such a word.
 _WORD, _WIDEST_FOLD = 64, 32
@@ -120,3 +233,48 @@ def covers_part(device: Device, crc: Crc) -> bool:
     """Return whether the CRC covers only a part of some frame."""
     fields = (field for _, layout in device.layouts() for field in layout.fields)
     return any(isinstance(field.kind, CrcValue) and field.kind.crc == crc.name and field.kind.of for field in fields)
+
+
+_BRIDGE = "timonburkard/BiSS_Bridge: 2_hdl/tb/tb_data_checker.vhd"
+_EXTRACT = "mjbots/moteus: fw/test/bissc_extract_test.cc"
+_TI = "TexasInstruments/motor-control-sdk: bissc_hex_control_commands.png"
+
+
+@dataclass(frozen=True, slots=True)
+class PublicVector:
+    """A word and its CRC. The word begins with its first 1 bit."""
+
+    title: str
+    data: int
+    crc: int
+    source: str
+
+
+def _single_cycle(title: str, position: int, flags: int, crc: int) -> PublicVector:
+    """Return the vector for a position of 22 bits and two flags, error and warning."""
+    return PublicVector(title, position << 2 | flags, crc, _BRIDGE)
+
+
+_CRC_6 = (
+    _single_cycle("22 bits, all zeros", 0, 3, 58),
+    _single_cycle("22 bits, all ones", 4194303, 3, 47),
+    _single_cycle("22 bits, pattern 1", 1193046, 3, 53),
+    _single_cycle("22 bits, pattern 2", 2870767, 3, 16),
+    _single_cycle("22 bits, pattern 3", 1393441, 3, 54),
+    _single_cycle("22 bits, pattern 4", 4119738, 3, 24),
+    _single_cycle("22 bits, captured", 192458, 3, 28),
+    _single_cycle("22 bits, error active", 74565, 1, 11),
+    _single_cycle("22 bits, warning active", 74565, 2, 14),
+    PublicVector("16 bits", 0x1234, 7, _EXTRACT),
+)
+_CRC_4 = (PublicVector("data byte 40h", 0x40, 8, _TI), PublicVector("data byte 06h", 0x06, 5, _TI))
+
+#: The first byte of a T-format request, by data ID.
+CONTROL_FIELDS = {0: 0x02, 1: 0x8A, 2: 0x92, 3: 0x1A, 6: 0x32, 7: 0xBA, 8: 0xC2, 12: 0x62, 13: 0xEA, 5: 0x2A, 10: 0x52}
+
+
+def vectors_of(crc: Crc) -> tuple[PublicVector, ...]:
+    """Return the vectors for a CRC with these parameters if it is one of the two BiSS CRCs (6 or 4 bits, inverted)."""
+    if crc.init or crc.xorout != crc.mask or crc.refin or crc.refout:
+        return ()
+    return {(6, 0x03): _CRC_6, (4, 0x03): _CRC_4}.get((crc.width, crc.poly), ())

@@ -14,9 +14,26 @@ from ..model import Fault, Field, Flag, Scale, Verdict
 from ..model.expressions import Expression
 from ..model.never import assert_never
 from ..model.record import dataclass
-from . import codec as plan
-from . import reports, verdicts
-from .refusals import powers_of_two
+from . import verdicts
+from . import verdicts as reports
+from .codec import Codec
+from .limits import powers_of_two
+from .operations import (
+    AlwaysIs,
+    AtMost,
+    Fixed,
+    FrameCrc,
+    Gray,
+    IsBetween,
+    IsOneOf,
+    NotAbove,
+    ParityIs,
+    ParityOf,
+    Reserved,
+    Whole,
+    ZerosAbove,
+)
+from .operations import Check as PlannedCheck
 from .values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 
 
@@ -155,22 +172,22 @@ class Description:
     speaks: tuple[Speaks, ...]
     tells: tuple[Tells, ...]
     fields: tuple[BitField, ...]
-    crc: plan.FrameCrc | None
-    gray: plan.Gray | None
+    crc: FrameCrc | None
+    gray: Gray | None
     fixed: tuple[tuple[Place, int], ...]
     otherwise: Verdict | None
 
 
-def _unused(reserved: plan.Reserved) -> Unused:
+def _unused(reserved: Reserved) -> Unused:
     return Unused(reserved.field.low, reserved.field.width, reserved.value, reserved.place)
 
 
-def describe(codec: plan.Codec, reporting: reports.Reporting | None = None) -> Description:
+def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Description:
     """Return the description of a frame or register. ``reporting`` contains the reports and the verdict of a frame."""
     layout, powers = codec.layout, powers_of_two(codec)
     order = "little" if layout.byte_order == "low_byte_first" else "big"
     sent_values = [(Place(term.field.low, term.field.width), term.value) for term in codec.terms]
-    constants = ((place, value.number) for place, value in sent_values if isinstance(value, plan.Fixed))
+    constants = ((place, value.number) for place, value in sent_values if isinstance(value, Fixed))
     fixed_numbers = ((place, number) for place, number in constants if number)
     judgement = reporting.judgement if reporting is not None else None
     return Description(
@@ -181,7 +198,7 @@ def describe(codec: plan.Codec, reporting: reports.Reporting | None = None) -> D
         joins=tuple(map(_join, codec.wholes)),
         unused=tuple(map(_unused, codec.reserved)),
         checks=tuple(map(_check, codec.checks)),
-        parities=tuple(_parity(place, value) for place, value in sent_values if isinstance(value, plan.ParityOf)),
+        parities=tuple(_parity(place, value) for place, value in sent_values if isinstance(value, ParityOf)),
         speaks=tuple(_speaks(judgement)) if judgement is not None else (),
         tells=tuple(map(_tells, reporting.causes)) if reporting is not None else (),
         fields=tuple(BitField(field.name, field.low, field.width) for field in layout.fields),
@@ -214,32 +231,32 @@ def _column(field: Field, is_power: bool) -> Column:
     return Column(Name(field.name), field.low, field.width, kind, zero, runs, is_power, field.scale)
 
 
-def _check(check: plan.Check) -> Check:
+def _check(check: PlannedCheck) -> Check:
     field, fault = check.field, check.fault
     match check:
-        case plan.AlwaysIs(value=value):
+        case AlwaysIs(value=value):
             return Check(field.low, field.width, fault, (value,))
-        case plan.ZerosAbove(padding=padding):
+        case ZerosAbove(padding=padding):
             return Check(padding.low, padding.width, fault, (0,))
-        case plan.ParityIs(of=covered_fields, odd=odd, mask=mask):
+        case ParityIs(of=covered_fields, odd=odd, mask=mask):
             return Check(field.low, field.width, fault, parity_of=_places(covered_fields), odd=odd, mask=mask)
-        case plan.IsOneOf(values=values):
+        case IsOneOf(values=values):
             return Check(field.low, field.width, fault, values)
-        case plan.AtMost(limit=limit):
+        case AtMost(limit=limit):
             return Check(field.low, field.width, fault, limit=Expression(limit))
-        case plan.NotAbove(highest=highest):
+        case NotAbove(highest=highest):
             return Check(field.low, field.width, fault, limit=highest)
-        case plan.IsBetween(lowest=lowest, highest=highest):
+        case IsBetween(lowest=lowest, highest=highest):
             return Check(field.low, field.width, fault, limit=highest, lowest=lowest)
         case _:
             assert_never(check)
 
 
-def _join(whole: plan.Whole) -> Join:
+def _join(whole: Whole) -> Join:
     return Join(Name(whole.join.name), tuple((Name(field.name), low) for field, low in whole.from_low))
 
 
-def _parity(place: Place, value: plan.ParityOf) -> Check:
+def _parity(place: Place, value: ParityOf) -> Check:
     return Check(*place, Fault.CONSTANT, parity_of=_places(value.of), odd=value.odd, mask=value.mask)
 
 
@@ -270,7 +287,7 @@ def _verdict_by_answer(field: Field) -> Answered | None:
 
 def _mask(cause: verdicts.Cause) -> int:
     """Return the mask of reserved bits in the number made of all of them, or 0 for any other cause."""
-    return cause.mask if isinstance(cause, plan.Reserved) else 0
+    return cause.mask if isinstance(cause, Reserved) else 0
 
 
 def _when(cause: verdicts.Cause) -> tuple[tuple[Name, int], ...]:

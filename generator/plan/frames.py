@@ -1,12 +1,31 @@
-"""Plans for distinguishing the frames of one sender."""
+"""Frames: how to distinguish those of one sender, their replies, and the number of bits to receive."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import product
 
-from ..model import Field, Layout
+from ..model import (
+    Answer,
+    Biss,
+    Constant,
+    CrcValue,
+    Device,
+    Exchange,
+    Field,
+    Interface,
+    Layout,
+    Rs485,
+    Spi,
+    Ssi,
+    Variant,
+    assert_never,
+    choices,
+    member_named,
+)
 from ..model.record import dataclass
-from .codec import Bits, bits_of
+from .codec import bits_of
+from .operations import Bits
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,3 +70,135 @@ def dispatches(layouts: Sequence[Layout]) -> Iterator[Dispatch]:
             branches=branches,
             fallback=fallback,
         )
+
+
+@dataclass(frozen=True, slots=True)
+class Reply:
+    """A reply. ``length`` is in bytes. ``is_xor`` is true if its last byte is the XOR of all others."""
+
+    length: int
+    is_xor: bool
+
+
+def reply_to(device: Device, interface: str, data_id: str) -> Reply | None:
+    """Return the encoder's reply to a request, or None if the spec has none."""
+    rs485 = device.interface(interface)
+    if not isinstance(rs485, Rs485):
+        return None
+    layout = answer(rs485, member_named(rs485.data_ids, data_id, "data ID").id)
+    if layout is None or not layout.bits.is_constant:
+        return None
+    kind = layout.crc_field.kind if layout.crc_field is not None else None
+    is_xor = isinstance(kind, CrcValue) and any(crc.is_xor for crc in device.crcs if crc.name == kind.crc)
+    return Reply(layout.bits.constant // 8, is_xor)
+
+
+def answer(interface: Rs485, value: int) -> Layout | None:
+    """Return the frame with which the encoder answers a data ID, or None if the spec has none."""
+    for dispatch in dispatches(interface.layouts):
+        if dispatch.sender == "encoder":
+            return next((branch.layout for branch in dispatch.branches if value in branch.values), dispatch.fallback)
+    replies = [layout for layout in interface.layouts if layout.sender == "encoder"]
+    return replies[0] if len(replies) == 1 else None
+
+
+@dataclass(frozen=True, slots=True)
+class Exchanged:
+    """A request with its reply, or None if the encoder does not answer.
+
+    ``repeats_first`` is true if the reply begins with the first byte of the request.
+    """
+
+    exchange: Exchange
+    request: Layout
+    reply: Layout | None
+    repeats_first: bool
+
+    @property
+    def defaults(self) -> dict[str, int]:
+        """Factory defaults of fields in the request, by name."""
+        return {field.name: field.default for field in self.request.fields if field.default is not None}
+
+
+def exchanges(interface: Interface) -> tuple[Exchanged, ...]:
+    """Return the requests of an interface with their replies. T-format requests have data IDs instead."""
+    spec_exchanges = interface.exchanges if isinstance(interface, (Rs485, Spi)) else ()
+    layouts = {layout.name: layout for layout in interface.layouts}
+    return tuple(_with_reply(spec, layouts[spec.request], layouts.get(spec.reply)) for spec in spec_exchanges)
+
+
+def _with_reply(exchange: Exchange, request: Layout, reply: Layout | None) -> Exchanged:
+    first = _first_byte(request)
+    repeats = reply is not None and first is not None and first == _first_byte(reply)
+    return Exchanged(exchange, request, reply, repeats)
+
+
+def _first_byte(layout: Layout) -> list[tuple[int, int, int, int | str]] | None:
+    """Return the bits of the first byte with their constants or fields, or None if others are among them."""
+    byte_bits = []
+    for field in layout.fields:
+        content: int | str = field.kind.value if isinstance(field.kind, Constant) else field.name
+        if field.carries_data or isinstance(field.kind, Constant):
+            byte_bits += [(piece.right, piece.mask, piece.left, content) for piece in field.pieces if piece.byte == 0]
+    bits = sum(mask.bit_count() for _, mask, _, _ in byte_bits)
+    return sorted(byte_bits, key=lambda bits_of_piece: bits_of_piece[0]) if bits == 8 else None
+
+
+#: Before the start bit of a BiSS frame come two idle clocks, the acknowledge and the line delay. No manual states how
+#: long an encoder takes. This is an allowance in bits, equal to 4 us at 10 MHz.
+BISS_REST, BISS_ACKNOWLEDGE = 2, 40
+#: Start bit and CDS before the data, and stop bit after the data.
+BISS_AROUND = 3
+#: On SSI, the line is high until the first clock has latched the position. One more clock shifts out the 0 after it.
+SSI_AROUND = 2
+
+
+@dataclass(frozen=True, slots=True)
+class FrameSize:
+    """Size of a frame for one order code: its length in bits, and the bytes of a buffer for it and the bits around it.
+
+    ``answers`` are the user's decisions on which the length depends. ``depends_on_registers`` is true if registers
+    change the length at run time. The number of bits is then that of the factory default, and the buffer is large
+    enough for any register value.
+    """
+
+    variant: Variant
+    layout: Layout
+    bits: int
+    bytes: int
+    depends_on_registers: bool
+    answers: tuple[Answer, ...] = ()
+
+
+def received(device: Device, interface: Interface) -> Iterator[FrameSize]:
+    """Yield the frames that the encoder sends as bits on this interface, by order code.
+
+    A frame whose length depends on a question that the manual leaves open is yielded once for each answer.
+    """
+    register_parameters = {parameter.name for parameter in device.set_parameters if parameter.register}
+    around = _bits_around(interface)
+    for layout in interface.layouts:
+        needed_names = device.needed_parameters(layout.bits.parameters)
+        if layout.sender != "encoder" or around is None:
+            continue
+        deciding = [choice for choice in device.alternatives if not needed_names.isdisjoint(choice.answers[0].sets)]
+        moves = bool(needed_names & register_parameters)
+        for variant, (answers, sets) in product(device.variants_over(interface.name), choices(deciding)):
+            bits = layout.sent_bits.value({**variant.parameters, **sets})
+            size = (around + (layout.widest if moves else bits) + 7) // 8
+            yield FrameSize(
+                variant=variant, layout=layout, bits=bits, bytes=size, depends_on_registers=moves, answers=answers
+            )
+
+
+def _bits_around(interface: Interface) -> int | None:
+    """Return the number of bits around a frame, or None if a peripheral receives bytes or words by itself."""
+    match interface:
+        case Ssi():
+            return SSI_AROUND
+        case Biss():
+            return BISS_REST + BISS_ACKNOWLEDGE + BISS_AROUND
+        case Rs485() | Spi():
+            return None
+        case _:
+            assert_never(interface)

@@ -1,12 +1,16 @@
-"""Limits of the values that may be written to a register, and whether they are stricter than the width."""
+"""Checks before writing or encoding: limits of registers, and values that do not fit their fields."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
-from ..model import Device, Field, Join, Layout, Register, RegisterMeaning
+from ..model import Device, Digits, Field, Join, Layout, Register, RegisterMeaning
 from ..model.expressions import Expression
+from ..model.kinds import Choice, Constant, CrcValue, Decimal, Flag, Number, Parity, Text, Unused
+from ..model.never import assert_never
 from ..model.record import dataclass
+from .codec import Codec, allowed_values
+from .operations import IsBetween, NotAbove, Whole
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,3 +94,184 @@ def _representable_range(width: Expression, signed: bool, parameters: Mapping[st
     """Return the lowest and highest number of this width."""
     bits = width.value(parameters)
     return (-(1 << (bits - 1)), (1 << (bits - 1)) - 1) if signed else (0, (1 << bits) - 1)
+
+
+@dataclass(frozen=True, slots=True)
+class NotOneOf:
+    """The value is not one of these."""
+
+    field: Field
+    values: tuple[int, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class NotSigned:
+    """The number does not fit in two's complement."""
+
+    field: Field
+
+
+@dataclass(frozen=True, slots=True)
+class NotZeroFor:
+    """The number is 0, or it is above the maximum and is not the value that 0 encodes."""
+
+    field: Field
+    stands_for: int
+
+
+@dataclass(frozen=True, slots=True)
+class NoPowerOfTwo:
+    """The number is not a power of two. A separate check tests its range."""
+
+    field: Field
+
+
+@dataclass(frozen=True, slots=True)
+class TooWide:
+    """The number has more bits than the field."""
+
+    field: Field
+    width: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class TooHigh:
+    """The number is above the highest one, which always fits in the field."""
+
+    field: Field
+    highest: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class NotBetween:
+    """The signed number is outside its range, which always fits in the field."""
+
+    field: Field
+    lowest: Expression
+    highest: Expression
+
+
+@dataclass(frozen=True, slots=True)
+class DigitTooHigh:
+    """A group of digits has too many digits."""
+
+    field: Field
+    run: Digits
+
+
+@dataclass(frozen=True, slots=True)
+class DigitsDisagree:
+    """The runs of digits do not match the number, in languages that keep both."""
+
+    field: Field
+    runs: tuple[Digits, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class WholeDisagrees:
+    """The fields of a join do not match its number, in languages that keep both."""
+
+    whole: Whole
+
+
+@dataclass(frozen=True, slots=True)
+class OutsideLimits:
+    """The member is outside a limit of its register. ``bounds`` are the limits to check."""
+
+    member: str
+    bounds: tuple[tuple[str, Expression], ...]
+
+
+Refusal = (
+    NotOneOf
+    | NotSigned
+    | NotZeroFor
+    | NoPowerOfTwo
+    | TooWide
+    | TooHigh
+    | NotBetween
+    | DigitTooHigh
+    | DigitsDisagree
+    | WholeDisagrees
+    | OutsideLimits
+)
+
+
+def refusals(codec: Codec) -> Iterator[Refusal]:
+    """Yield the checks before encoding this layout, in order, without the limits of a register."""
+    ranges = {check.field.name: check for check in codec.checks if isinstance(check, (NotAbove, IsBetween))}
+    for part in codec.parts:
+        match ranges.get(part.field.name):
+            case NotAbove(highest=highest):
+                yield TooHigh(part.field, highest)
+            case IsBetween(lowest=lowest, highest=highest):
+                yield NotBetween(part.field, lowest, highest)
+            case None:
+                yield from _of_field(codec.layout, part.field)
+    yield from (WholeDisagrees(whole) for whole in codec.wholes)
+
+
+def powers_of_two(codec: Codec) -> frozenset[str]:
+    """Return the names of the fields whose numbers must be powers of two."""
+    return frozenset(refusal.field.name for refusal in refusals(codec) if isinstance(refusal, NoPowerOfTwo))
+
+
+def outside(codec: Codec, limits: Limits) -> OutsideLimits | None:
+    """Return the check of a register's limits if they apply to a member.
+
+    A minimum of 1 is omitted if 0 is already rejected.
+    """
+    if not limits.member:
+        return None
+    bounds = limits.binding
+    number = next((part.field.number for part in codec.parts if part.field.name == limits.member), Number())
+    if number.zero_means or number.power_of_two:
+        bounds = tuple(bound for bound in bounds if bound != ("min", Expression(1)))
+    return OutsideLimits(limits.member, bounds) if bounds else None
+
+
+def depends(refusal: Refusal) -> bool:
+    """Return whether a check depends on the order code."""
+    match refusal:
+        case NotSigned(field) | NotZeroFor(field):
+            return not field.width.is_constant
+        case TooWide(width=width):
+            return not width.is_constant
+        case TooHigh(highest=highest):
+            return not highest.is_constant
+        case NotBetween(lowest=lowest, highest=highest):
+            return not (lowest.is_constant and highest.is_constant)
+        case WholeDisagrees(whole):
+            return whole.depends
+        case OutsideLimits(bounds=bounds):
+            return not all(limit.is_constant for _, limit in bounds)
+        case NotOneOf() | NoPowerOfTwo() | DigitTooHigh() | DigitsDisagree():
+            return False
+        case _:
+            assert_never(refusal)
+
+
+def _of_field(layout: Layout, field: Field) -> Iterator[Refusal]:
+    values = allowed_values(layout, field)
+    match field.kind:
+        case _ if values:
+            yield NotOneOf(field, values)
+        case Number() as number:
+            yield _number_refusal(field, number)
+            if number.power_of_two:
+                yield NoPowerOfTwo(field)
+        case Choice():
+            yield TooWide(field, field.width)
+        case Decimal(runs=runs):
+            yield from (DigitTooHigh(field, run) for run in runs)
+            yield DigitsDisagree(field, runs)
+        case Flag() | Text() | Constant() | Unused() | CrcValue() | Parity():
+            return
+        case _:
+            assert_never(field.kind)
+
+
+def _number_refusal(field: Field, number: Number) -> Refusal:
+    if number.signed:
+        return NotSigned(field)
+    return NotZeroFor(field, number.zero_means) if number.zero_means else TooWide(field, field.width)

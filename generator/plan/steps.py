@@ -30,9 +30,8 @@ from ..model import (
 from ..model.record import dataclass
 from .closing_steps import closing_steps
 from .codec import allowed_values, codec_of
-from .limits import Limits, limited_member, limits_of
-from .refusals import NotOneOf, TooWide
-from .replies import Reply, reply_to
+from .frames import Reply, reply_to
+from .limits import Limits, NotOneOf, TooWide, limited_member, limits_of
 
 
 class Call(Enum):

@@ -1,4 +1,4 @@
-"""Choose language-independent operations that convert a field's bits to a value, each with its inverse.
+"""Values: operations that convert the bits of a field, and the units and ranges of positions.
 
 This is the only module between the model and the outputs that looks at kinds. Each output has an exhaustive match over
 these operations, so mypy reports every output that lacks a new one.
@@ -6,10 +6,133 @@ these operations, so mypy reports every output that lacks a new one.
 
 from __future__ import annotations
 
-from ..model import Digits, Field, Value
+from collections.abc import Callable, Hashable
+from dataclasses import replace
+from math import prod
+from typing import Generic, TypeVar
+
+from ..model import Device, Digits, Field, Interface, Layout, Measurement, Parameter, Value
+from ..model.expressions import Expression
 from ..model.kinds import Choice, Constant, CrcValue, Decimal, Flag, Number, Parity, Text, Unused
 from ..model.never import assert_never
 from ..model.record import dataclass
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Cases(Generic[T]):
+    """Values by interface: each value with its interfaces. The value with the most interfaces is last.
+
+    ``everywhere`` is true if every interface has a value.
+    """
+
+    cases: tuple[tuple[T, tuple[str, ...]], ...]
+    everywhere: bool
+
+
+def by_interface(device: Device, value: Callable[[Interface], T | None]) -> Cases[T]:
+    """Return the result of ``value`` for each interface. ``value`` returns None for an interface without a value."""
+    kinds: dict[T, list[str]] = {}
+    for interface in device.interfaces:
+        interface_value = value(interface)
+        if interface_value is not None:
+            kinds.setdefault(interface_value, []).append(interface.name)
+    ordered = sorted(kinds.items(), key=lambda value_and_names: len(value_and_names[1]))
+    cases = tuple((case_value, tuple(names)) for case_value, names in ordered)
+    return Cases(cases, sum(map(len, kinds.values())) == len(device.interfaces))
+
+
+@dataclass(frozen=True, slots=True)
+class PositionRange:
+    """Range of the position in some layouts of an interface.
+
+    ``signed_field`` is the field with it in two's complement, or None if it is never negative.
+    """
+
+    measurement: Measurement
+    never_wraps: bool
+    signed_field: Field | None
+    layouts: tuple[Layout, ...]
+
+    @property
+    def has_difference(self) -> bool:
+        """True if the distance between two positions is known."""
+        return self.never_wraps or self.measurement.total is not None
+
+
+def position_ranges(device: Device, interface: Interface) -> tuple[PositionRange, ...]:
+    """Return the ranges of the position over an interface, or none without a measurement.
+
+    There is only one unless the layouts differ.
+    """
+    measurement = device.measurement_of(interface.name)
+    if measurement is None:
+        return ()
+    sent_layouts = [layout for layout in interface.layouts if layout.sender == "encoder"]
+    layouts = [layout for layout in sent_layouts if measurement.of in layout.member_names]
+    groups: dict[Hashable, PositionRange] = {}
+    for layout in layouts:
+        layout_range = _position_range(measurement, layout)
+        shared_range = groups.setdefault(_range_key(layout_range), layout_range)
+        if shared_range is not layout_range:
+            groups[_range_key(layout_range)] = replace(shared_range, layouts=(*shared_range.layouts, layout))
+    return tuple(groups.values()) or (PositionRange(measurement, False, None, tuple(sent_layouts)),)
+
+
+def _position_range(measurement: Measurement, layout: Layout) -> PositionRange:
+    own_range = layout.position_range
+    never_wraps = own_range is not None and not own_range.wraps
+    fields = [field for field in layout.fields if field.name == measurement.of and field.number.signed]
+    return PositionRange(measurement.within(own_range), never_wraps, fields[0] if fields else None, (layout,))
+
+
+def _range_key(position_range: PositionRange) -> Hashable:
+    """Return what determines the range, without sources. The width of a signed position matters without a highest."""
+    measurement, field = position_range.measurement, position_range.signed_field
+    width = field.width if field is not None and measurement.highest is None else None
+    return measurement.total, measurement.highest, position_range.never_wraps, field is not None, width
+
+
+def parameters_in_measurement(device: Device) -> frozenset[str]:
+    """Return the derived parameters that equal a quantity of the measurement for all order codes.
+
+    These quantities are the counts per revolution and the number of counts after which a position wraps around.
+    """
+    derived = [parameter for parameter in device.parameters if parameter.equals is not None]
+    return frozenset(parameter.name for parameter in derived if _equals_quantity(device, parameter))
+
+
+def _equals_quantity(device: Device, parameter: Parameter) -> bool:
+    """Return whether a parameter equals the counts per revolution or the number of counts for every order code."""
+    equal_quantities: list[set[str]] = []
+    for variant in device.variants:
+        if parameter.interface not in ("", variant.interface):
+            continue
+        value = variant.parameters.get(parameter.name)
+        measurement = device.measurement_of(variant.interface)
+        factors = counts(measurement) if measurement is not None else ()
+        if value is None or measurement is None or not factors:
+            continue
+        if len(position_ranges(device, device.interface(variant.interface))) > 1:
+            return False
+        if any(name not in variant.parameters for factor in factors for name in factor.parameters):
+            return False
+        total = prod(factor.value(variant.parameters) for factor in factors)
+        per_turn = measurement.counts_per_turn
+        quantities = {"turn": per_turn.value(variant.parameters) if per_turn is not None else total, "whole": total}
+        equal_quantities.append({name for name, quantity in quantities.items() if quantity == value})
+    return bool(equal_quantities) and bool(set.intersection(*equal_quantities))
+
+
+def counts(measurement: Measurement) -> tuple[Expression, ...]:
+    """Return the factors of the number of counts after which a position wraps around, or none if it is unknown."""
+    if measurement.modulus is not None:
+        return (measurement.modulus,)
+    if measurement.counts_per_turn is None or measurement.turns is None:
+        return ()
+    factors = (measurement.counts_per_turn, measurement.turns)
+    return tuple(factor for factor in factors if factor != Expression(1)) or factors[:1]
 
 
 @dataclass(frozen=True, slots=True)

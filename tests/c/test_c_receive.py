@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from c_harness import FAMILIES, GCC, SANITIZED, WARNINGS, MadeOnce, Run, compile_c, runner
 from codewheel.model import Alternative, Answer, Device
-from codewheel.plan.receive_lengths import FrameSize, received
+from codewheel.plan.frames import FrameSize, received
 from codewheel.targets.c.device import views_of
 
 OK, LENGTH, CRC, CONSTANT, RANGE = range(5)

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from c_harness import GCC, Run, compile_c, write
 from codewheel.model import Device, Flag, PlacedLayout, Variant, Verdict
-from codewheel.plan.reports import ReportCause, reportings, reports_of
+from codewheel.plan.verdicts import ReportCause, reportings, reports_of
 from codewheel.reference.bits import unused_bits
 from codewheel.reference.codec import decode, encode
 from codewheel.reference.findings import Report, findings

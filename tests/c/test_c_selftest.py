@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 from c_harness import FAMILIES, INTERFACES, WARNINGS
 from codewheel.model import CrcExample, Device
-from codewheel.plan.vectors import CONTROL_FIELDS, vectors_of
+from codewheel.plan.crcs import CONTROL_FIELDS, vectors_of
 
 ROOT = Path(__file__).resolve().parents[2]
 #: The manuals show no example of these registers.

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Mapping
 import pytest
 from codewheel.model import Choice, Device, Flag, Layout, Number, Unused
 from codewheel.order_codes.parameters import with_answers
-from codewheel.plan.reports import reports_of
+from codewheel.plan.verdicts import reports_of
 from codewheel.reference import codec
 from codewheel.reference.findings import Findings, findings
 from codewheel.targets import Library

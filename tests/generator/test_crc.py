@@ -7,8 +7,7 @@ from itertools import product
 
 import pytest
 from codewheel.model import Crc
-from codewheel.plan.crc_tables import fold_plan
-from codewheel.plan.crcs import Carrier, Form, folds, form_of
+from codewheel.plan.crcs import Carrier, Form, fold_plan, folds, form_of
 from codewheel.reference.crc import compute_bits, compute_bytes
 
 

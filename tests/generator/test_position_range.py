@@ -13,7 +13,7 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import Device
-from codewheel.plan.measurement import position_ranges
+from codewheel.plan.values import position_ranges
 from codewheel.virtual import VirtualEncoder
 
 ROOT = Path(__file__).parents[2]

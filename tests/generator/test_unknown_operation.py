@@ -17,8 +17,9 @@ import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Fault, Field, Kind, Layout
 from codewheel.plan import values
-from codewheel.plan.codec import Bits, bits_of
-from codewheel.plan.refusals import _of_field
+from codewheel.plan.codec import bits_of
+from codewheel.plan.limits import _of_field
+from codewheel.plan.operations import Bits
 from codewheel.targets import Library, Target
 from codewheel_runtime.bulk import decode as bulk_decode
 from codewheel_runtime.bulk import encode as bulk_encode
@@ -166,7 +167,7 @@ def test_an_unknown_refusal_is_refused(output: str, monkeypatch: pytest.MonkeyPa
     def unknown_checks(layout: Layout, field: Field) -> Iterator[UnknownCheck]:
         yield UnknownCheck(field, bits_of(layout, field))
 
-    monkeypatch.setattr("codewheel.plan.refusals._of_field", unknown_checks)
+    monkeypatch.setattr("codewheel.plan.limits._of_field", unknown_checks)
     monkeypatch.setattr("codewheel.targets.c.codec.depends", lambda _: False)
     with pytest.raises(AssertionError, match="no case for UnknownCheck"):
         render(output)

@@ -22,7 +22,7 @@ from codewheel.dump.plain import device_dump
 from codewheel.dump.xml import to_xml
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Verdict, number_from_bytes
-from codewheel.plan.reports import reports_of
+from codewheel.plan.verdicts import reports_of
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
 from codewheel.targets import Library

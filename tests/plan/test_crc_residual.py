@@ -7,7 +7,7 @@ from math import comb
 
 import pytest
 from codewheel.model import Crc
-from codewheel.plan.crc_residual import residual
+from codewheel.plan.crcs import residual
 
 
 def crc(poly: int) -> Crc:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from codewheel.model import Field, Flag, Unused, Verdict
-from codewheel.plan.reports import reportings
+from codewheel.plan.verdicts import reportings
 from proof_layout import Codec
 
 

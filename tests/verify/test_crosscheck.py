@@ -22,7 +22,7 @@ import pytest
 from batch import Batch, Codec, stdio_entry
 from c_harness import compile_c
 from codewheel.model import Device, Fault, Variant, Verdict
-from codewheel.plan.reports import reportings, reports_of
+from codewheel.plan.verdicts import reportings, reports_of
 from codewheel.reference import codec as reference
 from codewheel.reference.codec import UNUSED
 from codewheel.reference.findings import findings

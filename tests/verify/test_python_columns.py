@@ -20,7 +20,7 @@ import pytest
 from batch import Batch, Codec, member_format, stdio_entry
 from c_harness import compile_c
 from codewheel.model import Layout
-from codewheel.plan.reports import reports_of
+from codewheel.plan.verdicts import reports_of
 from codewheel.targets.python.names import CLASS_NAMES, attribute
 from frames import chunks, input_of
 from test_crosscheck import LENGTH, NO_VERDICT, Peer

@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Annotated, TypedDict
 
 from codewheel.model import Device, Manufacturer, assert_never
-from codewheel.plan.codec import Check, Fixed, ParityOf, ReservedBits, ValueOfField, characters
+from codewheel.plan.codec import characters
 from codewheel.plan.description import describe
-from codewheel.plan.refusals import Refusal, refusals
+from codewheel.plan.limits import Refusal, refusals
+from codewheel.plan.operations import Check, Fixed, ParityOf, ReservedBits, ValueOfField
 from codewheel.render import Templates, tests_for
 from codewheel.say.crc import crc
 from codewheel.say.field import value

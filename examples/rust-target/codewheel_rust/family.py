@@ -6,11 +6,12 @@ from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from codewheel.model import Answer, Device, Field, Interface, Layout, Register, Value
-from codewheel.plan.codec import AlwaysIs, Bits, Codec, Fixed, ParityIs, ParityOf, Term, characters, codec_of
+from codewheel.plan.codec import Codec, characters, codec_of
 from codewheel.plan.crcs import CrcFunction, crc_functions, function_of
 from codewheel.plan.frames import dispatches
 from codewheel.plan.limits import Limits, limits_of
-from codewheel.plan.run_time_parameters import held_parameters
+from codewheel.plan.operations import AlwaysIs, Bits, Fixed, ParityIs, ParityOf, Term
+from codewheel.plan.registers import held_parameters
 from codewheel.plan.values import Characters, meaning_of
 from codewheel.targets import TargetProblem
 

@@ -9,8 +9,8 @@ from ...model import Alternative, Answer, Crc, Device, Interface, Variant
 from ...model.layout import have_lengths
 from ...plan.crcs import Carrier, carriers
 from ...plan.frames import Dispatch, dispatches
-from ...plan.reports import reportings
-from ...plan.run_time_parameters import HeldParameter, held_parameters
+from ...plan.registers import HeldParameter, held_parameters
+from ...plan.verdicts import reportings
 from ...say.evidence import grade
 from ...say.origin import origin
 from ...say.place import field_at

@@ -9,11 +9,13 @@ from ...model import Alarm, Device, Digits, Field, Layout, Register, RegisterMea
 from ...model.expressions import Expression
 from ...model.never import assert_never
 from ...order_codes.labels import edition_before, tests_of
-from ...plan.codec import (
+from ...plan.codec import Codec, codec_of
+from ...plan.description import Description, Name, Tells, describe
+from ...plan.limits import Limits, limits_of
+from ...plan.operations import (
     AlwaysIs,
     AtMost,
     Check,
-    Codec,
     Fixed,
     IsBetween,
     IsOneOf,
@@ -22,11 +24,8 @@ from ...plan.codec import (
     ParityOf,
     ReservedBits,
     ZerosAbove,
-    codec_of,
 )
-from ...plan.description import Description, Name, Tells, describe
-from ...plan.limits import Limits, limits_of
-from ...plan.reports import ReportCause, Reporting, explained
+from ...plan.verdicts import ReportCause, Reporting, explained
 from ...say.fault import of_older_edition
 from ...say.name import title
 from ...say.place import register_at

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...model import Device, number_to_bytes
-from ...plan.codec import IsOneOf
-from ...plan.refusals import OutsideLimits, depends
+from ...plan.limits import OutsideLimits, depends
+from ...plan.operations import IsOneOf
 from .. import TargetError
 from .about import about_access
 from .comments import Paragraph

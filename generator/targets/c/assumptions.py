@@ -7,8 +7,8 @@ from typing import Annotated, TypedDict
 
 from ...model import Crc, Device, Layout, Manufacturer, Spi, Ssi, Verdict, choices
 from ...model.record import dataclass
-from ...plan.crc_residual import Residual, residual
-from ...plan.reports import reportings
+from ...plan.crcs import Residual, residual
+from ...plan.verdicts import reportings
 from ...say.name import words
 from .. import Library
 

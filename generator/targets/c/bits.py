@@ -6,7 +6,8 @@ from collections.abc import Callable, Sequence
 
 from ...model import Digits, Field, Piece
 from ...model.record import dataclass
-from ...plan.codec import Bits, Codec, Whole
+from ...plan.codec import Codec
+from ...plan.operations import Bits, Whole
 from .expr import Call, Cast, Expr, Name, Number, Operation, Scope, joined, masked, shifted_left, shifted_right
 from .types import size_of, unsigned
 

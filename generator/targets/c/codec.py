@@ -7,7 +7,7 @@ from functools import cached_property
 
 from ...model import Field
 from ...model.expressions import Expression
-from ...plan.refusals import OutsideLimits, depends
+from ...plan.limits import OutsideLimits, depends
 from .about import about_bits_crc, about_member, about_unused, about_word_crc
 from .alternatives import AlternativeCode, alternatives_in
 from .comments import Paragraph

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...model import Crc, Device, Layout, Parameter, Register, RegisterMeaning
 from ...model.expressions import Expression
 from ...plan.crcs import carriers
-from ...plan.run_time_parameters import held_parameters
+from ...plan.registers import held_parameters
 from .alternatives import AlternativeCode
 from .enumerations import Enumerations
 from .expr import Scope

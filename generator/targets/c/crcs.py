@@ -6,8 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from ...model import Crc
 from ...model.record import dataclass
-from ...plan.crc_tables import reflect, table, word_table
-from ...plan.crcs import Carrier, CrcFunction, Form, carrier_of
+from ...plan.crcs import Carrier, CrcFunction, Form, carrier_of, reflect, table, word_table
 from .about import about_crc
 from .codec import StructCodec
 from .comments import Paragraph

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from ...model import Field, assert_never
 from ...model.record import dataclass
-from ...plan.codec import AlwaysIs, Check, ParityIs, Part, Whole, ZerosAbove, characters, is_plain_flag
-from ...plan.unused import ShiftedBits
+from ...plan.codec import ShiftedBits, characters, is_plain_flag
+from ...plan.operations import AlwaysIs, Check, ParityIs, Part, Whole, ZerosAbove
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
 from ...say.name import words
 from .bits import digits

@@ -6,8 +6,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 
 from ...model import Field, Piece, assert_never
-from ...plan.codec import Fixed, ParityIs, ParityOf, ReservedBits, Term, ValueOfField, Whole, ZerosAbove, characters
-from ...plan.refusals import NoPowerOfTwo, OutsideLimits, Refusal, TooWide, refusals
+from ...plan.codec import characters
+from ...plan.limits import NoPowerOfTwo, OutsideLimits, Refusal, TooWide, refusals
+from ...plan.operations import Fixed, ParityIs, ParityOf, ReservedBits, Term, ValueOfField, Whole, ZerosAbove
 from ...plan.values import (
     Active,
     Characters,

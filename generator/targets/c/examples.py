@@ -24,8 +24,8 @@ from ...model import (
     number_to_bytes,
 )
 from ...model.record import dataclass
-from ...plan.codec import Part
-from ...plan.receive_lengths import SSI_AROUND, FrameSize, received
+from ...plan.frames import SSI_AROUND, FrameSize, received
+from ...plan.operations import Part
 from ...plan.steps import Sends
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say.name import title, words

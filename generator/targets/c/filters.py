@@ -8,8 +8,8 @@ from typing import NoReturn
 from ...model import Digits, Join
 from ...model.expressions import Expression
 from ...plan import steps
-from ...plan.codec import Check, Whole
-from ...plan.refusals import Refusal
+from ...plan.limits import Refusal
+from ...plan.operations import Check, Whole
 from ...render import tests_for
 from ...say.layout import join as said_of_join
 from ...say.markdown import text as markdown_text

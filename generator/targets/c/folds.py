@@ -10,7 +10,7 @@ from collections.abc import Iterator, Sequence
 
 from ...model import Crc
 from ...model.record import dataclass
-from ...plan.crc_tables import FoldStep, fold_plan
+from ...plan.crcs import FoldStep, fold_plan
 from .comments import Paragraph
 
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from ...model import Interface
 from ...model.expressions import Expression
 from ...model.record import dataclass
-from ...plan.identity import identities
+from ...plan.registers import identities
 from .context import Context
 from .names import Declared
 from .registers import RegisterCode

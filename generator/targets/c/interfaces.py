@@ -7,8 +7,7 @@ from types import MappingProxyType
 
 from ...model import Biss, CableLength, Clock, Interface, Layout, Port, Rs485, Spi, Timeout, WordFormat, cite, first_of
 from ...model.record import dataclass
-from ...plan.frames import Branch, Dispatch, dispatches
-from ...plan.replies import Exchanged, answer, exchanges
+from ...plan.frames import Branch, Dispatch, Exchanged, answer, dispatches, exchanges
 from ...say.erratum import errata, erratum
 from ...say.interface import control_field, data_id, exchange, settings
 from ...say.interface import interface as said_of

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from copy import copy
 
 from ...model import Biss, Device, Interface, Layout
-from ...plan.receive_lengths import BISS_ACKNOWLEDGE, FrameSize, received
+from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, received
 from ...say.parameter import initial
 from ...say.words import hertz, nanoseconds, timeout_words
 from .context import Context

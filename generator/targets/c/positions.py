@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from ...model import Layout, Measurement, cite
 from ...model.expressions import Expression
 from ...model.record import dataclass
-from ...plan.measurement import PositionRange, position_ranges
+from ...plan.values import PositionRange, position_ranges
 from .context import Context
 from .expr import Cast, Expr, Number, Scope
 from .functions import Function, wide_number_of

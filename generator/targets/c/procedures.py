@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping
 
 from ...model import Piece, Procedure, Register, assert_never
 from ...model.record import dataclass
-from ...plan.refusals import TooWide
+from ...plan.limits import TooWide
 from ...plan.steps import (
     ArgumentRefusal,
     AsMember,

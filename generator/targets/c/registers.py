@@ -10,8 +10,7 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...order_codes.parameters import parameters_at_run_time
 from ...plan.codec import Codec
-from ...plan.limits import limits_of
-from ...plan.refusals import NoPowerOfTwo, outside, refusals
+from ...plan.limits import NoPowerOfTwo, limits_of, outside, refusals
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say.name import full_title, title, words
 from .about import about_member, about_register, table

@@ -6,10 +6,9 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from ...language.problems import Path
 from ...model import Device, Layout, Verdict, cite, first_of
-from ...plan.codec import Part, Reserved
-from ...plan.reports import Report, Reporting, reportings, reports_of
+from ...plan.operations import Part, Reserved
 from ...plan.values import Active
-from ...plan.verdicts import Cause, Match, Only, VerdictCause
+from ...plan.verdicts import Cause, Match, Only, Report, Reporting, VerdictCause, reportings, reports_of
 from ...say.name import title
 from ...say.report import alarm_of, meaning, remedy, source
 from ...say.text import statement

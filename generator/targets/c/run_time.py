@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from ...language.problems import listed
 from ...model import assert_never
 from ...model.record import dataclass
-from ...plan.run_time_parameters import HeldParameter, HoldingRegister
+from ...plan.registers import HeldParameter, HoldingRegister
 from ...plan.values import Raw, ZeroMeans, widest_value
 from ...say.name import title
 from .. import TargetError

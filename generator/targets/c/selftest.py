@@ -24,9 +24,9 @@ from ...model import (
     member_named,
 )
 from ...model.record import dataclass
-from ...plan.codec import Part
+from ...plan.crcs import CONTROL_FIELDS, vectors_of
+from ...plan.operations import Part
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
-from ...plan.vectors import CONTROL_FIELDS, vectors_of
 from .. import manufacturers
 from .codec import StructCodec
 from .device import DeviceView

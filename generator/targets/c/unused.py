@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ...model import Field, first_of
-from ...plan.codec import Reserved
-from ...plan.unused import ShiftedBits, moved_bits
+from ...plan.codec import ShiftedBits, moved_bits
+from ...plan.operations import Reserved
 from .bits import Reader
 from .expr import Cast, Expr, Name, Number, Operation, joined, masked, shifted_left, shifted_right
 from .types import size_of, unsigned

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence, Set
 
 from ...model import Parameter, Variant, first_of
 from ...model.record import dataclass
-from ...plan.measurement import parameters_in_measurement
+from ...plan.values import parameters_in_measurement
 from .about import about_order_codes, about_parameter
 from .context import Context
 from .functions import Function, number_of

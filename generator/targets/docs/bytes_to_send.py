@@ -27,7 +27,7 @@ from ...model import (
 )
 from ...model.record import dataclass
 from ...plan.codec import codec_of
-from ...plan.replies import Exchanged, exchanges
+from ...plan.frames import Exchanged, exchanges
 from ...plan.values import Raw, TwosComplement, meaning_of
 from ...say.box import as_words
 from ...say.commands import Commands, commands_over

@@ -16,9 +16,8 @@ from ...model import (
     Verdict,
 )
 from ...order_codes.parameters import with_answers
-from ...plan.reports import reportings
 from ...plan.values import Active, TwosComplement, meaning_of
-from ...plan.verdicts import Judgement, Match, VerdictCause
+from ...plan.verdicts import Judgement, Match, VerdictCause, reportings
 from ...say.crc import inverted, reflected
 from ...say.markdown import STYLE, code, link, text
 from ...say.numbers import number

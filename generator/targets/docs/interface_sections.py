@@ -24,7 +24,7 @@ from ...model import (
     Rs485,
 )
 from ...order_codes.parameters import follows_registers
-from ...plan.replies import exchanges
+from ...plan.frames import exchanges
 from ...say import alarm, hardware_input
 from ...say import layout as say_layout
 from ...say import procedure as say_procedure

@@ -7,9 +7,8 @@ from typing import Annotated, TypedDict
 
 from ...model import Alarm, Alternative, Device, Field, Interface, Layout, Sign, Verdict
 from ...model.record import dataclass
-from ...plan.reports import Reporting, reportings, reports_of, sums_up
 from ...plan.values import Active, meaning_of
-from ...plan.verdicts import Judgement, Only, verdict_of
+from ...plan.verdicts import Judgement, Only, Reporting, reportings, reports_of, sums_up, verdict_of
 from ...say.evidence import document
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.name import own_names

@@ -7,8 +7,8 @@ from itertools import pairwise
 
 from ...model import Piece
 from ...model.expressions import Expression
-from ...plan.codec import Bits, Codec, Reserved
-from ...plan.unused import ShiftedBits, moved_bits
+from ...plan.codec import Codec, ShiftedBits, moved_bits
+from ...plan.operations import Bits, Reserved
 from .expr import Atom, Expr, Operation, Scope, call, joined, mask, moved, number
 
 

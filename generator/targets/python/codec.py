@@ -10,9 +10,10 @@ from ...model import Digits, Fault, Field, Layout, Register
 from ...model.expressions import Expression
 from ...model.never import assert_never
 from ...model.record import dataclass
-from ...plan.codec import Part, Whole, codec_of
+from ...plan.codec import codec_of
 from ...plan.crcs import carrier_of
 from ...plan.limits import Limits, limits_of
+from ...plan.operations import Part, Whole
 from ...plan.values import (
     Active,
     Characters,

@@ -8,8 +8,8 @@ from functools import cached_property
 from ...model import Alternative, Crc, Device, Field, Layout, Register
 from ...model.record import dataclass
 from ...plan.crcs import Carrier, CrcFunction, carriers, crc_functions
-from ...plan.reports import Reporting, reportings
 from ...plan.values import is_named, meaning_of
+from ...plan.verdicts import Reporting, reportings
 from ...say.words import sentence
 from .expr import Scope
 from .names import (

@@ -10,19 +10,8 @@ from ...model import Digits, Field, Piece
 from ...model.expressions import Expression
 from ...model.never import assert_never
 from ...model.record import dataclass
-from ...plan.codec import (
-    AlwaysIs,
-    AtMost,
-    Check,
-    Codec,
-    IsBetween,
-    IsOneOf,
-    NotAbove,
-    ParityIs,
-    Part,
-    ZerosAbove,
-    parity,
-)
+from ...plan.codec import Codec, parity
+from ...plan.operations import AlwaysIs, AtMost, Check, IsBetween, IsOneOf, NotAbove, ParityIs, Part, ZerosAbove
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from .bits import Reader
 from .expr import Atom, Expr, Operation, Scope, call, coded, grouped, mask, number

@@ -21,10 +21,9 @@ from ...model import (
 )
 from ...model.record import dataclass
 from ...plan.codec import Codec, codec_of
-from ...plan.refusals import powers_of_two
-from ...plan.reports import reports_of
+from ...plan.limits import powers_of_two
 from ...plan.values import is_number, meaning_of
-from ...plan.verdicts import verdict_of
+from ...plan.verdicts import reports_of, verdict_of
 from ...say.lines import plain
 from ...say.report import alarm_of, meaning, remedy, source, states
 from .literals import Call, Code, Member, call, quoted, record

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
-from ...plan import codec, steps
-from ...plan.refusals import Refusal
+from ...plan import operations, steps
+from ...plan.limits import Refusal
 from ...render import tests_for
 from ...say.words import sentence
 from .context import byte_order
@@ -45,7 +45,7 @@ FUNCTIONS: Mapping[str, Callable[..., object]] = {
     "table": table,
 }
 TESTS = tests_for(
-    codec.Check,
+    operations.Check,
     Refusal,
     steps.Operation,
     steps.FixedNumber,

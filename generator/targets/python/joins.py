@@ -6,7 +6,8 @@ from collections.abc import Callable
 
 from ...model import Field
 from ...model.never import assert_never
-from ...plan.codec import Codec, Whole
+from ...plan.codec import Codec
+from ...plan.operations import Whole
 from ...plan.values import (
     Active,
     Characters,

@@ -8,7 +8,7 @@ from functools import cached_property
 from ...model import Device, Field, Interface, Register, Value
 from ...model.record import dataclass
 from ...plan.frames import Dispatch, dispatches
-from ...plan.identity import identities
+from ...plan.registers import identities
 from ...say.lines import plain
 from ...say.name import words
 from . import facts, text

@@ -9,7 +9,7 @@ from itertools import pairwise
 from ...model import Argument, Field, Procedure, Register
 from ...model.never import assert_never
 from ...model.record import dataclass
-from ...plan.refusals import NotOneOf, TooWide
+from ...plan.limits import NotOneOf, TooWide
 from ...plan.steps import (
     ArgumentRefusal,
     AsMember,

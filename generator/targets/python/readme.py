@@ -20,8 +20,8 @@ from ...model import (
 )
 from ...model.only import facts_for_code
 from ...model.record import dataclass
-from ...plan.measurement import counts
 from ...plan.values import (
+    counts,
     is_number,
     meaning_of,
 )

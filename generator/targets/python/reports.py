@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 
 from ...model import Field, Flag, Verdict, first_of
-from ...plan.codec import Codec, Part, Reserved
-from ...plan.reports import ReportCause, Reporting
-from ...plan.verdicts import Match, Only, VerdictCause
+from ...plan.codec import Codec
+from ...plan.operations import Part, Reserved
+from ...plan.verdicts import Match, Only, ReportCause, Reporting, VerdictCause
 from .expr import Atom, Expr, Not, Operation, coded, joined, mask
 from .names import ClassNames
 

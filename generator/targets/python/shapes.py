@@ -9,12 +9,11 @@ from typing import Any
 
 from ...model import Fault, Scale
 from ...model.expressions import Expression
-from ...plan.codec import FrameCrc, allowed_values
+from ...plan.codec import allowed_values
 from ...plan.description import Answered, Column, Name, describe
-from ...plan.measurement import position_ranges
-from ...plan.reports import Reporting
-from ...plan.values import is_named, meaning_of
-from ...plan.verdicts import Only
+from ...plan.operations import FrameCrc
+from ...plan.values import is_named, meaning_of, position_ranges
+from ...plan.verdicts import Only, Reporting
 from .bits import others
 from .codec import Coder
 from .context import byte_order

@@ -10,17 +10,17 @@ from ...model import Interface, Layout, Measurement, Register, Spi, Variant, fir
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...order_codes.labels import beginnings
-from ...plan.measurement import (
+from ...plan.frames import Exchanged, exchanges
+from ...plan.registers import HeldParameter, held_parameters
+from ...plan.values import (
     Cases,
     PositionRange,
     by_interface,
     counts,
+    meaning_of,
     parameters_in_measurement,
     position_ranges,
 )
-from ...plan.replies import Exchanged, exchanges
-from ...plan.run_time_parameters import HeldParameter, held_parameters
-from ...plan.values import meaning_of
 from ...say.parameter import initial
 from . import text
 from .codec import Coder

@@ -1,0 +1,300 @@
+"""Operations of decoders and encoders, independent of any language: bits to extract, checks, CRCs and terms."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+
+from ..model import Crc, Digits, Fault, Field, Join, Piece
+from ..model.expressions import Expression
+from ..model.record import dataclass
+from .crcs import FoldStep
+from .values import Meaning, meaning_of
+
+
+@dataclass(frozen=True, slots=True)
+class Bits:
+    """``width`` bits of the word, starting at ``low``. ``pieces`` describe the same bits in bytes, lowest bits first.
+
+    ``on_top`` is true if there are no bits above them, so a shift is enough to extract them. ``widest`` is the largest
+    width of any order code.
+    """
+
+    low: Expression
+    width: Expression
+    widest: int
+    on_top: bool
+    pieces: tuple[Piece, ...]
+
+    @property
+    def are_fixed(self) -> bool:
+        """True if the bits have the same position for every order code."""
+        return self.low.is_constant and self.width.is_constant
+
+
+# -- frame checks
+
+
+@dataclass(frozen=True, slots=True)
+class AlwaysIs:
+    """The field is a constant."""
+
+    field: Field
+    bits: Bits
+    value: int
+    fault = Fault.CONSTANT
+
+
+@dataclass(frozen=True, slots=True)
+class ZerosAbove:
+    """The field fills its container up to ``width`` bits. The constant ``padding`` is above it.
+
+    ``bits`` are the bits of the container that the field can occupy. ``beyond`` are the bytes that it never occupies.
+    """
+
+    field: Field
+    padding: Field
+    bits: Bits
+    beyond: tuple[Piece, ...]
+    fault = Fault.CONSTANT
+
+    @property
+    def may_reach(self) -> bool:
+        """True if there are bits above the field in the bytes that it occupies."""
+        reached = self.field.container - 8 * len(self.beyond)
+        return reached > (self.field.widest if self.bits.width.is_constant else 0)
+
+
+@dataclass(frozen=True, slots=True)
+class ParityIs:
+    """The bit is the parity of the fields ``of``: 1 for an odd number of ones or, with ``odd``, for an even number.
+
+    ``mask`` is the mask of the bits of each field that count, or 0 if all of them count. ``known_parity`` is the only
+    valid value of the bit in this frame if each field in ``of`` has a single value.
+    """
+
+    field: Field
+    bits: Bits
+    of: tuple[Field, ...]
+    of_bits: tuple[Bits, ...]
+    odd: bool
+    mask: int
+    known_parity: int | None
+    fault = Fault.CONSTANT
+
+    @property
+    def selector(self) -> Field:
+        """The only field in ``of`` if the parity is known."""
+        (field,) = self.of
+        return field
+
+
+@dataclass(frozen=True, slots=True)
+class IsOneOf:
+    """The field has one of these values: its named values or, for a selector, those that identify this frame."""
+
+    field: Field
+    bits: Bits
+    values: tuple[int, ...]
+    fault = Fault.RANGE
+
+
+@dataclass(frozen=True, slots=True)
+class AtMost:
+    """The field, as a decimal number, has at most as many digits as all ``runs`` together."""
+
+    field: Field
+    bits: Bits
+    limit: int
+    runs: tuple[Digits, ...]
+    fault = Fault.RANGE
+
+    @property
+    def digits(self) -> int:
+        """Number of digits."""
+        return sum(run.digits for run in self.runs)
+
+
+@dataclass(frozen=True, slots=True)
+class NotAbove:
+    """The field is at most ``highest``, which is lower than its width allows for some order codes."""
+
+    field: Field
+    bits: Bits
+    highest: Expression
+    fault = Fault.RANGE
+
+
+@dataclass(frozen=True, slots=True)
+class IsBetween:
+    """The signed field is from ``lowest`` to ``highest``, fewer numbers than its width allows for some order codes."""
+
+    field: Field
+    bits: Bits
+    lowest: Expression
+    highest: Expression
+    fault = Fault.RANGE
+
+
+Check = AlwaysIs | ZerosAbove | ParityIs | IsOneOf | AtMost | NotAbove | IsBetween
+
+
+@dataclass(frozen=True, slots=True)
+class FrameCrc:
+    """The CRC at the end of a frame.
+
+    It covers ``covered`` bits, starting at bit ``low``, which is everything before the CRC unless ``is_part`` is true.
+    ``divides`` is true if the polynomial divides every valid word
+    once the final XOR is removed. ``steps``, if any, then reduce the word without a table.
+    """
+
+    crc: Crc
+    field: Field
+    bits: Bits
+    covered: Expression
+    low: int
+    is_part: bool
+    divides: bool
+    steps: tuple[FoldStep, ...]
+
+    @property
+    def gap(self) -> int:
+        """Number of bits between those that it covers and the CRC."""
+        return self.low - self.crc.width
+
+    @property
+    def inverted(self) -> int:
+        """Mask of the CRC bits that are sent inverted."""
+        return self.crc.xorout
+
+
+@dataclass(frozen=True, slots=True)
+class Gray:
+    """The bits are sent in Gray code if the parameter ``when`` is not 0, or always if ``when`` is empty."""
+
+    low: Expression
+    width: Expression
+    when: str
+
+    @property
+    def depends(self) -> bool:
+        """True if the code, or the position of its bits, depends on the order code."""
+        return bool(self.when) or not (self.low.is_constant and self.width.is_constant)
+
+
+# -- parts of a frame
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A field of a decoded frame. ``shared`` is true if a join or a parity bit also uses its bits."""
+
+    field: Field
+    bits: Bits
+    shared: bool
+
+    @property
+    def meaning(self) -> Meaning:
+        """Operation that converts its bits."""
+        return meaning_of(self.field)
+
+
+@dataclass(frozen=True, slots=True)
+class Whole:
+    """A join: several fields as one number, most significant first. ``bits`` is set if they are adjacent."""
+
+    join: Join
+    fields: tuple[Field, ...]
+    width: Expression
+    widest: int
+    bits: Bits | None
+
+    @property
+    def from_low(self) -> Iterator[tuple[Field, Expression]]:
+        """Yield its fields, lowest first, each with the position of its lowest bit in the number."""
+        low = Expression(0)
+        for field in reversed(self.fields):
+            yield field, low
+            low += field.width
+
+    def joined(self, numbers: Mapping[str, int], parameters: Mapping[str, int]) -> int:
+        """Return the number of these fields, for an order code with these parameters."""
+        return sum(numbers[field.name] << low.value(parameters) for field, low in self.from_low)
+
+    def parts(self, number: int, parameters: Mapping[str, int]) -> dict[str, int]:
+        """Return the numbers of its fields, by name. The inverse of ``joined``."""
+        widths = ((field, low.value(parameters), field.width.value(parameters)) for field, low in self.from_low)
+        return {field.name: number >> low & (1 << width) - 1 for field, low, width in widths}
+
+    @property
+    def depends(self) -> bool:
+        """True if the position of any of its fields depends on the order code."""
+        return not all(low.is_constant for _, low in self.from_low)
+
+
+@dataclass(frozen=True, slots=True)
+class Reserved:
+    """Reserved bits. A decoder reports unexpected values but does not reject them.
+
+    A decoded frame has one number for all reserved bits, ``unused``. Its bits starting at ``place`` are 1 where this
+    field differs from ``value``.
+    """
+
+    field: Field
+    bits: Bits
+    value: int
+    place: int
+
+    @property
+    def mask(self) -> int:
+        """Mask of its bits in ``unused``."""
+        return ((1 << self.bits.widest) - 1) << self.place
+
+
+@dataclass(frozen=True, slots=True)
+class Fixed:
+    """A number that is the same in every frame of this layout."""
+
+    number: int
+
+
+@dataclass(frozen=True, slots=True)
+class ValueOfField:
+    """The value of a field. The inverse of its meaning converts it to bits."""
+
+    field: Field
+
+    @property
+    def meaning(self) -> Meaning:
+        """Operation whose inverse converts the value."""
+        return meaning_of(self.field)
+
+
+@dataclass(frozen=True, slots=True)
+class ParityOf:
+    """The parity bit over several fields. ``mask`` is the mask of the bits of each that count, or 0 for all bits."""
+
+    of: tuple[Field, ...]
+    odd: bool
+    mask: int
+
+
+@dataclass(frozen=True, slots=True)
+class ReservedBits:
+    """Reserved bits: ``value``, with those bits inverted that are 1 in ``unused``, starting at ``place``."""
+
+    value: int
+    place: int
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """One field of an encoded frame, other than the CRC."""
+
+    field: Field
+    bits: Bits
+    value: Fixed | ValueOfField | ParityOf | ReservedBits
+
+    @property
+    def depends(self) -> bool:
+        """True if its position or, for a signed field, its width depends on the order code."""
+        return not self.field.low.is_constant or (self.field.number.signed and not self.field.width.is_constant)
