@@ -37,7 +37,7 @@ from ..model import (
     number_to_bytes,
 )
 from ..model.expressions import Expression, ExpressionError
-from ..model.limits import bounded, bounded_width, bounds, representable
+from ..model.registers import bounded, bounded_width, bounds, representable
 from ..order_codes.labels import combinations
 from ..order_codes.parameters import resolve_parameters
 from ..reference.bits import join_value

@@ -30,7 +30,7 @@ from ..model import (
     WaitStep,
     WriteStep,
 )
-from ..model.only import fits
+from ..model.order_codes import fits
 
 Raw = Mapping[str, Any]
 T = TypeVar("T")

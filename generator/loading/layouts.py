@@ -13,8 +13,8 @@ from ..language.problems import Path
 from ..language.rules.shapes import PLACES
 from ..model import INTERFACES, Constant, Field, Join, Layout, LayoutRange, Parity
 from ..model.expressions import Expression
+from ..model.kinds import WIDEST
 from ..model.record import dataclass
-from ..model.scale import WIDEST
 from .fields import Context, Site, bit_range, build_combinations, expected_value, kind_of, pieces, zero_field
 from .from_mapping import Raw, record, sources
 from .layout_rules import check_layout

@@ -18,24 +18,35 @@ from typing import Any
 from .. import model
 from ..cache import Cache
 from ..model import (
-    by_hand,
     device,
     examples,
     expressions,
     facts,
+    fields,
+    interfaces,
     kinds,
     layout,
-    limits,
     measurement,
-    only,
-    scale,
+    order_codes,
+    registers,
     steps,
 )
-from ..model.interfaces import biss, common, rs485, spi, ssi
 
 _MODULES: tuple[ModuleType, ...] = (
-    *(by_hand, device, examples, expressions, facts, kinds, layout, limits, measurement, only, scale, steps),
-    *(biss, common, rs485, spi, ssi),
+    *(
+        device,
+        examples,
+        expressions,
+        facts,
+        fields,
+        interfaces,
+        kinds,
+        layout,
+        measurement,
+        order_codes,
+        registers,
+        steps,
+    ),
 )
 
 

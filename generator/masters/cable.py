@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ..model import Biss, Device, Ssi, assert_never
-from ..model.only import facts_for_code
+from ..model.order_codes import facts_for_code
 from ..model.record import dataclass
 from ..say.words import hertz
 

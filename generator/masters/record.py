@@ -31,7 +31,7 @@ from ..model import (
     Unused,
     Variant,
 )
-from ..model.only import facts_for_code
+from ..model.order_codes import facts_for_code
 from ..order_codes.parameters import with_answers
 from ..say.evidence import document
 from ..say.mentions import Subject, mentions

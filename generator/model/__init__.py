@@ -5,26 +5,7 @@ computes bit positions itself. Bit 0 is the least significant bit everywhere, an
 integer whose byte order is in the layout.
 """
 
-from .device import (
-    Alternative,
-    Answer,
-    CodedValue,
-    CodePart,
-    CodeValue,
-    Device,
-    FieldGroup,
-    OrderCode,
-    Parameter,
-    Register,
-    RegisterMeaning,
-    Release,
-    ReleasedChange,
-    SpelledValue,
-    Spelling,
-    TimesRead,
-    Variant,
-    choices,
-)
+from .device import Device, Release, ReleasedChange, TimesRead, Variant
 from .examples import (
     CrcExample,
     Example,
@@ -65,13 +46,33 @@ from .facts import (
     Timing,
     cite,
 )
-from .fault import Fault
-from .interfaces import INTERFACES, Fact, Interface
-from .interfaces.biss import BankSelect, Biss, ControlField, DescriptionFile, Network, PrintedTimeout, Profile, Timeout
-from .interfaces.common import Clock, Exchange, Signals
-from .interfaces.rs485 import DataId, MemoryAccess, Port, Rs485
-from .interfaces.spi import Spi, WordFormat
-from .interfaces.ssi import Alignment, CableLength, OutputCode, Ssi
+from .fields import Combination, Crc, Field, Join, Piece, PlacedField, Sign
+from .interfaces import (
+    INTERFACES,
+    Alignment,
+    BankSelect,
+    Biss,
+    CableLength,
+    Clock,
+    ControlField,
+    DataId,
+    DescriptionFile,
+    Exchange,
+    Fact,
+    Interface,
+    MemoryAccess,
+    Network,
+    OutputCode,
+    Port,
+    PrintedTimeout,
+    Profile,
+    Rs485,
+    Signals,
+    Spi,
+    Ssi,
+    Timeout,
+    WordFormat,
+)
 from .kinds import (
     UNEXPLAINED,
     Choice,
@@ -83,28 +84,28 @@ from .kinds import (
     Kind,
     Number,
     Parity,
+    Scale,
     Text,
     Unused,
     Value,
     Verdict,
 )
-from .layout import (
-    Combination,
-    Crc,
-    Field,
-    Join,
-    Layout,
-    Piece,
-    PlacedField,
-    PlacedLayout,
-    Sign,
-    number_from_bytes,
-    number_to_bytes,
-)
-from .lookup import first_of, member_named
+from .layout import Fault, Layout, PlacedLayout, number_from_bytes, number_to_bytes
+from .lookup import assert_never, first_of, member_named
 from .measurement import LayoutRange, Measurement
-from .never import assert_never
-from .scale import Scale
+from .order_codes import (
+    Alternative,
+    Answer,
+    CodedValue,
+    CodePart,
+    CodeValue,
+    OrderCode,
+    Parameter,
+    SpelledValue,
+    Spelling,
+    choices,
+)
+from .registers import FieldGroup, Register, RegisterMeaning
 from .steps import (
     Argument,
     ModifyStep,

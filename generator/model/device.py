@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import field
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cached_property
-from itertools import product
-from types import MappingProxyType
 from typing import TypeVar
 
 from .examples import Example, Sample
@@ -25,254 +22,23 @@ from .facts import (
     ManualEdition,
     Manufacturer,
     Overlay,
-    Sources,
     Supply,
     Table,
     Timing,
 )
-from .interfaces import INTERFACES, Interface
-from .interfaces.biss import Biss
-from .kinds import CrcValue, Flag, Value
-from .layout import Crc, Field, Layout, PlacedField, PlacedLayout
+from .fields import Crc, Field, PlacedField
+from .interfaces import Biss, Interface
+from .kinds import CrcValue, Flag
+from .layout import Layout, PlacedLayout
 from .lookup import first_of, member_named
 from .measurement import Measurement
+from .order_codes import Alternative, OrderCode, Parameter
 from .positions import PositionRange, narrower_range
 from .record import dataclass
+from .registers import FieldGroup, Register
 from .steps import Procedure
 
 _Kind = TypeVar("_Kind", bound=Interface)
-
-
-@dataclass(frozen=True, slots=True)
-class CodedValue:
-    """A value of a parameter, and the code for it in a register."""
-
-    code: int
-    value: int
-
-
-@dataclass(frozen=True, slots=True)
-class Parameter:
-    """A quantity set by the order code or, if ``equals`` is given, calculated from other quantities.
-
-    The register field ``read_from`` holds either the value or, if there are ``by_code``, a code for it.
-    """
-
-    name: str
-    meaning: str
-    unit: str
-    equals: Expression | None
-    largest: int
-    source: Sources
-    read_from: str = ""
-    min: int | None = None
-    max: int | None = None
-    interface: str = ""
-    hexadecimal: bool = False
-    alternative: str = ""
-    by_code: tuple[CodedValue, ...] = ()
-
-    def held_value(self, number: int) -> int | None:
-        """Return the value for the number in ``read_from``, or None if that is not one of the codes."""
-        if not self.by_code:
-            return number
-        return next((code_entry.value for code_entry in self.by_code if code_entry.code == number), None)
-
-    @property
-    def register(self) -> str:
-        """Register that holds the parameter at run time, or an empty string."""
-        return self.read_from.partition(".")[0]
-
-    @property
-    def field(self) -> str:
-        return self.read_from.partition(".")[2]
-
-
-@dataclass(frozen=True, slots=True)
-class Answer:
-    """One answer of an alternative, with the parameters that it sets."""
-
-    name: str
-    meaning: str
-    sets: Mapping[str, int]
-    source: Sources
-
-
-@dataclass(frozen=True, slots=True)
-class Alternative:
-    """A question that the manual leaves open. The first answer applies until the user chooses one.
-
-    Frames whose fields depend on the answer cannot be decoded without a choice. If ``default`` names the first answer,
-    only verdicts depend on the answer, and the user need not choose.
-    """
-
-    name: str
-    meaning: str
-    answers: tuple[Answer, ...]
-    source: Sources
-    default: str = ""
-
-    @property
-    def parameter(self) -> str:
-        """First parameter that the answers set: the only one of an alternative with a default."""
-        return next(iter(self.answers[0].sets))
-
-
-def choices(alternatives: Sequence[Alternative]) -> Iterator[tuple[tuple[Answer, ...], Mapping[str, int]]]:
-    """Yield every combination of answers to the alternatives, with the parameters that it sets.
-
-    Without alternatives there is one combination, which is empty.
-    """
-    for answers in product(*(alternative.answers for alternative in alternatives)):
-        yield answers, {name: value for answer in answers for name, value in answer.sets.items()}
-
-
-@dataclass(frozen=True, slots=True)
-class CodeValue:
-    text: str
-    meaning: str
-    interface: str
-    sets: Mapping[str, int]
-    only_with: Mapping[str, tuple[str, ...]]
-    source: Sources
-    supply: Supply | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class CodePart:
-    name: str
-    meaning: str
-    open: str
-    values: tuple[CodeValue, ...]
-    source: Sources
-    open_only_with: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
-
-
-@dataclass(frozen=True, slots=True)
-class SpelledValue:
-    """How another spelling of the order code writes one listed value of a part."""
-
-    part: str
-    text: str
-    value: str
-
-
-@dataclass(frozen=True, slots=True)
-class Spelling:
-    """Another notation of order codes on labels. ``where`` describes its use.
-
-    Parts in ``values`` can have only the texts listed there. ``then`` is a regular expression for text after the code
-    that has no meaning here.
-    """
-
-    pattern: str
-    where: str
-    values: tuple[SpelledValue, ...]
-    then: str
-    source: Sources
-
-
-@dataclass(frozen=True, slots=True)
-class OrderCode:
-    """Grammar of order codes: a ``pattern`` with the names of parts in braces, and the values of each part."""
-
-    pattern: str
-    parts: tuple[CodePart, ...]
-    special: str
-    note: str
-    source: Sources
-    also_written: tuple[Spelling, ...] = ()
-
-
-@dataclass(frozen=True, slots=True)
-class FieldGroup:
-    """Fields that several layouts share. Each of these fields refers to the group by name."""
-
-    name: str
-    printed_name: str
-    names: Mapping[str, str]
-    bits: int
-    note: str
-    source: Sources
-
-
-@dataclass(frozen=True, slots=True)
-class RegisterMeaning:
-    """One meaning of a register, valid while the field ``when`` (``register.field``) has the value named ``value``."""
-
-    name: str
-    when: str
-    value: str
-    min: Expression | None
-    max: Expression | None
-    meaning: str
-    source: Sources
-
-
-@dataclass(frozen=True, slots=True)
-class Register:
-    """A register of ``length`` bytes, starting at ``address``. ``layout`` contains its fields."""
-
-    name: str
-    printed_name: str
-    names: Mapping[str, str]
-    meaning: str
-    interface: str
-    address: int
-    length: int
-    access: str
-    byte_order: str
-    default: int | None
-    min: Expression | None
-    max: Expression | None
-    limits_of: str
-    opened_by: str
-    opened_by_value: str
-    clears_itself: bool
-    wait_at_least_ms: int | None
-    volatile: bool
-    layout: Layout
-    note: str
-    source: Sources
-    above_max: str = ""
-    write_clears: tuple[str, ...] = ()
-    meanings: tuple[RegisterMeaning, ...] = ()
-    reserved: str = ""
-    bank: int | None = None
-    opened_by_field: str = ""
-
-    @property
-    def is_accessed_whole(self) -> bool:
-        """True if all bytes have the same address, so that they are read or written at once."""
-        return not INTERFACES[self.interface].byte_addresses
-
-    def address_of(self, byte: int) -> int:
-        """Return the address of a byte, counted from 0."""
-        return self.address if self.is_accessed_whole else self.address + byte
-
-    @property
-    def last_address(self) -> int:
-        return self.address_of(self.length - 1)
-
-    @property
-    def readable(self) -> bool:
-        return self.access != "write_only"
-
-    @property
-    def writable(self) -> bool:
-        return self.access != "read_only"
-
-    @property
-    def values(self) -> tuple[Value, ...]:
-        """Named values of a register whose only field is a choice, or none."""
-        return self.layout.fields[0].values if len(self.layout.fields) == 1 else ()
-
-    def bytes_of(self, value: int) -> bytes:
-        """Return a value as bytes in ascending order of address."""
-        return value.to_bytes(self.length, "little" if self.byte_order == "low_byte_first" else "big")
-
-    def default_bytes(self) -> bytes | None:
-        return None if self.default is None else self.bytes_of(self.default)
 
 
 @dataclass(frozen=True, slots=True)

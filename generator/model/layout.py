@@ -7,237 +7,19 @@ layout.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import field, replace
+from dataclasses import field
+from enum import Enum
 from functools import cached_property
 from itertools import accumulate
 from types import MappingProxyType
 
 from .expressions import Expression
 from .facts import Sources
-from .kinds import Choice, Constant, CrcValue, Decimal, Digits, Flag, Kind, Number, Parity, Text, Unused, Value, Verdict
-from .lookup import first_of, member_named
+from .fields import Combination, Field, Join, PlacedField, Sign
+from .kinds import CrcValue, Flag, Parity, Unused, Value, Verdict
+from .lookup import member_named
 from .measurement import LayoutRange
-from .never import assert_never
 from .record import dataclass
-from .scale import Scale
-
-
-@dataclass(frozen=True, slots=True)
-class Crc:
-    """A CRC, defined by its standard parameters."""
-
-    name: str
-    width: int
-    poly: int
-    init: int
-    refin: bool
-    refout: bool
-    xorout: int
-    note: str
-    source: Sources
-
-    @property
-    def poly_with_top_bit(self) -> int:
-        return self.poly | 1 << self.width
-
-    @property
-    def mask(self) -> int:
-        return (1 << self.width) - 1
-
-    @property
-    def is_xor(self) -> bool:
-        """True if the CRC of whole bytes equals their XOR."""
-        return self.width == 8 and self.poly == 1 and self.init == 0 and self.refin == self.refout
-
-    @property
-    def polynomial(self) -> str:
-        """Generator polynomial, such as ``x^6 + x + 1``."""
-        powers = [self.width, *(power for power in range(self.width - 1, -1, -1) if self.poly >> power & 1)]
-        return " + ".join({0: "1", 1: "x"}.get(power, f"x^{power}") for power in powers)
-
-
-@dataclass(frozen=True, slots=True)
-class Piece:
-    """Part of a field in one byte: ``((byte >> right) & mask) << left``."""
-
-    byte: int
-    right: int
-    mask: int
-    left: int
-
-
-@dataclass(frozen=True, slots=True)
-class Field:
-    """A field at bits ``low`` to ``low + width - 1``, converted to a value according to ``kind``.
-
-    The field and its padding fill ``container`` bits from the field's lowest bit. ``pieces`` is empty unless the layout
-    is transmitted as bytes and the container is at a fixed position.
-    """
-
-    name: str
-    kind: Kind
-    low: Expression
-    width: Expression
-    widest: int
-    printed_name: str = ""
-    names: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
-    group: str = ""
-    container: int = 0
-    pieces: tuple[Piece, ...] = ()
-    equals: Expression | int | str | None = None
-    implemented: bool = True
-    reserved: str = ""
-    explained_by: tuple[str, ...] = ()
-    unit: str = ""
-    scale: Scale | None = None
-    default: int | None = None
-    meaning: str = ""
-    note: str = ""
-    source: Sources = ()
-    remedy: str = ""
-    by_hand: tuple[str, ...] = ()
-
-    @property
-    def unexplained(self) -> Field:
-        """The same flag for order codes for which the manual does not explain it."""
-        assert isinstance(self.kind, Flag)
-        return replace(self, kind=self.kind.unexplained, meaning="", note="", remedy="", by_hand=())
-
-    def for_parameters(self, parameters: Mapping[str, int]) -> Field:
-        """Return the field as it is for an order code with these parameters, and with the verdict that they decide."""
-        if not isinstance(self.kind, Flag):
-            return self
-        if self.kind.only_while and not parameters.get(self.kind.only_while):
-            return self.unexplained
-        if self.kind.verdict_parameter and parameters.get(self.kind.verdict_parameter):
-            return replace(self, kind=replace(self.kind, makes_position=self.kind.verdict_if_set))
-        return self
-
-    def place(self, parameters: Mapping[str, int]) -> PlacedField:
-        """Return the field at its bits, as it is for an order code with these parameters."""
-        return PlacedField(self.for_parameters(parameters), self.low.value(parameters), self.width.value(parameters))
-
-    @property
-    def is_fixed(self) -> bool:
-        """True if the field is at the same bits for every order code."""
-        return self.low.is_constant and self.width.is_constant
-
-    @property
-    def mask_in_place(self) -> int:
-        """Mask of the field in the layout, at its largest width. The position of its lowest bit must be fixed."""
-        return ((1 << self.widest) - 1) << self.low.constant
-
-    @property
-    def carries_data(self) -> bool:
-        """True if the field matters to users of a decoded frame: it is neither fixed nor derived from other fields."""
-        return not isinstance(self.kind, (Constant, Unused, CrcValue, Parity))
-
-    def documented(self, parameters: Mapping[str, int]) -> int | str | None:
-        """Return the value of ``equals`` for an order code with these parameters."""
-        return self.equals.value(parameters) if isinstance(self.equals, Expression) else self.equals
-
-    @property
-    def number(self) -> Number:
-        """Kind of the field if that is a number, else a plain number: limits and parameters then apply to the bits."""
-        match self.kind:
-            case Number():
-                return self.kind
-            case Flag() | Choice() | Constant() | Unused() | CrcValue() | Parity() | Decimal() | Text():
-                return Number()
-            case _:
-                assert_never(self.kind)
-
-    @property
-    def values(self) -> tuple[Value, ...]:
-        """Named values of a choice, or none."""
-        return self.kind.values if isinstance(self.kind, Choice) else ()
-
-    def value_named(self, name: str) -> Value:
-        """Return the named value with this name, or raise a ``LookupError``."""
-        return member_named(self.values, name, f"value of '{self.name}'")
-
-    def value_of(self, number: int) -> Value:
-        """Return the named value with this number, or raise a ``LookupError``."""
-        matches = (value for value in self.values if value.value == number)
-        return first_of(matches, f"value {number} of '{self.name}'")
-
-    @property
-    def runs(self) -> tuple[Digits, ...]:
-        """Runs of decimal digits of a decimal number, or none."""
-        return self.kind.runs if isinstance(self.kind, Decimal) else ()
-
-    @property
-    def padding_of(self) -> str:
-        """Name of the padded field, or an empty string if this field is not padding."""
-        return self.kind.padding_of if isinstance(self.kind, Constant) else ""
-
-    @property
-    def fills_gap(self) -> bool:
-        """True if the field consists of zeros that the spec does not list, between two fields or next to one."""
-        return isinstance(self.kind, Constant) and self.kind.fills_gap
-
-    @property
-    def fills_byte(self) -> bool:
-        """True if the field consists of zeros before a frame of bits that fill its first byte. They are not sent."""
-        return isinstance(self.kind, Constant) and self.kind.fills_byte
-
-
-@dataclass(frozen=True, slots=True)
-class Join:
-    """A number made of several fields, most significant first."""
-
-    name: str
-    fields: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Combination:
-    """Values of several fields that together decide the verdict on the position.
-
-    ``when`` lists them as ``field.value``. The value of a flag is ``active`` or ``inactive``.
-    """
-
-    name: str
-    printed_name: str
-    when: tuple[str, ...]
-    makes_position: Verdict
-    meaning: str
-    remedy: str
-    note: str
-    source: Sources
-
-
-@dataclass(frozen=True, slots=True)
-class Sign:
-    """Values that decide the verdict on the position like an active flag: a named value, or a combination.
-
-    ``flag`` has the name, the texts and the verdict, but no bits. ``conditions`` are the fields with their values: 1
-    for an active flag, 0 for an inactive one, or the number of a named value.
-    """
-
-    flag: Field
-    conditions: tuple[tuple[str, int], ...]
-
-
-@dataclass(frozen=True, slots=True)
-class PlacedField:
-    """A field at fixed bits, as it is for one order code."""
-
-    field: Field
-    low: int
-    width: int
-
-    @property
-    def name(self) -> str:
-        return self.field.name
-
-    @property
-    def high(self) -> int:
-        return self.low + self.width - 1
-
-    @property
-    def mask(self) -> int:
-        return (1 << self.width) - 1
 
 
 @dataclass(frozen=True)
@@ -509,3 +291,12 @@ def number_from_bytes(layout: Layout, data: bytes) -> int:
 def number_to_bytes(layout: Layout, number: int, bits: int) -> bytes:
     """Return a number as the bytes of a frame or register."""
     return number.to_bytes(bits // 8, "little" if layout.byte_order == "low_byte_first" else "big")
+
+
+class Fault(Enum):
+    """Frame errors, in the order in which a decoder checks for them."""
+
+    LENGTH = "length"
+    CRC = "crc"
+    CONSTANT = "constant"
+    RANGE = "range"

@@ -1,9 +1,9 @@
-"""Lookups whose error names what is missing."""
+"""Lookups and matches whose error names what is missing."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Protocol, TypeVar
+from typing import NoReturn, Protocol, TypeVar
 
 
 class _Named(Protocol):
@@ -28,3 +28,8 @@ def first_of(values: Iterable[_T], kind: str) -> _T:
     for value in values:
         return value
     raise LookupError(f"there is no {kind}")
+
+
+def assert_never(value: NoReturn) -> NoReturn:
+    """Make mypy reject a ``match`` that misses a member of the union."""
+    raise AssertionError(f"no case for {value!r}")

@@ -10,8 +10,9 @@ from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from .expressions import Expression
+from .fields import Field
 from .kinds import Number
-from .layout import Field, Layout
+from .layout import Layout
 from .measurement import Measurement
 
 

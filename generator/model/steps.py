@@ -1,7 +1,8 @@
-"""Procedures: steps that a master carries out."""
+"""Procedures: steps that a master carries out, or a person by hand."""
 
 from __future__ import annotations
 
+import re
 from typing import ClassVar
 
 from .facts import Sources
@@ -111,3 +112,23 @@ class Procedure:
     def registers(self) -> frozenset[str]:
         """Registers that the steps read or write."""
         return frozenset(step.register for step in self.steps if isinstance(step, RegisterStep))
+
+
+_NUMBER = re.compile(r"(?:^|(?<=\s))(\d{1,3})\.\s+")
+#: Lowest number of steps that make a list.
+_FEWEST = 3
+
+
+def steps_of(value: str) -> tuple[str, ...]:
+    """Return the text before the first step, then each step. Without steps numbered from one, return only the value."""
+    numbers = list(_NUMBER.finditer(value))
+    if [int(match[1]) for match in numbers] != list(range(1, len(numbers) + 1)):
+        return (value,)
+    ends = [*(match.start() for match in numbers[1:]), len(value)]
+    steps = (value[match.end() : end].strip() for match, end in zip(numbers, ends, strict=True))
+    return (value[: numbers[0].start()].strip(), *steps) if numbers else (value,)
+
+
+def has_steps(value: str) -> bool:
+    """Return whether a string has enough numbered steps to be a list."""
+    return len(steps_of(value)) > _FEWEST

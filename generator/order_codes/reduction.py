@@ -34,7 +34,7 @@ from ..model import (
     assert_never,
 )
 from ..model.expressions import Expression, Term
-from ..model.only import fits
+from ..model.order_codes import fits
 from .parameters import parameters_of
 
 #: Parts that hold for every order code. They make up most of a device, so the search leaves them out.

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from ..model import Fault, Field, Flag, Scale, Verdict
 from ..model.expressions import Expression
-from ..model.never import assert_never
+from ..model.lookup import assert_never
 from ..model.record import dataclass
 from . import verdicts
 from . import verdicts as reports

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from ..model import Device, Digits, Field, Join, Layout, Register, RegisterMeaning
 from ..model.expressions import Expression
 from ..model.kinds import Choice, Constant, CrcValue, Decimal, Flag, Number, Parity, Text, Unused
-from ..model.never import assert_never
+from ..model.lookup import assert_never
 from ..model.record import dataclass
 from .codec import Codec, allowed_values
 from .operations import IsBetween, NotAbove, Whole

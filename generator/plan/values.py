@@ -14,7 +14,7 @@ from typing import Generic, TypeVar
 from ..model import Device, Digits, Field, Interface, Layout, Measurement, Parameter, Value
 from ..model.expressions import Expression
 from ..model.kinds import Choice, Constant, CrcValue, Decimal, Flag, Number, Parity, Text, Unused
-from ..model.never import assert_never
+from ..model.lookup import assert_never
 from ..model.record import dataclass
 
 T = TypeVar("T")

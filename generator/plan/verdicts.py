@@ -12,7 +12,7 @@ from dataclasses import replace
 
 from ..model import Device, Field, Flag, Interface, Layout, Verdict
 from ..model.kinds import Choice, Constant, CrcValue, Decimal, Number, Parity, Text, Unused
-from ..model.never import assert_never
+from ..model.lookup import assert_never
 from ..model.record import dataclass
 from .codec import Codec, codec_of
 from .operations import Part, Reserved

@@ -22,7 +22,7 @@ from ..model import (
     Ssi,
     Timing,
 )
-from ..model.limits import bounded
+from ..model.registers import bounded
 from ..say.place import bits
 from ..say.place import bits as bit_text
 from .fact import NOTHING, Fact, Facts, Key, Sort

@@ -24,7 +24,7 @@ from ..model import (
     member_named,
     number_from_bytes,
 )
-from ..model.only import fits
+from ..model.order_codes import fits
 from ..model.record import dataclass
 from ..order_codes.labels import Match, edition_before, tests_of
 from ..say import fault

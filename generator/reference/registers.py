@@ -21,7 +21,7 @@ from ..model import (
     number_to_bytes,
 )
 from ..model.expressions import Expression
-from ..model.limits import bounded, bounds
+from ..model.registers import bounded, bounds
 from ..order_codes.parameters import RegisterError, after_write
 from ..say import fault
 from ..say.frame_text import register_length

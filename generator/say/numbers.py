@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from fractions import Fraction
 
-    from ..model.scale import Scale
+    from ..model.kinds import Scale
 
 #: Decimals of a number that has no exact decimal, such as 1/3.
 _ROUNDED = 6

@@ -13,7 +13,7 @@ from browser_harness import Asker, Case, cases, frames_with_checksums
 from codewheel.commands.decode.frames import FrameTextError, frame_bytes, frame_number, undecorated
 from codewheel.loading.library import load_library
 from codewheel.model import Choice, Decimal, Device, Flag, FrameExample, RegisterExample, Text, number_to_bytes
-from codewheel.model.limits import bounded, bounds
+from codewheel.model.registers import bounded, bounds
 from codewheel.reference import codec
 from codewheel.targets import Library
 from codewheel.why.mistakes import explain_bits, explain_bytes

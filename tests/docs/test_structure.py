@@ -6,7 +6,7 @@ import re
 from collections.abc import Mapping
 
 import pytest
-from codewheel.model.by_hand import steps_of
+from codewheel.model.steps import steps_of
 from codewheel.say.markdown import text
 from codewheel.targets import Library
 from codewheel.targets.docs.inline_errata import all_values

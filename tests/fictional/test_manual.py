@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from codewheel.commands.cli import main
 from codewheel.model import Device
-from codewheel.model.limits import representable
+from codewheel.model.registers import representable
 from codewheel.plan.crcs import crc_functions
 from codewheel.reference import codec
 from codewheel.reference.registers import register_writes

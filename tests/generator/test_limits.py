@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Device
-from codewheel.model.limits import bounds
+from codewheel.model.registers import bounds
 from codewheel.order_codes.labels import find
 from codewheel.order_codes.parameters import with_registers
 from codewheel.reference.codec import EncodeError

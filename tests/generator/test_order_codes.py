@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import pytest
 from codewheel.commands.cli import main
 from codewheel.model import Device
-from codewheel.model.only import fits
+from codewheel.model.order_codes import fits
 from codewheel.order_codes.labels import UnknownOrderCode, find
 
 

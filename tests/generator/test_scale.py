@@ -12,7 +12,7 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.language.schema import load_schema
 from codewheel.model import Scale
-from codewheel.model.scale import WIDEST
+from codewheel.model.kinds import WIDEST
 from codewheel.say.numbers import formula, quantity
 from codewheel_runtime import facts
 

@@ -33,7 +33,7 @@ from codewheel.model import (
     number_from_bytes,
     number_to_bytes,
 )
-from codewheel.model.limits import bounded, bounds
+from codewheel.model.registers import bounded, bounds
 from codewheel.order_codes.parameters import with_answers, with_registers
 from codewheel.reference.bits import compute, join_value
 from codewheel.reference.codec import Decoded, EncodeError, decode, decode_bytes, encode

@@ -19,7 +19,7 @@ import pytest
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
 from codewheel.loading.library import load_library
-from codewheel.model.by_hand import has_steps
+from codewheel.model.steps import has_steps
 from codewheel.targets import Library
 from codewheel.targets.python.files import generate
 from codewheel.targets.python.readme import ReadmeExample

@@ -8,7 +8,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from codewheel.model import Choice, Device, Fault, Field, PlacedLayout, Text, Variant, number_to_bytes
-from codewheel.model.limits import bounded, bounds
+from codewheel.model.registers import bounded, bounds
 from codewheel.order_codes.parameters import with_answers
 from codewheel.reference.bits import join_value
 from codewheel.reference.codec import UNUSED, Decoded, DecodedField, EncodeError, Problem, decode, encode

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 
 from codewheel.model import Field, Flag, Text
-from codewheel.model.limits import bounded
+from codewheel.model.registers import bounded
 from proof import in_c
 from proof_layout import Codec
 from proof_reference import ones

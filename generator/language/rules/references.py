@@ -7,8 +7,8 @@ from collections.abc import Collection, Iterator, Mapping
 from typing import Any
 
 from ...model import INTERFACES, Biss
-from ...model.by_hand import has_steps
 from ...model.expressions import Expression, ExpressionError
+from ...model.steps import has_steps
 from ..document import Path
 from ..hints import expression_hint, number_hint
 from ..problems import DocumentReport, nearest_choice, quoted, suggestion

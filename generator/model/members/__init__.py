@@ -9,16 +9,16 @@ from __future__ import annotations
 from collections.abc import Mapping
 from types import MappingProxyType
 
-from .family import FAMILY
 from .frames import FRAMES
-from .identity import IDENTITY
+from .identity import FAMILY, IDENTITY
 from .interfaces import INTERFACES
 from .member import WIDER, Member, Part
+from .registers import REGISTERS
 from .surroundings import SURROUNDINGS
 
 __all__ = ["FAMILY", "PARTS", "PARTS_BY_CLASS", "WIDER", "Member", "Part"]
 
 #: Every part of the data except the family itself.
-PARTS = (*IDENTITY, *INTERFACES, *FRAMES, *SURROUNDINGS)
+PARTS = (*IDENTITY, *INTERFACES, *FRAMES, *REGISTERS, *SURROUNDINGS)
 #: The part for each class of the model.
 PARTS_BY_CLASS: Mapping[str, Part] = MappingProxyType({name: part for part in PARTS for name in part.classes})

@@ -7,7 +7,7 @@ from typing import Any
 
 from ...model import Alarm, Device, Digits, Field, Layout, Register, RegisterMeaning, cite
 from ...model.expressions import Expression
-from ...model.never import assert_never
+from ...model.lookup import assert_never
 from ...order_codes.labels import edition_before, tests_of
 from ...plan.codec import Codec, codec_of
 from ...plan.description import Description, Name, Tells, describe

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ...model import Characteristic, Device
-from ...model.by_hand import has_steps, steps_of
 from ...model.record import dataclass
+from ...model.steps import has_steps, steps_of
 from ...say.name import heading
 
 

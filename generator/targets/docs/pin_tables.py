@@ -11,7 +11,7 @@ from ...model import (
     Supply,
     Variant,
 )
-from ...model.only import fits
+from ...model.order_codes import fits
 from ...model.record import dataclass
 from ...say.markdown import anchor, cited, code, text
 from ...say.words import sentence, volts

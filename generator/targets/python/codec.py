@@ -8,7 +8,7 @@ from functools import cached_property
 
 from ...model import Digits, Fault, Field, Layout, Register
 from ...model.expressions import Expression
-from ...model.never import assert_never
+from ...model.lookup import assert_never
 from ...model.record import dataclass
 from ...plan.codec import codec_of
 from ...plan.crcs import carrier_of

@@ -8,7 +8,7 @@ from functools import cached_property
 
 from ...model import Digits, Field, Piece
 from ...model.expressions import Expression
-from ...model.never import assert_never
+from ...model.lookup import assert_never
 from ...model.record import dataclass
 from ...plan.codec import Codec, parity
 from ...plan.operations import AlwaysIs, AtMost, Check, IsBetween, IsOneOf, NotAbove, ParityIs, Part, ZerosAbove

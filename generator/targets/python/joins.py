@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from ...model import Field
-from ...model.never import assert_never
+from ...model.lookup import assert_never
 from ...plan.codec import Codec
 from ...plan.operations import Whole
 from ...plan.values import (

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from functools import cached_property
 
-from ...model.never import assert_never
+from ...model.lookup import assert_never
 from ...model.record import dataclass
 from .expr import grouped
 from .lines import broken

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...model.never import assert_never
+from ...model.lookup import assert_never
 from ...plan.values import Active, Characters, DigitRuns, Meaning, Named, Raw, TwosComplement, ZeroMeans
 from .literals import Literal
 

@@ -7,7 +7,7 @@ from functools import cached_property
 from itertools import pairwise
 
 from ...model import Argument, Field, Procedure, Register
-from ...model.never import assert_never
+from ...model.lookup import assert_never
 from ...model.record import dataclass
 from ...plan.limits import NotOneOf, TooWide
 from ...plan.steps import (

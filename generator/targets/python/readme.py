@@ -18,7 +18,7 @@ from ...model import (
     Variant,
     number_to_bytes,
 )
-from ...model.only import facts_for_code
+from ...model.order_codes import facts_for_code
 from ...model.record import dataclass
 from ...plan.values import (
     counts,

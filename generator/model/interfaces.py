@@ -1,0 +1,356 @@
+"""Interfaces, each with its names and the facts that a manual gives about it.
+
+They are part of the model. A device has interfaces, and an interface has layouts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import field
+from types import MappingProxyType
+from typing import ClassVar, get_args
+
+from .expressions import Expression
+from .facts import Sources, Timing
+from .kinds import Value
+from .layout import Layout
+from .measurement import Measurement
+from .record import dataclass
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Common:
+    """An interface of a device. Order codes, registers and procedures refer to it by ``name``."""
+
+    #: The key in the spec language and in all outputs.
+    name: ClassVar[str]
+    #: Title for display, and the name used in sentences.
+    title: ClassVar[str]
+    short: ClassVar[str]
+    #: Default for layouts: frames are transmitted as ``"bits"`` or ``"bytes"``.
+    carried_as: ClassVar[str] = "bits"
+    #: True if layouts can be sent on several data channels.
+    has_channels: ClassVar[bool] = False
+    #: Number of register addresses, and the number in a bank if the interface has banks.
+    highest_address: ClassVar[int | None] = None
+    highest_in_bank: ClassVar[int | None] = None
+    #: True if a register has one address for each of its bytes, false if it has a single one.
+    byte_addresses: ClassVar[bool] = True
+    #: Flags defined by the interface itself, with the verdict on the position while each is active.
+    flags: ClassVar[Mapping[str, str]] = MappingProxyType({})
+
+    layouts: tuple[Layout, ...]
+    timings: tuple[Timing, ...]
+    note: str
+    source: Sources
+    measurement: Measurement | None
+
+
+@dataclass(frozen=True, slots=True)
+class Clock:
+    """The master's clock: its limits, inclusive, each None if not known, and clocks with which encoders are read.
+
+    ``used_hz`` has the clocks of programs and masters in ascending order. They are not limits.
+    """
+
+    min_hz: int | None
+    max_hz: int | None
+    used_hz: tuple[int, ...]
+    source: Sources
+
+    @property
+    def fastest_hz(self) -> int:
+        """Highest clock if it is known, otherwise the fastest that is in use."""
+        return self.max_hz if self.max_hz is not None else max(self.used_hz)
+
+    @property
+    def has_limits(self) -> bool:
+        return self.min_hz is not None or self.max_hz is not None
+
+
+@dataclass(frozen=True, slots=True)
+class Signals:
+    """The electrical standard."""
+
+    text: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Exchange:
+    """A request with the frame that answers it. ``reply`` is empty if the encoder does not answer.
+
+    ``purpose`` is ``position``, ``read``, ``write`` or ``other``. Those that read or write access a register over SPI,
+    with their fields ``address`` and ``data``. Several that write are the words of one write, in order.
+    ``word_bits`` is the length of both words over SPI, or None if it is that of the interface.
+    """
+
+    request: str
+    word_bits: Expression | None
+    reply: str
+    purpose: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Network:
+    topology: str
+    multiple_slaves: bool
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class PrintedTimeout:
+    """Time-out given in the manual for one clock frequency."""
+
+    clock_hz: int
+    timeout_ns: int
+
+
+@dataclass(frozen=True, slots=True)
+class Timeout:
+    """Time-out after a frame. ``rule`` is ``follows_clock`` or ``fixed``."""
+
+    rule: str
+    half_clock_periods: int | None
+    at_most_ns: int | None
+    typical_ns: int | None
+    printed: tuple[PrintedTimeout, ...]
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Profile:
+    """Encoder profile that the manual names."""
+
+    text: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class DescriptionFile:
+    """File that describes the encoder to a master."""
+
+    text: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class BankSelect:
+    """Register that selects the bank of the banked addresses."""
+
+    register: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class ControlField:
+    """A field of the control frame. The manual does not give the complete layout of that frame."""
+
+    name: str
+    printed_name: str
+    bits: int
+    values: tuple[Value, ...]
+    crc: str
+    meaning: str
+    source: Sources
+    names: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Biss(Common):
+    name: ClassVar[str] = "biss"
+    title: ClassVar[str] = "BiSS C-mode"
+    short: ClassVar[str] = "BiSS"
+    has_channels: ClassVar[bool] = True
+    #: The first half of the addresses is banked (protocol description, p. 14).
+    highest_address: ClassVar[int] = 0x7F
+    highest_in_bank: ClassVar[int] = 0x3F
+    flags: ClassVar[Mapping[str, str]] = MappingProxyType({"error": "not_usable", "warning": "usable_with_warning"})
+
+    clock: Clock
+    signals: str
+    profile: str
+    description_file: str
+    bank_select: str
+    network: Network | None
+    timeout: Timeout | None
+    control_data: tuple[ControlField, ...]
+    control_data_note: str
+
+    def facts(self) -> Iterator[Clock | Signals | Profile | DescriptionFile | BankSelect | Network | Timeout]:
+        """Yield the facts needed for set-up, in order of importance."""
+        yield self.clock
+        if self.signals:
+            yield Signals(self.signals, self.source)
+        if self.profile:
+            yield Profile(self.profile, self.source)
+        if self.description_file:
+            yield DescriptionFile(self.description_file, self.source)
+        if self.bank_select:
+            yield BankSelect(self.bank_select, self.source)
+        if self.network is not None:
+            yield self.network
+        if self.timeout is not None:
+            yield self.timeout
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """Settings of the serial port."""
+
+    baud: int
+    data_bits: int
+    parity: str
+    stop_bits: int
+    flow_control: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class DataId:
+    """Data that a request can ask for. ``control`` is the first byte of the request and of the reply."""
+
+    name: str
+    id: int
+    control: int
+    purpose: str
+    meaning: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class MemoryAccess:
+    """Meaning of the busy flag in a reply to a memory access."""
+
+    access: str
+    busy: int
+    address: str
+    data: str
+    meaning: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Rs485(Common):
+    """Requests and replies. Those of the T-format have ``data_ids``, all others ``exchanges``."""
+
+    name: ClassVar[str] = "rs485"
+    title: ClassVar[str] = "RS-485"
+    short: ClassVar[str] = "RS-485"
+    carried_as: ClassVar[str] = "bytes"
+
+    port: Port
+    data_ids: tuple[DataId, ...]
+    memory_access: tuple[MemoryAccess, ...]
+    exchanges: tuple[Exchange, ...]
+
+    def facts(self) -> Iterator[Port]:
+        """Yield the settings."""
+        yield self.port
+
+
+@dataclass(frozen=True, slots=True)
+class WordFormat:
+    """Words in SPI mode 0 to 3, with the number of bits in ``lengths``. ``reply`` is ``same_word`` or ``next_word``."""
+
+    lengths: tuple[Expression, ...]
+    mode: int
+    reply: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Spi(Common):
+    name: ClassVar[str] = "spi"
+    title: ClassVar[str] = "SPI"
+    short: ClassVar[str] = "SPI"
+    byte_addresses: ClassVar[bool] = False
+
+    clock: Clock
+    mode: int
+    word_bits: Expression
+    reply: str
+    exchanges: tuple[Exchange, ...]
+
+    def facts(self) -> Iterator[Clock | WordFormat]:
+        """Yield the facts needed for set-up, in order of importance."""
+        yield self.clock
+        yield WordFormat(self.lengths, self.mode, self.reply, self.source)
+
+    def bits_of(self, exchange: Exchange) -> Expression:
+        """Return the number of bits of a request and its reply."""
+        return self.word_bits if exchange.word_bits is None else exchange.word_bits
+
+    @property
+    def lengths(self) -> tuple[Expression, ...]:
+        """The different numbers of bits of words, in the order of the requests."""
+        return tuple(dict.fromkeys(map(self.bits_of, self.exchanges))) or (self.word_bits,)
+
+
+@dataclass(frozen=True, slots=True)
+class Alignment:
+    """End of the word that is aligned with the clocks: ``msb_left`` or ``lsb_right``."""
+
+    end: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class OutputCode:
+    """Position encoding as stated in the manual: ``binary``, ``gray`` or ``by_order_code``."""
+
+    code: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class CableLength:
+    """Clock limit in Hz, exclusive, for cables shorter than a length in metres."""
+
+    shorter_than_m: int
+    below_hz: int
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Ssi(Common):
+    name: ClassVar[str] = "ssi"
+    title: ClassVar[str] = "SSI"
+    short: ClassVar[str] = "SSI"
+
+    clock: Clock
+    alignment: Alignment
+    output_code: OutputCode | None
+    signals: str
+    cable_lengths: tuple[CableLength, ...]
+
+    def facts(self) -> Iterator[Clock | CableLength | Signals | Alignment | OutputCode]:
+        """Yield the facts needed for set-up, in order of importance."""
+        yield self.clock
+        yield from self.cable_lengths
+        if self.signals:
+            yield Signals(self.signals, self.source)
+        yield self.alignment
+        if self.output_code is not None:
+            yield self.output_code
+
+
+Interface = Ssi | Biss | Rs485 | Spi
+#: Facts yielded by the method ``facts`` of an interface. An output that can show all of these can show any interface.
+Fact = (
+    Clock
+    | CableLength
+    | Signals
+    | Alignment
+    | OutputCode
+    | Profile
+    | DescriptionFile
+    | BankSelect
+    | Network
+    | Timeout
+    | Port
+    | WordFormat
+)
+#: All interfaces by name.
+INTERFACES: Mapping[str, type[Interface]] = MappingProxyType({kind.name: kind for kind in get_args(Interface)})

@@ -1,0 +1,198 @@
+"""Order codes: their parts, parameters, spellings and alternatives, and the codes to which a fact applies."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import field
+from fnmatch import translate
+from functools import cache
+from glob import escape
+from itertools import product
+from types import MappingProxyType
+from typing import Protocol, TypeVar
+
+from .expressions import Expression
+from .facts import Sources, Supply
+from .record import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class CodedValue:
+    """A value of a parameter, and the code for it in a register."""
+
+    code: int
+    value: int
+
+
+@dataclass(frozen=True, slots=True)
+class Parameter:
+    """A quantity set by the order code or, if ``equals`` is given, calculated from other quantities.
+
+    The register field ``read_from`` holds either the value or, if there are ``by_code``, a code for it.
+    """
+
+    name: str
+    meaning: str
+    unit: str
+    equals: Expression | None
+    largest: int
+    source: Sources
+    read_from: str = ""
+    min: int | None = None
+    max: int | None = None
+    interface: str = ""
+    hexadecimal: bool = False
+    alternative: str = ""
+    by_code: tuple[CodedValue, ...] = ()
+
+    def held_value(self, number: int) -> int | None:
+        """Return the value for the number in ``read_from``, or None if that is not one of the codes."""
+        if not self.by_code:
+            return number
+        return next((code_entry.value for code_entry in self.by_code if code_entry.code == number), None)
+
+    @property
+    def register(self) -> str:
+        """Register that holds the parameter at run time, or an empty string."""
+        return self.read_from.partition(".")[0]
+
+    @property
+    def field(self) -> str:
+        return self.read_from.partition(".")[2]
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """One answer of an alternative, with the parameters that it sets."""
+
+    name: str
+    meaning: str
+    sets: Mapping[str, int]
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Alternative:
+    """A question that the manual leaves open. The first answer applies until the user chooses one.
+
+    Frames whose fields depend on the answer cannot be decoded without a choice. If ``default`` names the first answer,
+    only verdicts depend on the answer, and the user need not choose.
+    """
+
+    name: str
+    meaning: str
+    answers: tuple[Answer, ...]
+    source: Sources
+    default: str = ""
+
+    @property
+    def parameter(self) -> str:
+        """First parameter that the answers set: the only one of an alternative with a default."""
+        return next(iter(self.answers[0].sets))
+
+
+def choices(alternatives: Sequence[Alternative]) -> Iterator[tuple[tuple[Answer, ...], Mapping[str, int]]]:
+    """Yield every combination of answers to the alternatives, with the parameters that it sets.
+
+    Without alternatives there is one combination, which is empty.
+    """
+    for answers in product(*(alternative.answers for alternative in alternatives)):
+        yield answers, {name: value for answer in answers for name, value in answer.sets.items()}
+
+
+@dataclass(frozen=True, slots=True)
+class CodeValue:
+    text: str
+    meaning: str
+    interface: str
+    sets: Mapping[str, int]
+    only_with: Mapping[str, tuple[str, ...]]
+    source: Sources
+    supply: Supply | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class CodePart:
+    name: str
+    meaning: str
+    open: str
+    values: tuple[CodeValue, ...]
+    source: Sources
+    open_only_with: Mapping[str, tuple[str, ...]] = field(default_factory=lambda: MappingProxyType({}))
+
+
+@dataclass(frozen=True, slots=True)
+class SpelledValue:
+    """How another spelling of the order code writes one listed value of a part."""
+
+    part: str
+    text: str
+    value: str
+
+
+@dataclass(frozen=True, slots=True)
+class Spelling:
+    """Another notation of order codes on labels. ``where`` describes its use.
+
+    Parts in ``values`` can have only the texts listed there. ``then`` is a regular expression for text after the code
+    that has no meaning here.
+    """
+
+    pattern: str
+    where: str
+    values: tuple[SpelledValue, ...]
+    then: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class OrderCode:
+    """Grammar of order codes: a ``pattern`` with the names of parts in braces, and the values of each part."""
+
+    pattern: str
+    parts: tuple[CodePart, ...]
+    special: str
+    note: str
+    source: Sources
+    also_written: tuple[Spelling, ...] = ()
+
+
+_PARTS = re.compile(r"\.\.\.|…|x|[^.…x]+|\.")
+
+
+class Restricted(Protocol):
+    """A fact with the order codes to which it applies."""
+
+    @property
+    def only(self) -> str: ...
+
+
+_Fact = TypeVar("_Fact", bound=Restricted)
+
+
+def facts_for_code(facts: Iterable[_Fact], code: str) -> tuple[_Fact, ...]:
+    """Return the facts that apply to an order code."""
+    return tuple(fact for fact in facts if fits(fact.only, code))
+
+
+def fits(only: str, code: str) -> bool:
+    """Return whether ``code`` is one of the order codes ``only``. An empty ``only`` means all of them.
+
+    ``...`` stands for any text and ``x`` for any one character. Commas separate several patterns. The hyphen after an
+    order code on a label counts as part of it.
+    """
+    return not only or any(pattern.match(text) for pattern in _code_patterns(only) for text in (code, f"{code}-"))
+
+
+@cache
+def _code_patterns(only: str) -> tuple[re.Pattern[str], ...]:
+    return tuple(_pattern(order_code.strip()) for order_code in only.split(","))
+
+
+def _pattern(order_code: str) -> re.Pattern[str]:
+    """Return the regular expression of an abbreviated order code."""
+    # As for file names, where several "..." do not try every way to share the text between them.
+    wildcards = {"...": "*", "…": "*", "x": "?"}
+    parts = [wildcards.get(part) or escape(part) for part in _PARTS.findall(order_code)]
+    return re.compile(translate("".join(parts)))

@@ -1,0 +1,144 @@
+"""Registers with their fields, meanings and limits."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from .expressions import Expression
+from .facts import Sources
+from .interfaces import INTERFACES
+from .kinds import Value
+from .layout import Layout, PlacedLayout
+from .record import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class FieldGroup:
+    """Fields that several layouts share. Each of these fields refers to the group by name."""
+
+    name: str
+    printed_name: str
+    names: Mapping[str, str]
+    bits: int
+    note: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class RegisterMeaning:
+    """One meaning of a register, valid while the field ``when`` (``register.field``) has the value named ``value``."""
+
+    name: str
+    when: str
+    value: str
+    min: Expression | None
+    max: Expression | None
+    meaning: str
+    source: Sources
+
+
+@dataclass(frozen=True, slots=True)
+class Register:
+    """A register of ``length`` bytes, starting at ``address``. ``layout`` contains its fields."""
+
+    name: str
+    printed_name: str
+    names: Mapping[str, str]
+    meaning: str
+    interface: str
+    address: int
+    length: int
+    access: str
+    byte_order: str
+    default: int | None
+    min: Expression | None
+    max: Expression | None
+    limits_of: str
+    opened_by: str
+    opened_by_value: str
+    clears_itself: bool
+    wait_at_least_ms: int | None
+    volatile: bool
+    layout: Layout
+    note: str
+    source: Sources
+    above_max: str = ""
+    write_clears: tuple[str, ...] = ()
+    meanings: tuple[RegisterMeaning, ...] = ()
+    reserved: str = ""
+    bank: int | None = None
+    opened_by_field: str = ""
+
+    @property
+    def is_accessed_whole(self) -> bool:
+        """True if all bytes have the same address, so that they are read or written at once."""
+        return not INTERFACES[self.interface].byte_addresses
+
+    def address_of(self, byte: int) -> int:
+        """Return the address of a byte, counted from 0."""
+        return self.address if self.is_accessed_whole else self.address + byte
+
+    @property
+    def last_address(self) -> int:
+        return self.address_of(self.length - 1)
+
+    @property
+    def readable(self) -> bool:
+        return self.access != "write_only"
+
+    @property
+    def writable(self) -> bool:
+        return self.access != "read_only"
+
+    @property
+    def values(self) -> tuple[Value, ...]:
+        """Named values of a register whose only field is a choice, or none."""
+        return self.layout.fields[0].values if len(self.layout.fields) == 1 else ()
+
+    def bytes_of(self, value: int) -> bytes:
+        """Return a value as bytes in ascending order of address."""
+        return value.to_bytes(self.length, "little" if self.byte_order == "low_byte_first" else "big")
+
+    def default_bytes(self) -> bytes | None:
+        return None if self.default is None else self.bytes_of(self.default)
+
+
+def bounded(register: Register) -> str:
+    """Return the name of the limited field or join, or an empty string if the limits apply to the whole register."""
+    names = register.layout.member_names
+    if register.limits_of in names:
+        return register.limits_of
+    return next(iter(names)) if len(names) == 1 else ""
+
+
+def bounded_width(register: Register, placed: PlacedLayout) -> int:
+    """Return the width of the limited field, join or register."""
+    return placed.place_of(bounded(register))[1] or 8 * register.length
+
+
+def representable(register: Register, placed: PlacedLayout) -> tuple[int, int]:
+    """Return the lowest and highest number that fit in the limited field, join or register."""
+    width = bounded_width(register, placed)
+    limited_field = placed.find_field(bounded(register))
+    if limited_field is not None and limited_field.field.number.signed:
+        return -(1 << (width - 1)), (1 << (width - 1)) - 1
+    return 0, (1 << width) - 1
+
+
+def bounds(
+    register: Register,
+    placed: PlacedLayout,
+    limits: tuple[Expression | None, Expression | None],
+    parameters: Mapping[str, int],
+) -> tuple[int, int]:
+    """Return the lowest and highest value that may be written, from ``limits`` or otherwise from the width."""
+    lowest, highest = representable(register, placed)
+    limited_field = placed.find_field(bounded(register))
+    if limited_field is not None:
+        highest = max(highest, limited_field.field.number.zero_means)
+    low, high = limits
+    if low is not None:
+        lowest = low.value(parameters)
+    if high is not None:
+        highest = high.value(parameters)
+    return lowest, highest
