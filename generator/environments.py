@@ -22,7 +22,7 @@ from jinja2 import (
 )
 
 from .compiled_templates import CompiledTemplates
-from .say.lines import plain, wrapped
+from .say.plain_text import plain, wrapped
 from .template_fault import SUFFIX, TemplateFault
 
 #: Filters of all targets.

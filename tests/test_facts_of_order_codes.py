@@ -47,7 +47,7 @@ READERS = {
         "virtual/memory.py",
     },
     "denies something only if no fact of any order code mentions it": {
-        "say/mentions.py",
+        "say/evidence.py",
         "targets/docs/unstated.py",
     },
     "shows the order codes beside each fact": {
@@ -56,9 +56,9 @@ READERS = {
         "dump/plain.py",
         "readings/interfaces.py",
         "readings/surroundings.py",
-        "say/erratum.py",
+        "say/errata.py",
         "say/interface.py",
-        "say/origin.py",
+        "say/evidence.py",
         "targets/c/device.py",
         "targets/c/interfaces.py",
         "targets/docs/clock_and_cable.py",

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Flag, Layout, PlacedField, PlacedLayout, Variant, choices
-from codewheel.say.name import words
+from codewheel.say.names_and_places import words
 
 #: Fields with fewer bits have room for a letter only, which the caption explains.
 _TEXT = 3

@@ -14,8 +14,7 @@ from typing import Any, ClassVar, Protocol
 
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Field, Layout
-from codewheel.say.name import title, words
-from codewheel.say.place import addresses, hexadecimal
+from codewheel.say.names_and_places import addresses, hexadecimal, title, words
 from codewheel.targets.docs.order_code_page import OrderCodes
 from sphinx.application import Sphinx
 from sphinx.domains import Domain

@@ -11,8 +11,8 @@ from ..model import Alarm, Alternative, Connector, Crc, Device, Layout
 from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, WIDER, Member
 from ..order_codes.reduction import sent_crcs
+from ..say.names_and_places import register_at
 from ..say.numbers import first_of
-from ..say.place import register_at
 from .change import Change, Subject
 from .counterparts import in_section, recognised
 from .family_pair import FamilyPair

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from ..say.lines import WIDTH, wrapped
 from ..say.markdown import code as in_code
 from ..say.markdown import text
 from ..say.numbers import counted, first_of
+from ..say.plain_text import WIDTH, wrapped
 from .change import OUTPUTS, TITLES, Change, Impact, Package
 
 #: Version of the data, in the shape of ``language/diff.schema.json``.

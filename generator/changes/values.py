@@ -12,7 +12,7 @@ from ..model import CodedValue, Device, Scale, Supply, Variant
 from ..model.expressions import Expression, ExpressionError
 from ..order_codes.parameters import with_changed
 from ..say.numbers import counted, first_of, formula
-from ..say.words import hertz, microseconds, volts
+from ..say.text import hertz, microseconds, volts
 
 Parameters = Mapping[str, int]
 

@@ -80,7 +80,7 @@ def rules_of_check() -> dict[str, Example]:
 
 def _list_rules(examples: dict[str, Example]) -> str:
     from ..changes.rules import RULES
-    from ..say.lines import WIDTH, wrapped
+    from ..say.plain_text import WIDTH, wrapped
 
     rule_lines = []
     for rule in RULES.values():
@@ -91,7 +91,7 @@ def _list_rules(examples: dict[str, Example]) -> str:
 
 
 def _describe_rule_of_check(name: str, examples: dict[str, Example]) -> list[str]:
-    from ..say.lines import WIDTH, wrapped
+    from ..say.plain_text import WIDTH, wrapped
 
     if name in _SEVERAL_FILES:
         return [wrapped(_SEVERAL_FILES[name], WIDTH, "  ", f"{name}, a rule of check: ")]
@@ -106,7 +106,7 @@ def _describe_rule_of_check(name: str, examples: dict[str, Example]) -> list[str
 def _describe_rule_of_diff(name: str) -> list[str]:
     from ..changes.change import OUTPUTS, TITLES
     from ..changes.rules import RULES
-    from ..say.lines import WIDTH, wrapped
+    from ..say.plain_text import WIDTH, wrapped
 
     rule = RULES.get(name)
     if rule is None:

@@ -135,7 +135,7 @@ def _with_interface_names(family: Row) -> dict[str, Any]:
 
 def as_text(families: Sequence[Row]) -> str:
     """Return a few lines about each family."""
-    from ..say.lines import WIDTH, pairs, wrapped
+    from ..say.plain_text import WIDTH, pairs, wrapped
 
     lines = []
     for family in families:

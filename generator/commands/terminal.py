@@ -13,8 +13,8 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
-from ..say.ascii import STAND_INS
 from ..say.numbers import counted
+from ..say.plain_text import STAND_INS
 
 if TYPE_CHECKING:
     from ..language.problems import Report

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..model import Biss, Device, Ssi, assert_never
 from ..model.order_codes import facts_for_code
 from ..model.record import dataclass
-from ..say.words import hertz
+from ..say.text import hertz
 
 #: iC-Haus, application note AN15, BiSS C master operation details, revision A3, table 1: clock on MA with RS-422.
 _BISS_CLOCKS = (

@@ -10,7 +10,7 @@ from typing import Any
 from ..language.master_items import TYPES
 from ..language.problems import listed
 from ..model.record import dataclass
-from ..say.words import counted
+from ..say.text import counted
 
 Raw = Mapping[str, Any]
 

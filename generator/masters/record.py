@@ -33,11 +33,10 @@ from ..model import (
 )
 from ..model.order_codes import facts_for_code
 from ..order_codes.parameters import with_answers
-from ..say.evidence import document
-from ..say.mentions import Subject, mentions
-from ..say.parameter import initial
-from ..say.place import addresses
-from ..say.words import hertz, timeout_words
+from ..say.evidence import Subject, document, mentions
+from ..say.names_and_places import addresses
+from ..say.order_code import initial
+from ..say.text import hertz, timeout_words
 from .cable import CableRow, CableTable, cable_table
 
 _NO_ANSWERS: Mapping[str, str] = MappingProxyType({})

@@ -22,7 +22,7 @@ from ..model.expressions import Expression, ExpressionError
 from ..model.record import dataclass
 from ..say.interface import clocks_in_use
 from ..say.numbers import decimal
-from ..say.words import hertz
+from ..say.text import hertz
 from .places import Device, Place, devices_of, places_of, reason_for_misfit
 from .record import Part, Record
 from .writing import WriteCondition, writing_of

@@ -11,12 +11,10 @@ from typing import Any
 from ..language.problems import listed
 from ..model import INTERFACES, Biss, Device
 from ..order_codes.labels import Match
+from ..say.evidence import Subject, origin
 from ..say.interface import clocks_in_use
-from ..say.lines import WIDTH, pairs, wrapped
-from ..say.mentions import Subject
-from ..say.origin import origin
-from ..say.text import BY_NAME
-from ..say.words import counted, hertz, microseconds, volts
+from ..say.plain_text import WIDTH, pairs, wrapped
+from ..say.text import BY_NAME, counted, hertz, microseconds, volts
 from .places import place_lines
 from .record import Record
 from .sheet import Master, Refusal, Setting, Sheet

@@ -11,8 +11,8 @@ from itertools import chain
 
 from ..changes.pairs import by_key
 from ..language.problems import Path
+from ..say.names_and_places import bits
 from ..say.numbers import first_of
-from ..say.place import bits
 from .cited import NUMBERS
 from .fact import NOTHING, Bit, Case, Fact, Facts, Key, Names, Sort, Value, Word, WordCase, are_settled, mistaken_pairs
 from .frame_bits import continues_item, describe_bits

@@ -27,7 +27,7 @@ from ..model import (
     assert_never,
 )
 from ..order_codes.parameters import deciding_parameters
-from ..say.place import bits
+from ..say.names_and_places import bits
 from .fact import Bit, Case, Fact, Facts, Sort, Word, WordCase
 from .reading import Parameters, as_delivered, in_hex, interface_label
 from .stated import Subject

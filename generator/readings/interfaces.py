@@ -23,8 +23,8 @@ from ..model import (
     Timing,
 )
 from ..model.registers import bounded
-from ..say.place import bits
-from ..say.place import bits as bit_text
+from ..say.names_and_places import bits
+from ..say.names_and_places import bits as bit_text
 from .fact import NOTHING, Fact, Facts, Key, Sort
 from .frame_bits import word
 from .reading import Reading, as_delivered, in_hex, interface_label, plain, register_text

@@ -8,7 +8,7 @@ from dataclasses import replace
 from ..language.problems import Path
 from ..model import Interface, Layout, Parameter
 from ..order_codes.labels import spelled
-from ..say.place import bits
+from ..say.names_and_places import bits
 from .fact import Case, Fact, Facts, Sort
 from .reading import Reading, short
 from .stated import Subject

@@ -13,7 +13,7 @@ from ..model import INTERFACES, Device, Field, Layout, Register
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from ..order_codes.parameters import with_changed
-from ..say.place import bits
+from ..say.names_and_places import bits
 from .fact import Case, Key
 
 Parameters = Mapping[str, int]

@@ -1,11 +1,18 @@
-"""Statements about the evidence for the facts of a family."""
+"""Statements about the evidence for facts and the origin of a family, and subjects that a manual mentions.
+
+Facts without a place of their own in the model are texts: times with a meaning, characteristics, tables, notes.
+"""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
+from enum import Enum
 
-from ..model import Device
-from .text import Statement, statement
+from ..model import LEFT_OUT, NOT_KNOWN, Device, EditionTest, Interface, Timing
+from .errata import erratum
+from .names_and_places import words
+from .text import Code, Ref, Statement, sentence, statement
 
 _MEANING = {
     "manual": "all pages of the manufacturer's document were read",
@@ -53,3 +60,100 @@ def basis(device: Device) -> Iterator[Statement]:
                 yield statement(", ".join(names), label=label)
     for fact in evidence.left_out:
         yield statement(fact, label="Left out")
+
+
+def origin(device: Device) -> Iterator[Statement]:
+    """Yield how the family differs from its manual, if at all."""
+    special = next((overlay.special for overlay in device.overlays if overlay.special), "")
+    if special:
+        yield statement(
+            "Only for encoders whose order code ends in ",
+            Code(f"/{special}"),
+            ". For all others use ",
+            Code(device.base),
+        )
+    if device.edition:
+        date = f" of {device.manual.date}" if device.manual.date else ""
+        yield statement(
+            f"Describes encoders of edition {device.edition} of the manual{date}, as far as they are known. "
+            "The edition that the spec transcribes is ",
+            Code(device.base),
+            ". Each difference is given with its source. Unknown parts are omitted",
+        )
+    for overlay in device.overlays:
+        yield statement(
+            f"Includes the overlay {overlay.name}, “{overlay.title}”. "
+            "Each of its changes is noted inline, with its reason and its source"
+        )
+
+
+def other_editions(device: Device) -> Iterator[Statement]:
+    """Yield a hint at other editions of the manual, with the command that generates files for one."""
+    if device.editions:
+        example = f"codewheel generate --edition {device.name}={device.editions[0].revision}"
+        yield statement(
+            "Differences from other editions of the manual are noted inline. For the files of another edition, use ",
+            Code(example),
+        )
+
+
+def removals(device: Device) -> Iterator[Statement]:
+    """Yield those changes by overlays and editions that removed the part where they would otherwise be noted."""
+    for correction in device.errata:
+        has_no_place = device.base or correction.overlay or not correction.affects
+        if (
+            (correction.overlay or correction.edition)
+            and has_no_place
+            and correction.used in (LEFT_OUT, NOT_KNOWN)
+            and correction.severity != "wording"
+        ):
+            yield erratum(correction)
+
+
+def edition_test(revision: str, test: EditionTest) -> Statement:
+    """Return the register test for an encoder older than an edition."""
+    register = Ref("register", test.register, words(test.register))
+    return statement(
+        register,
+        f": {test.run} is {test.min} to {test.max}. {sentence(test.why)} Any other value means that the encoder is "
+        f"older than edition {revision}. A value in this range is not conclusive",
+        source=test.source,
+    )
+
+
+class Subject(Enum):
+    """A subject, with the words of manuals for it."""
+
+    REPLY_TIME = (
+        r"(?i)acknowledg|busy time|latency|turn-?around|(?:reply|response|answer(?:ing)?|processing)[ _-](?:time|delay)"
+        r"|\b(?:time|delay|pause|duration)\b.{0,80}\b(?:repl(?:y|ies)|responds?|answers?|start bit)\b"
+        r"|\b(?:replies|responds|answers)\b.{0,40}\b(?:within|after at (?:least|most))\b"
+    )
+    CABLE = r"(?i)\bcables?[ _-](?:length|up to|shorter|below)|length of the cable|(?:maximum|longest) cable"
+    TIMEOUT = r"(?i)time-?out|monoflop"
+    PAUSE = r"(?i)\bpause|between (?:two|the|consecutive) (?:words|frames|transmissions|clock)"
+    SUPPLY = r"(?i)^supply\b(?! source)|(?:supply|operating) voltage|\bsuppl(?:y|ied)\b[^.]*\d ?V\b"
+    LEDS = r"(?i)\bleds?\b|light-emitting|indicator light"
+
+
+def mentions(device: Device, interface: Interface, subject: Subject) -> bool:
+    """Return whether anything about the device or this interface may be about the subject."""
+    search = re.compile(subject.value).search
+    return any(map(search, _texts(device, interface)))
+
+
+def _texts(device: Device, interface: Interface) -> Iterator[str]:
+    yield interface.note
+    for timing in (*interface.timings, *device.timings):
+        yield _text_of(timing)
+    for characteristic in device.characteristics:
+        quantities = (quantity.quantity for quantity in characteristic.values)
+        yield " ".join((characteristic.name.replace("_", " "), characteristic.value, *quantities))
+    for table in device.tables:
+        yield " ".join((table.title, *table.columns, *(row[0] for row in table.rows if row), table.note))
+    for connector in device.connectors:
+        yield connector.note
+
+
+def _text_of(timing: Timing) -> str:
+    return f"{timing.name.replace('_', ' ')}: {timing.symbol} {timing.meaning}"

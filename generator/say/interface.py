@@ -1,4 +1,4 @@
-"""Statements about an interface except its frames: clock, port, times, data IDs."""
+"""Statements about an interface except its frames: clock, port, times, data IDs, and hardware inputs."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ from ..model import (
     Device,
     Exchange,
     Fact,
+    Input,
     Interface,
     MemoryAccess,
     Network,
@@ -27,16 +28,54 @@ from ..model import (
     Spi,
     Ssi,
     Timeout,
+    Timing,
     WordFormat,
     assert_never,
 )
 from ..model.expressions import Expression
 from .field import value
-from .name import printed, words
-from .name import register as named
-from .text import Code, Part, Statement, listed, parted, spec_text, statement
-from .timing import timing
-from .words import counted, hertz, number, printed_timeout_words, sentence, timeout_words
+from .names_and_places import printed, register_field, words
+from .names_and_places import register as named
+from .numbers import counted, number
+from .text import (
+    Code,
+    Part,
+    Statement,
+    hertz,
+    listed,
+    microseconds,
+    parted,
+    printed_timeout_words,
+    sentence,
+    spec_text,
+    statement,
+    timeout_words,
+)
+
+
+def timing(printed_time: Timing) -> Statement:
+    """Return its duration, labelled with the symbol in the manual or with our name."""
+    description = f": {printed_time.meaning}" if printed_time.meaning else ""
+    description += f" (only with {printed_time.only})" if printed_time.only else ""
+    return statement(
+        bounds(printed_time), description, label=printed_time.symbol or printed_time.name, source=printed_time.source
+    )
+
+
+def bounds_with_codes(printed_time: Timing) -> str:
+    """Return the duration as text, with the order codes to which it applies unless these are all."""
+    return f"{bounds(printed_time)} (only with {printed_time.only})" if printed_time.only else bounds(printed_time)
+
+
+def bounds(printed_time: Timing) -> str:
+    """Return the duration as text, such as ``at least 12 µs``."""
+    bounds_by_word = (
+        ("at least", printed_time.at_least_us),
+        ("typically", printed_time.typical_us),
+        ("at most", printed_time.at_most_us),
+    )
+    return ", ".join(f"{word} {microseconds(count)}" for word, count in bounds_by_word if count is not None)
+
 
 _ALIGNMENT = {
     "msb_left": "left: the most significant bit comes with the first clock, and zeros follow the word",
@@ -219,3 +258,17 @@ def control_field(bits_field: ControlField) -> Statement:
         label=printed(bits_field) or words(bits_field.name),
         source=bits_field.source,
     )
+
+
+def input_facts(device: Device, hardware_input: Input) -> Iterator[Statement]:
+    """Yield the meanings of its levels, its effect, and the rules for its use."""
+    yield from spec_text(hardware_input.low, label="Low level")
+    yield from spec_text(hardware_input.high, label="High level")
+    if hardware_input.pulse_at_least_us is not None:
+        yield statement(f"at least {microseconds(hardware_input.pulse_at_least_us)}", label="Pulse")
+    if hardware_input.inverts:
+        yield statement("A high level inverts ", register_field(device, hardware_input.inverts))
+    if hardware_input.needs:
+        yield statement("Has an effect only if enabled by ", register_field(device, hardware_input.needs))
+    if hardware_input.when_unused:
+        yield statement(f"Connect it to {hardware_input.when_unused} when it is not used")

@@ -1,15 +1,36 @@
-"""Sentences that describe a frame: its sender, its selector, and the fields that form one number."""
+"""Sentences that describe a frame and its CRC, and the labels of its fields in pictures."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from ..model import Alternative, Combination, Device, Interface, Join, Layout, Rs485, Sign, choices
-from .alternative import names, needs
-from .erratum import errata, erratum
+from ..model import (
+    Alternative,
+    Choice,
+    Combination,
+    Constant,
+    Crc,
+    CrcValue,
+    Decimal,
+    Device,
+    Field,
+    Flag,
+    Interface,
+    Join,
+    Layout,
+    Number,
+    Parity,
+    Rs485,
+    Sign,
+    Text,
+    Unused,
+    assert_never,
+    choices,
+)
+from .errata import answer_names, errata, erratum, needed_answers
+from .numbers import counted
 from .report import conditions
-from .text import Code, Part, Statement, listed, spec_text, statement
-from .words import WORTH, counted, sentence
+from .text import WORTH, Code, Part, Statement, listed, sentence, spec_text, statement
 
 
 def head(interface: Interface, layout: Layout, name: Part, alternatives: Sequence[Alternative] = ()) -> Statement:
@@ -38,14 +59,14 @@ def _bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iterator[Part]
         yield layout.bits
         return
     for index, (answers, sets) in enumerate(choices(deciding)):
-        yield from (" or " if index else "", f"{layout.bits.value(sets)} (", *names(answers), ")")
+        yield from (" or " if index else "", f"{layout.bits.value(sets)} (", *answer_names(answers), ")")
 
 
 def layout(device: Device, interface: Interface, frame: Layout) -> Iterator[Statement]:
     """Yield all statements that follow the head in running text."""
     yield from spec_text(frame.printed_name, label="In the manual")
     yield from facts(interface, frame)
-    yield from needs(device, frame)
+    yield from needed_answers(device, frame)
     yield from spec_text(frame.note)
     yield from errata_of(device, interface, frame)
 
@@ -112,3 +133,83 @@ def join(joined_number: Join) -> Statement:
 def as_one_number(parts: str) -> str:
     """Return the phrase for parts that form one number."""
     return f"{parts} as one number"
+
+
+def crc(device: Device, checksum: Crc) -> Iterator[Statement]:
+    """Yield all statements about it in order, for running text."""
+    yield crc_head(device, checksum)
+    yield from spec_text(checksum.note)
+    yield from map(erratum, errata(device, f"crcs.{checksum.name}"))
+
+
+def crc_head(device: Device, checksum: Crc) -> Statement:
+    """Return its parameters in one sentence."""
+    return statement(
+        f"CRC {checksum.name} of {counted(checksum.width, 'bit')}: {crc_parameters(device, checksum)}",
+        source=checksum.source,
+    )
+
+
+def crc_parameters(device: Device, checksum: Crc) -> str:
+    """Return polynomial, start value, reflection and final XOR."""
+    start = f"start value {f'0x{checksum.init:X}' if checksum.init else 0}"
+    return ", ".join(filter(None, (checksum.polynomial, start, crc_reflected(device, checksum), crc_sent(checksum))))
+
+
+def crc_reflected(device: Device, checksum: Crc) -> str:
+    """Return whether the input and the output are reflected, or an empty string if neither is."""
+    sides = {"input": device.reflects_input(checksum), "output": checksum.refout}
+    reflected_words = [side for side, is_reflected in sides.items() if is_reflected]
+    return f"{' and '.join(reflected_words)} reflected" if reflected_words else ""
+
+
+def crc_sent(checksum: Crc) -> str:
+    """Return how the remainder is changed before it is sent."""
+    if checksum.xorout == checksum.mask:
+        return "sent inverted"
+    return f"sent after an XOR with 0x{checksum.xorout:X}" if checksum.xorout else "sent unchanged"
+
+
+def crc_inverted(checksum: Crc) -> str:
+    """Return in two words how the remainder is changed before it is sent."""
+    return {0: "not inverted", checksum.mask: "inverted"}.get(checksum.xorout, f"XOR {checksum.xorout:#X}")
+
+
+#: Colour class of values that have none of their own.
+DATA = "data"
+
+
+def box_colour(field: Field) -> str:
+    """Return the colour class of a field."""
+    match field.kind:
+        case Flag():
+            return "flag"
+        case Choice():
+            return "choice"
+        case CrcValue() | Parity():
+            return "check"
+        case Constant() | Unused():
+            return "fixed"
+        case Number() | Decimal() | Text():
+            return DATA
+        case _:
+            assert_never(field.kind)
+
+
+def box_label(field: Field) -> str:
+    """Return the name of a field, with the value of a constant."""
+    match field.kind:
+        case Unused(value=value) if not (field.printed_name or value):
+            return "unused"
+        case Constant(value=number, padding_of=padded):
+            text = f"{number:X}h" if number > 9 else f"{number}"
+            is_plain = number == 0 and (padded or not field.printed_name)
+            return text if is_plain else f"{name_as_words(field.name)} = {text}"
+        case Number() | Flag() | Choice() | Unused() | CrcValue() | Parity() | Decimal() | Text():
+            return name_as_words(field.name)
+        case _:
+            assert_never(field.kind)
+
+
+def name_as_words(name: str) -> str:
+    return name.replace("_", " ")

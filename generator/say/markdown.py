@@ -10,7 +10,7 @@ from functools import lru_cache
 from html import escape
 
 from ..model import Source, Sources, cite
-from .lines import one_line, plain
+from .plain_text import one_line, plain
 from .text import Ref, Style
 
 _MARKS = str.maketrans({"&": "&amp;", "<": "&lt;", ">": "&gt;"} | {mark: f"\\{mark}" for mark in r"\`*[]|~$"})

@@ -6,11 +6,9 @@ from collections.abc import Iterator
 
 from ..model import BankSelect, Device, Register, RegisterMeaning, first_of
 from ..model.expressions import Expression
-from .alternative import needs
-from .erratum import errata, erratum
-from .name import register as named
-from .name import register_field
-from .place import hexadecimal, register_at
+from .errata import errata, erratum, needed_answers
+from .names_and_places import hexadecimal, register_at, register_field
+from .names_and_places import register as named
 from .text import Code, Part, Statement, listed, spec_text, statement
 
 _ACCESS = {"read_only": "read only", "read_write": "read and write", "write_only": "write only"}
@@ -43,7 +41,7 @@ def register(device: Device, device_register: Register) -> Iterator[Statement]:
 def facts(device: Device, register: Register) -> Iterator[Statement]:
     """Yield its content and the rules for reading and writing it."""
     yield from _holds(register)
-    yield from needs(device, register.layout)
+    yield from needed_answers(device, register.layout)
     yield from _rules(device, register)
     yield from (_meaning(device, meaning) for meaning in register.meanings)
 

@@ -1,8 +1,8 @@
-"""Texts for the report of a flag, used on a terminal, in a C table, and in Python objects."""
+"""Statements about the reports of an encoder: flags, errors, warnings and their remedies."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 from ..model import (
     Alarm,
@@ -19,11 +19,45 @@ from ..model import (
     Text,
     Unused,
     assert_never,
+    member_named,
 )
+from .commands import remedied, with_steps
+from .errata import errata, erratum
 from .field import short
-from .steps import with_steps
-from .text import Code, Part, Statement, parted, statement
-from .words import sentence
+from .names_and_places import only, register_field, title
+from .text import Code, Part, Ref, Statement, listed, parted, sentence, spec_text, statement, volts
+
+
+def alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
+    """Yield all statements that follow its name in running text."""
+    yield from spec_text(device_alarm.meaning, source=device_alarm.source)
+    yield from alarm_facts(device, device_alarm)
+    yield from map(erratum, errata(device, f"alarms.{device_alarm.name}"))
+
+
+def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
+    """Yield the flag that shows it, its cause, and the procedures that clear it."""
+    if device_alarm.group:
+        group = member_named(device.field_groups, device_alarm.group, "field group")
+        yield statement(Code(device_alarm.field), " in ", Ref("group", group.name, title(group)), label="Flag")
+    elif device_alarm.register:
+        yield statement(
+            register_field(device, f"{device_alarm.register}.{device_alarm.field}".rstrip(".")), label="Flag"
+        )
+    if not device_alarm.implemented and "not implemented" not in device_alarm.meaning.lower():
+        yield statement("Not implemented in this encoder")
+    yield from spec_text(device_alarm.detected, label="Detected")
+    if device_alarm.below_mv is not None:
+        yield statement(f"Raised below {volts(device_alarm.below_mv)}")
+    if device_alarm.latch is not None:
+        yield statement(
+            "Stays active until it is reset" if device_alarm.latch else "Clears itself when its cause is gone"
+        )
+    yield from remedied(device_alarm.remedy, device_alarm.by_hand)
+    yield from only(device_alarm.only)
+    if device_alarm.cleared_by:
+        procedures = [Ref("procedure", name, name) for name in device_alarm.cleared_by]
+        yield statement(*listed(procedures, " or "), label="Cleared by")
 
 
 def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:

@@ -59,24 +59,14 @@ from codewheel.model import (
     WriteStep,
 )
 from codewheel.model.expressions import Expression
-from codewheel.say import (
-    alarm,
-    crc,
-    erratum,
-    evidence,
-    field,
-    hardware_input,
-    interface,
-    layout,
-    measurement,
-    only,
-    order_code,
-    origin,
-    procedure,
-    register,
-    report,
-    timing,
-)
+from codewheel.say import commands, evidence, field, interface, layout, names_and_places, order_code, register, report
+from codewheel.say import errata as erratum
+from codewheel.say import evidence as origin
+from codewheel.say import field as measurement
+from codewheel.say import interface as hardware_input
+from codewheel.say import interface as timing
+from codewheel.say import layout as crc
+from codewheel.say import report as alarm
 from codewheel.say.text import BY_NAME, Statement
 from codewheel.targets import Library
 from codewheel.targets.docs import (
@@ -465,8 +455,8 @@ case(
 
 case(
     "alarm_implemented",
-    lambda: printed(alarm.facts(tv62(), alarm_with(group="", implemented=False))),
-    lambda: printed(alarm.facts(tv62(), alarm_with(group=""))),
+    lambda: printed(alarm.alarm_facts(tv62(), alarm_with(group="", implemented=False))),
+    lambda: printed(alarm.alarm_facts(tv62(), alarm_with(group=""))),
 )
 case("alarm_row_implemented", lambda: alarm_row(False), lambda: alarm_row(True))
 case("field_implemented", lambda: field_rules(a_field(Flag(), implemented=False)), lambda: field_rules(a_field(Flag())))
@@ -480,18 +470,18 @@ case(
 )
 case(
     "input_needs",
-    lambda: printed(hardware_input.facts(tv62(), input_pin(needs="control.filter"))),
-    lambda: printed(hardware_input.facts(tv62(), input_pin())),
+    lambda: printed(hardware_input.input_facts(tv62(), input_pin(needs="control.filter"))),
+    lambda: printed(hardware_input.input_facts(tv62(), input_pin())),
 )
 case(
     "input_unused",
-    lambda: printed(hardware_input.facts(tv62(), input_pin(when_unused="0 V"))),
-    lambda: printed(hardware_input.facts(tv62(), input_pin())),
+    lambda: printed(hardware_input.input_facts(tv62(), input_pin(when_unused="0 V"))),
+    lambda: printed(hardware_input.input_facts(tv62(), input_pin())),
 )
 case("one_slave", lambda: network_text(False), lambda: network_text(True))
 case("no_reply", lambda: exchange_text(""), lambda: exchange_text("answer"))
 case("gaps", lambda: gaps_text("zero"), lambda: gaps_text(""))
-case("only", lambda: printed(only.only("A-x")), lambda: printed(only.only("")))
+case("only", lambda: printed(names_and_places.only("A-x")), lambda: printed(names_and_places.only("")))
 case(
     "only_timing",
     lambda: BY_NAME.sentence(timing.timing(a_timing("Pause", "A-x"))),
@@ -522,7 +512,11 @@ case(
     lambda: report.deciding(replace(a_field(Unused(3)), widest=2)),
     lambda: report.deciding(a_field(ERROR)),
 )
-case("crc_inverted", lambda: crc.inverted(replace(tv62().crcs[0], xorout=0)), lambda: crc.inverted(tv62().crcs[0]))
+case(
+    "crc_inverted",
+    lambda: crc.crc_inverted(replace(tv62().crcs[0], xorout=0)),
+    lambda: crc.crc_inverted(tv62().crcs[0]),
+)
 case(
     "evidence_hardware", lambda: grade_text("corroborated"), lambda: grade_text("corroborated, no hardware frame seen")
 )
@@ -568,7 +562,7 @@ def special_model(suffix: str) -> Device:
 
 def succession_text(alone: bool) -> str:
     step = SendStep(data_id="reset", request=b"\xba", times=10, microseconds=40, in_succession=alone)
-    return BY_NAME.sentence(procedure.step(tv62(), step))
+    return BY_NAME.sentence(commands.step(tv62(), step))
 
 
 def access_text(word: str) -> str:

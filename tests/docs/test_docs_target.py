@@ -14,7 +14,7 @@ from codewheel.dump.plain import device_dump
 from codewheel.loading.library import load_library
 from codewheel.model import Biss, Device, Rs485
 from codewheel.say.markdown import cited, code, text
-from codewheel.say.name import heading
+from codewheel.say.names_and_places import heading
 from codewheel.targets import Library
 from codewheel.targets.docs.files import generate
 from xml_reader import read_xml

@@ -16,7 +16,7 @@ from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.reference import codec
-from codewheel.say.crc import parameters
+from codewheel.say.layout import crc_parameters
 from codewheel.virtual import VirtualEncoder
 
 ROOT = Path(__file__).parents[2]
@@ -284,7 +284,7 @@ def test_the_input_of_a_crc_over_bits_is_not_called_reflected(
     )
     (scale,), report = load_library([SPECS[0], tmp_path / "scale.yaml"])
     assert not report, report.problems
-    assert parameters(scale, scale.crcs[0]) == f"x^6 + x + 1, start value 0{words}, sent inverted"
+    assert crc_parameters(scale, scale.crcs[0]) == f"x^6 + x + 1, start value 0{words}, sent inverted"
     placed = scale.layout("word").place(scale.variant("AB").parameters)
     frame = codec.encode(scale, placed, {"position": -5, "error": False, "warning": False})
     crc = frame_of(-5) & 0x3F

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.commands.terminal import _replace_in_text
-from codewheel.say.ascii import STAND_INS
+from codewheel.say.plain_text import STAND_INS
 
 COMMAND = [sys.executable, "-m", "codewheel"]
 DECODE = ["decode", "AMM5A23/65KJP1", "02 00 C7 D1 6A 7E"]

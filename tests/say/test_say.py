@@ -13,7 +13,7 @@ from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.model.expressions import Expression
 from codewheel.order_codes.labels import find
-from codewheel.say import field, interface, layout, parameter, register
+from codewheel.say import field, interface, layout, order_code, register
 from codewheel.say.markdown import STYLE as MARKDOWN
 from codewheel.say.text import (
     AS_LITERAL,
@@ -293,9 +293,11 @@ def test_markup_in_a_spec_stays_text() -> None:
 
 
 def test_an_order_code_turns_expressions_into_numbers(device: Device) -> None:
-    _, codes = parameter.origin(device, next(candidate for candidate in device.parameters if candidate.name == "coded"))
+    _, codes = order_code.parameter_origin(
+        device, next(candidate for candidate in device.parameters if candidate.name == "coded")
+    )
     assert BY_NAME.sentence(codes) == "The register holds a code: 0 means 8, 16 means 12, 20 means 14."
-    (equals,) = parameter.origin(
+    (equals,) = order_code.parameter_origin(
         device, next(candidate for candidate in device.parameters if candidate.name == "doubled")
     )
     assert BY_NAME.sentence(equals) == "Equals position_bits + position_bits."

@@ -12,7 +12,7 @@ from typing import Annotated, TypedDict
 
 from codewheel.model import Biss, Device, Ssi, Variant
 from codewheel.render import Templates
-from codewheel.say.lines import plain
+from codewheel.say.plain_text import plain
 from codewheel.targets import NO_OPTIONS, Library, Options, Target
 from codewheel.targets.file_names import names_of_codes
 from codewheel.targets.licence import licence_in

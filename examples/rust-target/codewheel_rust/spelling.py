@@ -9,7 +9,7 @@ from codewheel.model import Device, Field, Parameter, Piece, assert_never
 from codewheel.model.expressions import Expression, Factor, Term
 from codewheel.plan import values
 from codewheel.plan.codec import characters
-from codewheel.say.lines import plain
+from codewheel.say.plain_text import plain
 
 from .names import snake
 

@@ -18,7 +18,7 @@ from ...loading.spec_files import family_files
 from ...model import TimesRead
 from ...readings.fact import Sort
 from ...readings.second_readings import Coverage, added
-from ...say.words import counted
+from ...say.text import counted
 from ..editions import check_editions
 from ..terminal import Stop
 from .specs import Checked, check_families

@@ -14,15 +14,13 @@ from ...order_codes.labels import Match
 from ...order_codes.parameters import parameters_of
 from ...reference import codec
 from ...reference.findings import Findings, Report
-from ...say import frame_text as say
-from ...say.evidence import placeholders
-from ...say.lines import WIDTH
-from ...say.lines import wrapped as wrapped_anew
-from ...say.name import words
+from ...say import frame_errors as say
+from ...say.evidence import origin, placeholders
+from ...say.names_and_places import words
 from ...say.numbers import decimal, quantity
-from ...say.origin import origin
-from ...say.text import BY_NAME
-from ...say.words import WORTH, counted, sentence, with_unit
+from ...say.plain_text import WIDTH
+from ...say.plain_text import wrapped as wrapped_anew
+from ...say.text import BY_NAME, WORTH, counted, sentence, with_unit
 from .frames import Line, is_frame_of_other_kind
 
 if TYPE_CHECKING:

@@ -26,23 +26,21 @@ from ...model.expressions import Expression
 from ...order_codes.labels import Match
 from ...order_codes.parameters import parameters_of, run_time_names, run_time_widths
 from ...order_codes.reduction import for_interface, reduced_to_codes, with_output_code
-from ...say import erratum as say_erratum
+from ...say import errata as say_errata
 from ...say import field as say_field
+from ...say import field as say_measurement
 from ...say import interface as say_interface
 from ...say import layout as say_layout
-from ...say import measurement as say_measurement
-from ...say import parameter as say_parameter
+from ...say import order_code as say_order_code
 from ...say import register as say_register
-from ...say.alternative import answer as say_answer
-from ...say.alternative import needs, question
-from ...say.evidence import grade
-from ...say.lines import WIDTH, pairs, wrapped
+from ...say.errata import answer as say_answer
+from ...say.errata import needed_answers, question
+from ...say.evidence import grade, origin
+from ...say.names_and_places import bits, field_at, hexadecimal
 from ...say.numbers import decimal
 from ...say.order_code import open_values, spelling
-from ...say.origin import origin
-from ...say.place import bits, field_at, hexadecimal
-from ...say.text import BY_NAME, Style
-from ...say.words import counted, language
+from ...say.plain_text import WIDTH, pairs, wrapped
+from ...say.text import BY_NAME, Style, counted, language
 from ..decode.text import bit_place, label_differences
 
 
@@ -129,7 +127,7 @@ def _parameter_lines(device: Device, variant: Variant) -> list[str]:
     at_run_time = [parameter for parameter in parameters if parameter.name in names]
     lines = ["", "Parameters", *_value_lines(device, fixed, variant)] if fixed else []
     if at_run_time:
-        heading = f"Held in registers ({say_parameter.initial(device)})"
+        heading = f"Held in registers ({say_order_code.initial(device)})"
         lines += ["", heading, *_value_lines(device, at_run_time, variant)]
         registers = [device.register(parameter.register) for parameter in at_run_time if parameter.read_from]
         example = f"--register 0x{registers[0].address:02X}=0x.."
@@ -139,7 +137,7 @@ def _parameter_lines(device: Device, variant: Variant) -> list[str]:
 
 def _value_lines(device: Device, parameters: Sequence[Parameter], variant: Variant) -> list[str]:
     """Return a line for each parameter: its name, its value and its meaning."""
-    values = [say_parameter.value(parameter, variant.parameters[parameter.name]) for parameter in parameters]
+    values = [say_order_code.parameter_value(parameter, variant.parameters[parameter.name]) for parameter in parameters]
     name_width = max(len(parameter.name) for parameter in parameters)
     value_width = max(map(len, values))
     rows = []
@@ -150,7 +148,7 @@ def _value_lines(device: Device, parameters: Sequence[Parameter], variant: Varia
 
 
 def _about_parameter(device: Device, parameter: Parameter) -> str:
-    return BY_NAME.paragraph(say_parameter.parameter(device, parameter))
+    return BY_NAME.paragraph(say_order_code.parameter(device, parameter))
 
 
 def alternative_lines(device: Device) -> list[str]:
@@ -227,7 +225,7 @@ def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[s
     for field in layout.fields:
         widths.setdefault(field.group or field.name, []).append(_width(field))
     head = BY_NAME.sentence(say_layout.head(interface, layout, layout.name, device.alternatives))
-    statements = [*say_layout.facts(interface, layout), *needs(device, layout)]
+    statements = [*say_layout.facts(interface, layout), *needed_answers(device, layout)]
     return [
         wrapped(head, WIDTH, "    ", "  "),
         *pairs(((name, ", ".join(texts)) for name, texts in widths.items()), 4),
@@ -262,7 +260,7 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
     widths = run_time_widths(device, layout)
     if widths:
         places = " and ".join(field_at(device, path) for path in widths)
-        notes.append(f"The widths are the {say_parameter.initial(device)} in {places}.")
+        notes.append(f"The widths are the {say_order_code.initial(device)} in {places}.")
     if layout.gray_of:
         notes.append(_code_of_position(device, placed))
     return [wrapped(head, WIDTH, "  ", ""), *picture(placed), *(wrapped(note, WIDTH, "  ", "  ") for note in notes)]
@@ -272,7 +270,7 @@ def _notes_about_choices(device: Device, layout: Layout, style: Style) -> Iterat
     """Yield the choices that the frame depends on, with those of its picture."""
     for alternative in device.alternatives_of(layout):
         device_with_one = replace(device, alternatives=(alternative,))
-        for need in needs(device_with_one, layout):
+        for need in needed_answers(device_with_one, layout):
             yield f"{style.sentence(need)} The picture shows {alternative.answers[0].name}."
 
 
@@ -382,7 +380,7 @@ def _errata_lines(device: Device) -> list[str]:
     lines = ["", "Errata of the manual"]
     detailed_errata = [erratum for erratum in device.errata if erratum.severity != "wording"]
     for erratum in detailed_errata:
-        head, *details = BY_NAME.lines(say_erratum.erratum(erratum, whole=True))
+        head, *details = BY_NAME.lines(say_errata.erratum(erratum, whole=True))
         lines += [wrapped(head, WIDTH, "    ", "  "), *map(_paragraph, details)]
     wording_count = len(device.errata) - len(detailed_errata)
     if wording_count:

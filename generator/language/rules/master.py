@@ -9,7 +9,7 @@ from pathlib import PurePath
 from typing import Any
 
 from ...model.expressions import Expression, ExpressionError
-from ...say.words import counted
+from ...say.text import counted
 from ..master_items import FILE_FORMATS, NUMBERS, WORDS
 from ..problems import DocumentReport, Path, listed, quoted, suggestion
 

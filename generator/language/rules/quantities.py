@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from decimal import Decimal
 from typing import Any
 
-from ...say.words import counted, nanoseconds
+from ...say.text import counted, nanoseconds
 from ..document import Affected
 from ..problems import DocumentReport, Path, listed, quoted
 from .printed_twice import supply_named

@@ -6,7 +6,7 @@ from collections.abc import Collection
 
 from ...model import INTERFACES, Spi
 from ...model.expressions import Expression, ExpressionError
-from ...say.words import counted
+from ...say.text import counted
 from ..problems import DocumentReport, Path, listed, missing, quoted
 from .values import constant_width
 from .walk import (

@@ -36,14 +36,12 @@ from ...order_codes.parameters import run_time_widths
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...render import Templates, our_templates
 from ...say import interface as say_interface
-from ...say.ascii import in_ascii
-from ...say.crc import parameters
-from ...say.erratum import errata, erratum
-from ...say.lines import plain
-from ...say.parameter import initial
-from ...say.place import field_at
-from ...say.text import BY_NAME
-from ...say.words import counted
+from ...say.errata import errata, erratum
+from ...say.layout import crc_parameters
+from ...say.names_and_places import field_at
+from ...say.order_code import initial
+from ...say.plain_text import in_ascii, plain
+from ...say.text import BY_NAME, counted
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..file_names import names_of_codes
 from ..licence import licence_in
@@ -433,7 +431,7 @@ def _one_profile(device: Device, lengths: Sequence[DataLength]) -> list[str]:
 
 
 def _crc_words(device: Device, crc: Crc) -> str:
-    return f"{counted(crc.width, 'bit')}, {parameters(device, crc)}"
+    return f"{counted(crc.width, 'bit')}, {crc_parameters(device, crc)}"
 
 
 def _other_channels(device: Device, layout: Layout) -> list[str]:

@@ -11,9 +11,8 @@ from ...plan.crcs import Carrier, carriers
 from ...plan.frames import Dispatch, dispatches
 from ...plan.registers import HeldParameter, held_parameters
 from ...plan.verdicts import reportings
-from ...say.evidence import grade
-from ...say.origin import origin
-from ...say.place import field_at
+from ...say.evidence import grade, origin
+from ...say.names_and_places import field_at
 from ...say.text import BY_NAME
 from ...why import in_bits, in_bytes
 from .labels import label_grammar

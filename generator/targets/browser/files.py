@@ -17,11 +17,11 @@ from ...model import UNEXPLAINED, Device, Fault
 from ...order_codes import labels
 from ...order_codes.labels import LONGEST, NEAR
 from ...render import Templates, our_templates
-from ...say import fault, frame_text
+from ...say import frame_errors
 from ...say.layout import as_one_number
-from ...say.lines import plain
 from ...say.markdown import text
-from ...say.words import WORTH
+from ...say.plain_text import plain
+from ...say.text import WORTH
 from ...why.in_bits import SLIPS
 from .. import NO_OPTIONS, Library, Options, Target
 from ..licence import licence_in
@@ -31,41 +31,41 @@ from .plain import Data, script_json
 
 #: Error messages, with placeholders for numbers and names: ``{0} is {1}``.
 _MESSAGES = {
-    "length": fault.length("{0}", "{1}", "{2}"),
-    "crc": fault.crc("{0}", "{1}"),
-    "constant": fault.constant("{0}", "{1}", "{2}"),
-    "parity": fault.parity("{0}", "{1}", "{2}", "{3}"),
-    "no_value": fault.no_value("{0}", "{1}"),
-    "too_high": fault.too_high("{0}", "{1}", "{2}"),
-    "digits": fault.digits("{0}", "{1}", "{2}"),
-    "of_other_frame": fault.of_other_frame("{0}", "{1}"),
-    "too_few_bytes": fault.too_few_bytes("{0}"),
-    "no_frame": fault.no_frame("{0}", "{1}", "{2}"),
-    "other_value": fault.other_value("{0}", "{1}", "{2}"),
-    "other_content": fault.other_content("{0}", "{1}", "{2}", "{3}"),
-    "too_wide": fault.too_wide("{0}", "{1}", "{2}"),
-    "no_power_of_two": fault.no_power_of_two("{0}", "{1}"),
-    "outside": fault.outside("{0}", "{1}", "{2}"),
+    "length": frame_errors.length("{0}", "{1}", "{2}"),
+    "crc": frame_errors.crc("{0}", "{1}"),
+    "constant": frame_errors.constant("{0}", "{1}", "{2}"),
+    "parity": frame_errors.parity("{0}", "{1}", "{2}", "{3}"),
+    "no_value": frame_errors.no_value("{0}", "{1}"),
+    "too_high": frame_errors.too_high("{0}", "{1}", "{2}"),
+    "digits": frame_errors.digits("{0}", "{1}", "{2}"),
+    "of_other_frame": frame_errors.of_other_frame("{0}", "{1}"),
+    "too_few_bytes": frame_errors.too_few_bytes("{0}"),
+    "no_frame": frame_errors.no_frame("{0}", "{1}", "{2}"),
+    "other_value": frame_errors.other_value("{0}", "{1}", "{2}"),
+    "other_content": frame_errors.other_content("{0}", "{1}", "{2}", "{3}"),
+    "too_wide": frame_errors.too_wide("{0}", "{1}", "{2}"),
+    "no_power_of_two": frame_errors.no_power_of_two("{0}", "{1}"),
+    "outside": frame_errors.outside("{0}", "{1}", "{2}"),
     "as_one_number": as_one_number("{0}"),
-    "frame_empty": frame_text.EMPTY,
-    "frame_too_long": frame_text.TOO_LONG,
-    "not_hex": frame_text.not_hex("{0}"),
-    "one_digit": frame_text.one_digit("{0}", "{1}"),
-    "odd": frame_text.odd("{0}"),
-    "bits_or_bytes": frame_text.bits_or_bytes("{0}"),
-    "no_bits": frame_text.no_bits("{0}", "{1}", "{2}"),
-    "write_number": frame_text.write_number("{0}"),
-    "write_bits": frame_text.write_bits("{0}", "{1}"),
-    "no_order_code": frame_text.no_order_code("{0}", "{1}"),
-    "write_any": frame_text.write_any(),
-    "write_one_of": frame_text.write_one_of("{0}"),
-    "if_decimal": frame_text.if_decimal("{0}"),
-    "if_hex": frame_text.if_hex("{0}"),
-    "if_bits": frame_text.if_bits("{0}"),
-    "also": frame_text.also_possible("{0}"),
-    "instead": frame_text.possible_instead("{0}"),
-    "valid_other": frame_text.valid_other("{0}"),
-    "register_length": frame_text.register_length("{0}", "{1}", "{2}"),
+    "frame_empty": frame_errors.EMPTY,
+    "frame_too_long": frame_errors.TOO_LONG,
+    "not_hex": frame_errors.not_hex("{0}"),
+    "one_digit": frame_errors.one_digit("{0}", "{1}"),
+    "odd": frame_errors.odd("{0}"),
+    "bits_or_bytes": frame_errors.bits_or_bytes("{0}"),
+    "no_bits": frame_errors.no_bits("{0}", "{1}", "{2}"),
+    "write_number": frame_errors.write_number("{0}"),
+    "write_bits": frame_errors.write_bits("{0}", "{1}"),
+    "no_order_code": frame_errors.no_order_code("{0}", "{1}"),
+    "write_any": frame_errors.write_any(),
+    "write_one_of": frame_errors.write_one_of("{0}"),
+    "if_decimal": frame_errors.if_decimal("{0}"),
+    "if_hex": frame_errors.if_hex("{0}"),
+    "if_bits": frame_errors.if_bits("{0}"),
+    "also": frame_errors.also_possible("{0}"),
+    "instead": frame_errors.possible_instead("{0}"),
+    "valid_other": frame_errors.valid_other("{0}"),
+    "register_length": frame_errors.register_length("{0}", "{1}", "{2}"),
     "too_long": labels.too_long("{0}", "{1}", "{2}"),
     "cannot_be_combined": labels.cannot_be_combined("{0}", "{1}", "{2}"),
     "not_of_family": labels.not_of_family("{0}", "{1}", "{2}"),
@@ -113,7 +113,7 @@ def script_table(library: Library) -> Data:
         "worth": {verdict.value: words for verdict, words in WORTH.items()},
         "unexplained": UNEXPLAINED,
         "said": _MESSAGES,
-        "limits": {"text": frame_text.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
+        "limits": {"text": frame_errors.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
         "slips": [[slip.text, slip.front, slip.missing, slip.lost, slip.behind] for slip in SLIPS],
         "families": [library.part(_family_data, device, NO_OPTIONS) for device in library.devices],
     }

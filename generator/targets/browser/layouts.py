@@ -26,9 +26,8 @@ from ...plan.operations import (
     ZerosAbove,
 )
 from ...plan.verdicts import ReportCause, Reporting, explained
-from ...say.fault import of_older_edition
-from ...say.name import title
-from ...say.place import register_at
+from ...say.frame_errors import of_older_edition
+from ...say.names_and_places import register_at, title
 from ...say.register import facts
 from ...say.report import alarm_of, meaning, remedy, source, states
 from ...say.text import BY_NAME, spec_text

@@ -20,18 +20,16 @@ from ...model import (
 from ...plan.crcs import Carrier, CrcFunction, Form
 from ...plan.steps import Call, Operation, Polls, Reads, Run, Sends, Verifies, Waits, Writes
 from ...plan.values import Characters, meaning_of
-from ...say import alarm as say_alarm
-from ...say import crc as say_crc
+from ...say import commands as say_commands
 from ...say import field as say_field
+from ...say import layout as say_crc
 from ...say import layout as say_layout
 from ...say import order_code as say_order_code
-from ...say import parameter as say_parameter
-from ...say import procedure as say_procedure
+from ...say import order_code as say_parameter
 from ...say import register as say_register
-from ...say.name import full_title, register_field, title
-from ...say.place import addresses, bit_range, field_place
-from ...say.text import Code, Statement, listed, statement
-from ...say.words import counted
+from ...say import report as say_report
+from ...say.names_and_places import addresses, bit_range, field_place, full_title, register_field, title
+from ...say.text import Code, Statement, counted, listed, statement
 from .comments import Paragraph
 from .order_codes import unknown_parts
 from .structs import Struct
@@ -72,13 +70,13 @@ def about_order_codes(device: Device) -> list[Paragraph]:
 
 def about_parameter(device: Device, prefix: str, parameter: Parameter) -> str:
     update = f" {prefix}_take_{parameter.register}() updates it." if parameter.read_from else ""
-    in_code = list(say_parameter.origin(device, parameter)) if parameter.equals is not None else ()
+    in_code = list(say_parameter.parameter_origin(device, parameter)) if parameter.equals is not None else ()
     statements = say_parameter.parameter(device, parameter)
     return S.paragraph(statement for statement in statements if statement not in in_code) + update
 
 
 def about_alarm(device: Device, alarm: Alarm) -> list[Paragraph]:
-    return _with_heading(title(alarm), say_alarm.alarm(device, alarm))
+    return _with_heading(title(alarm), say_report.alarm(device, alarm))
 
 
 def about_crc(device: Device, function: CrcFunction) -> list[Paragraph]:
@@ -219,11 +217,11 @@ def about_access(device: Device, register: Register, writes: bool, read_state: s
 
 def about_procedure(device: Device, procedure: Procedure) -> list[Paragraph]:
     head = S.sentence(statement(procedure.title, source=procedure.source))
-    return [head, *map(S.sentence, say_procedure.procedure(device, procedure))]
+    return [head, *map(S.sentence, say_commands.procedure(device, procedure))]
 
 
 def about_argument(device: Device, argument: Argument) -> str:
-    return S.sentence(say_procedure.argument(device, argument))
+    return S.sentence(say_commands.argument(device, argument))
 
 
 def about_run(device: Device, run: Run, read_state: str) -> Iterator[Paragraph]:
@@ -240,7 +238,7 @@ def note_of_step(device: Device, operation: Operation) -> str:
     meaning = operation.step.meaning
     match operation:
         case Waits(step):
-            return meaning or S.phrase(say_procedure.step(device, step))
+            return meaning or S.phrase(say_commands.step(device, step))
         case Sends(step=step):
             alone = "in succession, with no other request in between" if step.in_succession else ""
             return "; ".join(filter(None, (step.data_id, alone, meaning)))

@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from ...model import Alternative, Answer, Device, Parameter
 from ...model.expressions import Expression
 from ...model.record import dataclass
-from ...say.erratum import errata, erratum
+from ...say.errata import errata, erratum
 from ...say.text import statement
 from .enumerations import Entry, Enumeration
 from .expr import Conditional, Expr, Name, Number, Operation

@@ -9,7 +9,7 @@ from ...model import Crc, Device, Layout, Manufacturer, Spi, Ssi, Verdict, choic
 from ...model.record import dataclass
 from ...plan.crcs import Residual, residual
 from ...plan.verdicts import reportings
-from ...say.name import words
+from ...say.names_and_places import words
 from .. import Library
 
 TEMPLATE = "ASSUMPTIONS.md.jinja"

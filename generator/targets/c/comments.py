@@ -6,8 +6,7 @@ import re
 import textwrap
 from collections.abc import Sequence
 
-from ...say.ascii import in_ascii
-from ...say.lines import plain
+from ...say.plain_text import in_ascii, plain
 
 COLUMNS = 100
 #: The smallest width of a text after its lead.

@@ -9,7 +9,7 @@ from ...model.record import dataclass
 from ...plan.codec import ShiftedBits, characters, is_plain_flag
 from ...plan.operations import AlwaysIs, Check, ParityIs, Part, Whole, ZerosAbove
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
-from ...say.name import words
+from ...say.names_and_places import words
 from .bits import digits
 from .expr import Call, Cast, Conditional, Expr, Name, Number, Operation, joined, masked
 from .reserved import c_name

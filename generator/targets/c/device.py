@@ -16,10 +16,9 @@ from ...order_codes.reduction import for_codes
 from ...plan.crcs import crc_functions
 from ...plan.registers import held_parameters
 from ...plan.values import TwosComplement
-from ...say.erratum import errata, erratum
-from ...say.evidence import grade
-from ...say.origin import origin, other_editions, removals
-from ...say.parameter import initial
+from ...say.errata import errata, erratum
+from ...say.evidence import grade, origin, other_editions, removals
+from ...say.order_code import initial
 from .. import TargetError
 from .access import state_registers
 from .chosen import chosen_variant

@@ -10,7 +10,7 @@ from ...model import Device, Field, Value
 from ...model.record import dataclass
 from ...plan.values import Named, meaning_of
 from ...say.field import meaning
-from ...say.name import printed, title, words
+from ...say.names_and_places import printed, title, words
 from ...say.text import Statement, spec_text
 from .comments import Paragraph
 from .names import Declared

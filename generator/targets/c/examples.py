@@ -28,8 +28,8 @@ from ...plan.frames import SSI_AROUND, FrameSize, received
 from ...plan.operations import Part
 from ...plan.steps import Sends
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
-from ...say.name import title, words
-from ...say.words import WORTH
+from ...say.names_and_places import title, words
+from ...say.text import WORTH
 from .access import Access
 from .alternatives import AlternativeCode
 from .chosen import Chosen, Frame, NoFrame

@@ -17,7 +17,7 @@ from typing import Annotated, TypedDict
 from ...loading.named import UnknownName, narrowed_to
 from ...model import Device, Manufacturer
 from ...render import Templates, our_templates
-from ...say.lines import plain
+from ...say.plain_text import plain
 from .. import NO_OPTIONS, Library, Option, OptionError, Options, Target, TargetError, TargetProblem
 from ..licence import licence_in
 from .assumptions import TEMPLATE, Assumptions, assumptions_files

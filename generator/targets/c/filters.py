@@ -13,8 +13,7 @@ from ...plan.operations import Check, Whole
 from ...render import tests_for
 from ...say.layout import join as said_of_join
 from ...say.markdown import text as markdown_text
-from ...say.name import title, words
-from ...say.place import addresses
+from ...say.names_and_places import addresses, title, words
 from ...say.text import BY_TITLE
 from .about import place
 from .bits import digits

@@ -8,12 +8,11 @@ from types import MappingProxyType
 from ...model import Biss, CableLength, Clock, Interface, Layout, Port, Rs485, Spi, Timeout, WordFormat, cite, first_of
 from ...model.record import dataclass
 from ...plan.frames import Branch, Dispatch, Exchanged, answer, dispatches, exchanges
-from ...say.erratum import errata, erratum
-from ...say.interface import control_field, data_id, exchange, settings
+from ...say.errata import errata, erratum
+from ...say.interface import control_field, data_id, exchange, settings, timing
 from ...say.interface import interface as said_of
-from ...say.name import title
+from ...say.names_and_places import title
 from ...say.text import Statement
-from ...say.timing import timing
 from .about import about_layout
 from .bits import of_bytes
 from .codec import StructCodec

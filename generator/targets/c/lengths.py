@@ -7,8 +7,8 @@ from copy import copy
 
 from ...model import Biss, Device, Interface, Layout
 from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, received
-from ...say.parameter import initial
-from ...say.words import hertz, nanoseconds, timeout_words
+from ...say.order_code import initial
+from ...say.text import hertz, nanoseconds, timeout_words
 from .context import Context
 from .macros import Macro
 from .names import Declared

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 from ...model import Layout, Timing
 from ...model.record import dataclass
-from ...say.timing import timing as said_of
+from ...say.interface import timing as said_of
 from .style import S
 from .types import number
 

@@ -12,7 +12,7 @@ from ...order_codes.parameters import parameters_at_run_time
 from ...plan.codec import Codec
 from ...plan.limits import NoPowerOfTwo, limits_of, outside, refusals
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
-from ...say.name import full_title, title, words
+from ...say.names_and_places import full_title, title, words
 from .about import about_member, about_register, table
 from .access import Access
 from .codec import StructCodec

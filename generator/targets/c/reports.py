@@ -9,7 +9,7 @@ from ...model import Device, Layout, Verdict, cite, first_of
 from ...plan.operations import Part, Reserved
 from ...plan.values import Active
 from ...plan.verdicts import Cause, Match, Only, Report, Reporting, VerdictCause, reportings, reports_of
-from ...say.name import title
+from ...say.names_and_places import title
 from ...say.report import alarm_of, meaning, remedy, source
 from ...say.text import statement
 from .. import TargetError

@@ -9,7 +9,7 @@ from ...model import assert_never
 from ...model.record import dataclass
 from ...plan.registers import HeldParameter, HoldingRegister
 from ...plan.values import Raw, ZeroMeans, widest_value
-from ...say.name import title
+from ...say.names_and_places import title
 from .. import TargetError
 from .access import Access
 from .bits import of_bytes

@@ -29,14 +29,13 @@ from ...model.record import dataclass
 from ...plan.codec import codec_of
 from ...plan.frames import Exchanged, exchanges
 from ...plan.values import Raw, TwosComplement, meaning_of
-from ...say.box import as_words
 from ...say.commands import Commands, commands_over
 from ...say.evidence import document
 from ...say.interface import PURPOSES, word_lengths
+from ...say.layout import name_as_words
 from ...say.markdown import code, joined, link, text
-from ...say.name import title
-from ...say.place import addresses, bits
-from ...say.words import counted, microseconds
+from ...say.names_and_places import addresses, bits, title
+from ...say.text import counted, microseconds
 
 Row = tuple[str, ...]
 
@@ -212,7 +211,7 @@ def _names_after_control_field(request: Layout) -> list[str]:
     control_group = request.fields[0].group
     fields = [field for field in request.fields if not field.group or field.group != control_group]
     names = dict.fromkeys(field.group or field.name for field in fields)
-    return [text(as_words(name).partition(" of ")[0]) for name in names]
+    return [text(name_as_words(name).partition(" of ")[0]) for name in names]
 
 
 def _procedures_sending_only(device: Device, data_id: DataId) -> list[Procedure]:

@@ -6,7 +6,7 @@ from typing import Annotated, Any, TypedDict
 
 from ...model import Device, Release, ReleasedChange
 from ...say.markdown import code, text
-from ...say.words import counted
+from ...say.text import counted
 
 _VERSION_RULE = (
     "Versions follow semantic versioning: major for changes that break code or alter its behaviour, minor for "

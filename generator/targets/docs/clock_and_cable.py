@@ -18,11 +18,10 @@ from ...model import (
     choices,
 )
 from ...model.record import dataclass
-from ...say.interface import clock_words, settings
+from ...say.evidence import Subject
+from ...say.interface import bounds_with_codes, clock_words, settings
 from ...say.markdown import STYLE, cited, text
-from ...say.mentions import Subject
-from ...say.timing import bounds_with_codes
-from ...say.words import counted, hertz, nanoseconds, timeout_words
+from ...say.text import counted, hertz, nanoseconds, timeout_words
 from .unstated import unstated_facts
 
 Row = tuple[str, ...]

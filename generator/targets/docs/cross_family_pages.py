@@ -9,13 +9,12 @@ from ...model import Alarm, Device, Field, Interface, Layout, Register, Supply
 from ...order_codes.parameters import run_time_names
 from ...order_codes.reduction import for_interface
 from ...say import register as say_register
-from ...say.crc import sent
 from ...say.interface import settings
+from ...say.layout import crc_sent
 from ...say.markdown import STYLE, cited, code, joined, link, text
-from ...say.name import title, words
-from ...say.parameter import value
-from ...say.place import addresses
-from ...say.words import volts
+from ...say.names_and_places import addresses, title, words
+from ...say.order_code import parameter_value
+from ...say.text import volts
 from .order_code_patterns import patterns
 from .page_links import link_to_alarm, link_to_layout, link_to_register, links_to_steps
 
@@ -132,7 +131,7 @@ def _position_frame_rows(device: Device) -> Iterator[Row]:
                 link_to_layout(device, layout, code(layout.name)),
                 _range_of_lengths(device, interface, layout),
                 byte_order if layout.in_bytes else "most significant bit first",
-                text(f"{crc.polynomial}, {sent(crc)}") if crc is not None else "none",
+                text(f"{crc.polynomial}, {crc_sent(crc)}") if crc is not None else "none",
             )
 
 
@@ -152,7 +151,7 @@ def _resolution_rows(device: Device) -> Iterator[Row]:
             continue
         variants = [variant for variant in device.variants if parameter.name in variant.parameters]
         counts = sorted({variant.parameters[parameter.name] for variant in variants})
-        values = ", ".join(value(parameter, count) for count in counts)
+        values = ", ".join(parameter_value(parameter, count) for count in counts)
         yield _family_link(device), text(parameter.meaning), values, text(parameter.unit), cited(parameter.source)
 
 

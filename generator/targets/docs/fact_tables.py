@@ -24,16 +24,15 @@ from ...model import (
     assert_never,
 )
 from ...plan.steps import Verifies, run_of
-from ...say.crc import sent
-from ...say.erratum import changed, errata
+from ...say.commands import read_back, step
+from ...say.errata import changed, errata
 from ...say.field import value
-from ...say.interface import settings
+from ...say.interface import bounds_with_codes, settings
+from ...say.layout import crc_sent
 from ...say.markdown import STYLE, cited, code, joined, link, text
+from ...say.names_and_places import hexadecimal
 from ...say.numbers import quantity
-from ...say.place import hexadecimal
-from ...say.procedure import read_back, step
-from ...say.timing import bounds_with_codes
-from ...say.words import counted, number
+from ...say.text import counted, number
 from .layout_tables import name_cell
 from .page_links import ERRATA
 
@@ -86,7 +85,7 @@ def crc_rows(device: Device, crc: Crc) -> Iterator[tuple[str, str]]:
     yield "Width", counted(crc.width, "bit")
     yield "Start value", f"`0x{crc.init:X}`"
     yield "Input, output reflected", f"{_yes_or_no(device.reflects_input(crc))}, {_yes_or_no(crc.refout)}"
-    yield "Final XOR", f"`0x{crc.xorout:X}` ({sent(crc)})"
+    yield "Final XOR", f"`0x{crc.xorout:X}` ({crc_sent(crc)})"
     if crc.is_xor:
         yield "In short", "XOR of the preceding bytes"
 

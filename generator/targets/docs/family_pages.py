@@ -8,12 +8,10 @@ from typing import Annotated, TypedDict
 
 from ...model import Device, Interface, Manual, Revision, Table, TimesRead
 from ...order_codes.reduction import for_interface
-from ...say.evidence import basis, grade
+from ...say.evidence import basis, edition_test, grade, origin, other_editions
 from ...say.interface import settings
 from ...say.markdown import STYLE, cited, code, joined, link, text
-from ...say.origin import edition_test, origin, other_editions
-from ...say.text import Statement
-from ...say.words import counted, language
+from ...say.text import Statement, counted, language
 from . import changes_page, fact_tables, inline_errata, order_code_tables, page_links, verdict_page
 from .hardware_steps import ManualProcedure, manual_procedures
 from .order_code_page import OrderCodes

@@ -11,9 +11,8 @@ from ...order_codes.reduction import for_interface
 from ...render import Templates, our_templates
 from ...say import markdown
 from ...say.markdown import link, text
-from ...say.name import heading, title
-from ...say.place import addresses
-from ...say.words import counted, sentence
+from ...say.names_and_places import addresses, heading, title
+from ...say.text import counted, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
 from ..licence import licence_in
 from . import (

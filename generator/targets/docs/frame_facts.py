@@ -18,13 +18,12 @@ from ...model import (
 from ...order_codes.parameters import with_answers
 from ...plan.values import Active, TwosComplement, meaning_of
 from ...plan.verdicts import Judgement, Match, VerdictCause, reportings
-from ...say.crc import inverted, reflected
+from ...say.layout import crc_inverted, crc_reflected
 from ...say.markdown import STYLE, code, link, text
+from ...say.names_and_places import bits, frame_bytes
 from ...say.numbers import number
-from ...say.place import bits, frame_bytes
 from ...say.report import conditions, deciding
-from ...say.text import statement
-from ...say.words import WORTH, counted
+from ...say.text import WORTH, counted, statement
 
 _SUPERSCRIPT = str.maketrans("0123456789", "⁰¹²³⁴⁵⁶⁷⁸⁹")
 _EXPONENT = re.compile(r"\^([0-9]*)")
@@ -126,8 +125,8 @@ def crc_line(family: Device, crc: Crc) -> str:
     parts = [
         f"poly `0x{crc.poly_with_top_bit:X}` ({text(polynomial)})",
         f"init {crc.init:#x}" if crc.init else "init 0",
-        reflected(family, crc),
-        inverted(crc),
+        crc_reflected(family, crc),
+        crc_inverted(crc),
         counted(crc.width, "bit"),
         "over everything before it",
         "which is the XOR of these bytes" if crc.is_xor else "",

@@ -9,7 +9,7 @@ from ...model import Device, Interface, Ssi
 from ...model.record import dataclass
 from ...order_codes.reduction import for_interface
 from ...say.markdown import link, text
-from ...say.name import Titled
+from ...say.names_and_places import Titled
 from ...say.terms import TERMS, Term
 from .page_links import interface_page_path
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ...model import Characteristic, Device
 from ...model.record import dataclass
 from ...model.steps import has_steps, steps_of
-from ...say.name import heading
+from ...say.names_and_places import heading
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,11 +7,11 @@ from collections.abc import Collection, Iterator, Sequence
 from typing import Annotated, Any, TypedDict
 
 from ...model import Device, Erratum
-from ...say.erratum import errata
-from ...say.erratum import erratum as erratum_statement
+from ...say.errata import errata
+from ...say.errata import erratum as erratum_statement
 from ...say.markdown import STYLE, anchor, cited, code, link, text
-from ...say.name import heading
-from ...say.words import sentence
+from ...say.names_and_places import heading
+from ...say.text import sentence
 from . import fact_tables
 from .page_links import ERRATA, link_to_erratum
 

@@ -8,11 +8,11 @@ from typing import Annotated, TypedDict
 from ...model import Device, Interface, Supply, Variant
 from ...order_codes.parameters import follows_registers
 from ...order_codes.reduction import for_interface
+from ...say.field import measurement, own_ranges, position_range
 from ...say.markdown import STYLE, cited, code, text
-from ...say.measurement import measurement, own_ranges, position_range
-from ...say.name import Named, title
-from ...say.parameter import initial
-from ...say.words import volts
+from ...say.names_and_places import Named, title
+from ...say.order_code import initial
+from ...say.text import volts
 from . import fact_tables, order_code_tables
 from .interface_sections import Rows, Section, Sections, page_sections
 from .order_code_patterns import order_codes, patterns

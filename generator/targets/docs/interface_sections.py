@@ -25,17 +25,16 @@ from ...model import (
 )
 from ...order_codes.parameters import follows_registers
 from ...plan.frames import exchanges
-from ...say import alarm, hardware_input
+from ...say import commands as say_commands
+from ...say import interface as hardware_input
 from ...say import layout as say_layout
-from ...say import procedure as say_procedure
 from ...say import register as say_register
-from ...say.alternative import needs
-from ...say.evidence import document
+from ...say import report
+from ...say.errata import needed_answers
+from ...say.evidence import document, origin, other_editions
 from ...say.interface import PURPOSES
 from ...say.markdown import STYLE, cited, code, joined, link, text
-from ...say.name import title, words
-from ...say.origin import origin, other_editions
-from ...say.place import addresses
+from ...say.names_and_places import addresses, title, words
 from ...say.text import Code, Statement, statement
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
 from .layout_tables import has_value_table
@@ -91,11 +90,15 @@ def page_sections(device: Device) -> Sections:
 
 
 def _alarm_section(device: Device, device_alarm: Alarm) -> Section:
-    return {"alarm": device_alarm, "title": title(device_alarm), "facts": alarm.facts(device, device_alarm)}
+    return {"alarm": device_alarm, "title": title(device_alarm), "facts": report.alarm_facts(device, device_alarm)}
 
 
 def _input_section(device: Device, device_input: Input) -> Section:
-    return {"input": device_input, "title": title(device_input), "facts": hardware_input.facts(device, device_input)}
+    return {
+        "input": device_input,
+        "title": title(device_input),
+        "facts": hardware_input.input_facts(device, device_input),
+    }
 
 
 def _example_section(device: Device, example: Example) -> Section:
@@ -205,7 +208,7 @@ def _layout_section(device: Device, interface: Interface, layout: Layout) -> Sec
         "layout": layout,
         "head": say_layout.head(interface, layout, Code(layout.name), device.alternatives),
         "size": STYLE.phrase(statement(*say_layout.size(layout, device.alternatives))),
-        "facts": [*say_layout.facts(interface, layout), *needs(device, layout)],
+        "facts": [*say_layout.facts(interface, layout), *needed_answers(device, layout)],
         "rows": list(layout_tables.field_rows(device, layout)),
         "placements": layout_tables.placement_table(device, layout, interface.name),
         "delivered": follows_registers(device, layout),
@@ -236,9 +239,9 @@ def _value_table(field: Field, is_only_field: bool) -> Section:
 def _procedure_section(device: Device, procedure: Procedure) -> Section:
     return {
         "procedure": procedure,
-        "about": list(say_procedure.about(procedure)),
+        "about": list(say_commands.about_procedure(procedure)),
         "rows": fact_tables.step_rows(device, procedure),
-        "arguments": [(argument.name, say_procedure.argument(device, argument)) for argument in procedure.arguments],
+        "arguments": [(argument.name, say_commands.argument(device, argument)) for argument in procedure.arguments],
     }
 
 

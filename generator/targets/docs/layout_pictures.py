@@ -12,8 +12,8 @@ from collections.abc import Iterator, Sequence
 from ...model import Field, PlacedField, PlacedLayout
 from ...model.record import dataclass
 from ...plan.values import Active, meaning_of
-from ...say.box import as_words, colour, label
-from ...say.place import bit_range
+from ...say.layout import box_colour, box_label, name_as_words
+from ...say.names_and_places import bit_range
 from .svg import WIDE, card, rect, text, wrapped
 
 _GROUP, _NOTHING = "group", "nothing"
@@ -202,14 +202,14 @@ def _runs_with_groups_merged(placed_layout: PlacedLayout) -> list[_BitRun]:
         low = min(field.low for field in fields)
         high = max(field.high for field in fields)
         if owner in group_names:
-            runs.append(_BitRun(high, low, as_words(owner), _GROUP))
+            runs.append(_BitRun(high, low, name_as_words(owner), _GROUP))
         else:
             runs.append(_run_of_field(placed_layout.layout.field(owner), high, low))
     return sorted(runs, key=lambda run: -run.high)
 
 
 def _run_of_field(field: Field, high: int, low: int) -> _BitRun:
-    return _BitRun(high, low, label(field), colour(field), meaning_of(field) == Active(low=True))
+    return _BitRun(high, low, box_label(field), box_colour(field), meaning_of(field) == Active(low=True))
 
 
 def _gaps(placed_layout: PlacedLayout) -> list[tuple[int, int]]:

@@ -21,11 +21,10 @@ from ...model import (
 )
 from ...model.expressions import Expression
 from ...model.record import dataclass
-from ...say.alternative import names
+from ...say.errata import answer_names
 from ...say.field import rules, value
 from ...say.markdown import STYLE, cited, code, joined, link, table, text
-from ...say.name import Named
-from ...say.place import bit_range, bits, field_place, frame_bytes, hexadecimal
+from ...say.names_and_places import Named, bit_range, bits, field_place, frame_bytes, hexadecimal
 from ...say.text import Code, Statement, listed, parted, spec_text, statement
 from .layout_pictures import ByteRow, Stack, bit_stack, byte_stack, group_stack, register_stack
 from .order_code_patterns import order_codes
@@ -200,7 +199,7 @@ def group_rows(device: Device, name: str) -> Iterator[tuple[str, ...]]:
 
 
 def _answers_in_words(answers: Sequence[Answer]) -> str:
-    return STYLE.phrase(statement(*names(answers)))
+    return STYLE.phrase(statement(*answer_names(answers)))
 
 
 def group_places(

@@ -11,14 +11,12 @@ from ...model.record import dataclass
 from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.reduction import for_codes, with_quantities
 from ...say.evidence import grade
+from ...say.field import measurement, own_ranges, position_range
 from ...say.layout import size
 from ...say.markdown import STYLE, cited, code, link, text
-from ...say.measurement import measurement, own_ranges, position_range
-from ...say.name import title
-from ...say.parameter import value
-from ...say.place import field_at, hexadecimal
-from ...say.text import Statement, statement
-from ...say.words import counted, sentence, with_unit
+from ...say.names_and_places import field_at, hexadecimal, title
+from ...say.order_code import parameter_value
+from ...say.text import Statement, counted, sentence, statement, with_unit
 from ..file_names import names_of_codes
 from . import bytes_to_send, clock_and_cable, frame_facts, pin_tables, short_tables, wide_pictures
 from .hardware_steps import ManualProcedure, manual_procedures
@@ -291,7 +289,7 @@ def _quantity_rows(group: CodeGroup) -> Iterator[Row]:
 
 
 def _quantity_row(group: CodeGroup, parameter: Parameter, is_set_by_registers: bool) -> Row:
-    quantity = value(parameter, group.variants[0].parameters[parameter.name])
+    quantity = parameter_value(parameter, group.variants[0].parameters[parameter.name])
     meaning = text(sentence(meaning_without_range(group.family, parameter)))
     origin = _origin_of_quantity(group.family, parameter, is_set_by_registers)
     about = f"{meaning}{origin} <small>{code(parameter.name)}</small> <small>{cited(parameter.source)}</small>"

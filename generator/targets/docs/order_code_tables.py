@@ -7,12 +7,10 @@ from typing import Any
 
 from ...model import Alternative, Answer, Device, Interface, Measurement, Parameter
 from ...order_codes.parameters import parameters_of, run_time_names
+from ...say.field import measurement, own_ranges, position_range
 from ...say.markdown import STYLE, cited, code, joined, link, text
-from ...say.measurement import measurement, own_ranges, position_range
-from ...say.name import heading
-from ...say.order_code import open_values
-from ...say.parameter import origin
-from ...say.parameter import value as parameter_value
+from ...say.names_and_places import heading
+from ...say.order_code import open_values, parameter_origin, parameter_value
 from .page_links import style_in_folder
 
 
@@ -83,7 +81,7 @@ def run_time_rows(device: Device, interface_name: str) -> Iterator[tuple[str, ..
             yield (
                 code(parameter.name),
                 joined([text(parameter.meaning), unit]),
-                style_in_folder(device).paragraph(origin(device, parameter)),
+                style_in_folder(device).paragraph(parameter_origin(device, parameter)),
                 _factory_default(device, parameter),
                 cited(parameter.source),
             )

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from ...model import Alarm, Device, Interface, Layout, Procedure, Register
 from ...say.markdown import STYLE, code, link, reference, text
-from ...say.name import heading
+from ...say.names_and_places import heading
 from ...say.text import Ref, Style
 
 #: Page with all errata of a family, in its folder.

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from ...model import Device, Layout, Register
 from ...model.record import dataclass
-from ...say.name import Titled, title
+from ...say.names_and_places import Titled, title
 from . import layout_tables
 from .connector_pictures import connector_picture, connector_text
 from .layout_pictures import Stack, stacks_picture, text_alternative

@@ -14,7 +14,7 @@ from ...model import (
 from ...model.order_codes import fits
 from ...model.record import dataclass
 from ...say.markdown import anchor, cited, code, text
-from ...say.words import sentence, volts
+from ...say.text import sentence, volts
 
 Row = tuple[str, ...]
 

@@ -6,14 +6,11 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from ...model import Answer, Device, Example, Field, FieldGroup, Interface, Layout, Procedure, Register, Sources, Timing
 from ...say import register as say_register
-from ...say.interface import settings
+from ...say.commands import step
+from ...say.interface import bounds_with_codes, settings
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
-from ...say.name import Titled, heading, title
-from ...say.place import addresses
-from ...say.procedure import step
-from ...say.text import statement
-from ...say.timing import bounds_with_codes
-from ...say.words import counted, sentence
+from ...say.names_and_places import Titled, addresses, heading, title
+from ...say.text import counted, sentence, statement
 from .fact_tables import example_facts
 from .layout_tables import (
     field_cell,

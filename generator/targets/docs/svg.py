@@ -6,7 +6,7 @@ import html
 from collections.abc import Sequence
 from textwrap import wrap
 
-from ...say.lines import plain
+from ...say.plain_text import plain
 
 #: Width that fits on the screen of a phone: 375 pixels minus the margins of a page.
 WIDE = 340.0

@@ -13,13 +13,11 @@ from ...model import Biss, Device, Interface, Rs485, SendStep, Spi, Ssi, assert_
 from ...model.record import dataclass
 from ...plan.codec import Codec, codec_of
 from ...plan.values import Active, meaning_of
-from ...say.box import DATA, colour
-from ...say.evidence import document
-from ...say.interface import REPLIES, word_lengths
-from ...say.mentions import Subject, mentions
-from ...say.name import words
-from ...say.timing import bounds_with_codes
-from ...say.words import counted, microseconds, timeout_words
+from ...say.evidence import Subject, document, mentions
+from ...say.interface import REPLIES, bounds_with_codes, word_lengths
+from ...say.layout import DATA, box_colour
+from ...say.names_and_places import words
+from ...say.text import counted, microseconds, timeout_words
 from .svg import card, number, rect, text
 from .svg import width as text_width
 
@@ -215,9 +213,9 @@ def _data_boxes(codec: Codec, position_names: Container[str]) -> Iterator[tuple[
     has_position = False
     for field in codec.layout.fields:
         if field is codec.layout.crc_field:
-            yield "CRC", colour(field)
+            yield "CRC", box_colour(field)
         elif isinstance(meaning_of(field), Active):
-            yield words(field.name), colour(field)
+            yield words(field.name), box_colour(field)
         elif field.name in position_names:
             if not has_position:
                 yield "position", DATA

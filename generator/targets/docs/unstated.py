@@ -5,9 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 
 from ...model import Device, Interface
-from ...say.evidence import document
+from ...say.evidence import Subject, document, mentions
 from ...say.markdown import link
-from ...say.mentions import Subject, mentions
 from ...say.text import BY_NAME, listed, statement
 
 

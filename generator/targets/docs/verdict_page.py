@@ -11,7 +11,7 @@ from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Only, Reporting, reportings, reports_of, sums_up, verdict_of
 from ...say.evidence import document
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
-from ...say.name import own_names
+from ...say.names_and_places import own_names
 from ...say.report import alarm_of, by_hand, conditions, deciding, meaning, remedy_text, source
 from ...say.text import Code, listed, statement
 from .page_links import link_to_erratum, link_to_layout, links_to_steps

@@ -7,7 +7,7 @@ from textwrap import wrap
 
 from ...model import PlacedLayout
 from ...model.record import dataclass
-from ...say.place import bit_range
+from ...say.names_and_places import bit_range
 from .layout_pictures import Stack, bit_stack, byte_stack, runs_of, text_alternative
 from .svg import card, number, rect, text, width
 

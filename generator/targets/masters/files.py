@@ -18,8 +18,8 @@ from ...masters.sheet import Master, Sheet, shipped_masters
 from ...masters.text import cited, condition_text
 from ...model import Device
 from ...render import Templates, our_templates
-from ...say.lines import plain, wrapped
 from ...say.markdown import text as markdown
+from ...say.plain_text import plain, wrapped
 from .. import NO_OPTIONS, Library, Option, Options, Target
 from ..file_names import names_of_codes
 from ..licence import licence_in

@@ -26,8 +26,8 @@ from ...plan.values import (
     is_number,
     meaning_of,
 )
-from ...say.name import words
-from ...say.words import sentence
+from ...say.names_and_places import words
+from ...say.text import sentence
 from . import text
 from .context import Context, OpenQuestion
 from .decode import Decoder, NamedValues, assigned

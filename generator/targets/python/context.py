@@ -10,7 +10,7 @@ from ...model.record import dataclass
 from ...plan.crcs import Carrier, CrcFunction, carriers, crc_functions
 from ...plan.values import is_named, meaning_of
 from ...plan.verdicts import Reporting, reportings
-from ...say.words import sentence
+from ...say.text import sentence
 from .expr import Scope
 from .names import (
     BISS,

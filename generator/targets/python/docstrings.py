@@ -6,7 +6,7 @@ import re
 from collections.abc import Sequence
 
 from ...model.record import dataclass
-from ...say.lines import plain, wrapped
+from ...say.plain_text import plain, wrapped
 from .lines import WIDTH
 
 #: A quotation mark at the end that is not escaped.

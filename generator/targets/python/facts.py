@@ -24,7 +24,7 @@ from ...plan.codec import Codec, codec_of
 from ...plan.limits import powers_of_two
 from ...plan.values import is_number, meaning_of
 from ...plan.verdicts import reports_of, verdict_of
-from ...say.lines import plain
+from ...say.plain_text import plain
 from ...say.report import alarm_of, meaning, remedy, source, states
 from .literals import Call, Code, Member, call, quoted, record
 from .meanings import of_facts

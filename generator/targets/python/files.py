@@ -15,7 +15,7 @@ from typing import Annotated, TypedDict
 
 from ...model import Device, Manufacturer, Rs485
 from ...render import Templates, our_templates
-from ...say.lines import plain
+from ...say.plain_text import plain
 from .. import NO_OPTIONS, Library, Options, Target, has_biss, main_manufacturer
 from ..licence import licence_in
 from ..runtime import copied, our_runtime

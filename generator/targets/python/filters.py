@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from ...plan import operations, steps
 from ...plan.limits import Refusal
 from ...render import tests_for
-from ...say.words import sentence
+from ...say.text import sentence
 from .context import byte_order
 from .docstrings import docstring
 from .expr import Expr, coded, grouped, mask

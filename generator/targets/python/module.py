@@ -9,8 +9,8 @@ from ...model import Device, Field, Interface, Register, Value
 from ...model.record import dataclass
 from ...plan.frames import Dispatch, dispatches
 from ...plan.registers import identities
-from ...say.lines import plain
-from ...say.name import words
+from ...say.names_and_places import words
+from ...say.plain_text import plain
 from . import facts, text
 from .bits import from_pieces
 from .codec import Coder

@@ -21,16 +21,15 @@ from ...model import (
     Register,
     Value,
 )
-from ...say import crc, field, layout, place, procedure, register
-from ...say.erratum import errata, erratum
-from ...say.evidence import grade
-from ...say.lines import plain
-from ...say.name import full_title, heading, title
-from ...say.origin import origin, other_editions, removals
-from ...say.parameter import parameter
+from ...say import commands, field, layout, names_and_places, register
+from ...say import layout as crc
+from ...say.errata import errata, erratum
+from ...say.evidence import grade, origin, other_editions, removals
+from ...say.names_and_places import full_title, heading, title
+from ...say.order_code import parameter
+from ...say.plain_text import plain
 from ...say.text import AS_LITERAL as S
-from ...say.text import Statement, spec_text, statement
-from ...say.words import counted, sentence
+from ...say.text import Statement, counted, sentence, spec_text, statement
 from .context import is_one_choice
 from .docstrings import Block, docstring
 
@@ -200,13 +199,13 @@ def of_procedure(device: Device, device_procedure: Procedure) -> list[Block]:
     return paragraphs(
         [
             statement(device_procedure.title, source=device_procedure.source),
-            *procedure.procedure(device, device_procedure),
+            *commands.procedure(device, device_procedure),
         ]
     )
 
 
 def of_argument(device: Device, argument: Argument) -> str:
-    return S.sentence(procedure.argument(device, argument))
+    return S.sentence(commands.argument(device, argument))
 
 
 # -- fields
@@ -231,7 +230,7 @@ OF_OTHERS = "Bits that the manual does not describe, at their positions in the n
 
 def of_unused(unused_field: Field, at: int) -> str:
     """Return the text for a field of unused bits, with its position in ``unused``."""
-    return f"{place.bits(at + unused_field.widest - 1, at)}, {unused_field.name}"
+    return f"{names_and_places.bits(at + unused_field.widest - 1, at)}, {unused_field.name}"
 
 
 def of_value(named_value: Field | Value) -> str:

@@ -21,7 +21,7 @@ from ...plan.values import (
     parameters_in_measurement,
     position_ranges,
 )
-from ...say.parameter import initial
+from ...say.order_code import initial
 from . import text
 from .codec import Coder
 from .context import Context, OpenQuestion, byte_order

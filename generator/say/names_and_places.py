@@ -1,13 +1,96 @@
-"""Locations: bits of a word, bytes of a frame, addresses of registers."""
+"""Names and locations in text: items, order codes, bits of a word, bytes of a frame, addresses of registers."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Protocol
 
 from ..model import Alternative, Device, Field, Layout, Register, choices
 from ..model.expressions import Expression
-from .alternative import names
-from .text import Part
+from .errata import answer_names
+from .text import Code, Part, Ref, Statement, statement
+
+_ACRONYMS = {
+    "biss": "BiSS",
+    "crc": "CRC",
+    "eeprom": "EEPROM",
+    "id": "ID",
+    "led": "LED",
+    "leds": "LEDs",
+    "lsb": "LSB",
+    "rs485": "RS-485",
+    "scd": "SCD",
+    "spi": "SPI",
+    "ssi": "SSI",
+    "um": "µm",
+}
+
+
+class Titled(Protocol):
+    """Item of the spec, with our name and the name used in the manual."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def printed_name(self) -> str: ...
+
+
+class Named(Titled, Protocol):
+    """Item that may also have other names in other editions of the manual."""
+
+    @property
+    def names(self) -> Mapping[str, str]: ...
+
+
+def words(name: str) -> str:
+    """Return a name as words in a sentence: ``encoder_id`` as ``encoder ID``."""
+    return " ".join(_ACRONYMS.get(word, word) for word in name.split("_"))
+
+
+def heading(name: str) -> str:
+    """Return a name as a heading: ``Encoder ID``."""
+    text = words(name)
+    return text[0].upper() + text[1:]
+
+
+def title(titled: Titled) -> str:
+    """Return the name used in the manual, or our name if the manual has none."""
+    return titled.printed_name or heading(titled.name)
+
+
+def printed(named: Named) -> str:
+    """Return the name used in any edition of the manual, or an empty string."""
+    return named.printed_name or ", ".join(named.names.values())
+
+
+def own_names(named: Named) -> str:
+    """Return the names used in the manual and its other editions: ``Command, it: Comando``."""
+    return ", ".join(filter(None, (named.printed_name, *(f"{key}: {name}" for key, name in named.names.items()))))
+
+
+def full_title(named: Named) -> str:
+    """Return the title, followed by the names used in other editions: ``Command (it: Comando)``."""
+    other_names = "; ".join(f"{key}: {name}" for key, name in named.names.items() if name != title(named))
+    return title(named) + (f" ({other_names})" if other_names else "")
+
+
+def register(device: Device, name: str) -> Ref:
+    return Ref("register", name, title(device.register(name)))
+
+
+def register_field(device: Device, path: str) -> Ref:
+    """Return a reference to ``register.field``, or to the register if no field is given."""
+    name, _, field = path.partition(".")
+    if not field:
+        return register(device, name)
+    owner = device.register(name)
+    return Ref("register", path, f"{title(owner.layout.field(field))} in {title(owner)}")
+
+
+def only(codes: str) -> Iterator[Statement]:
+    """Yield the order codes, unless the item applies to all of them."""
+    if codes:
+        yield statement("Only with ", Code(codes))
 
 
 def hexadecimal(value: int, digits: int = 2) -> str:
@@ -76,4 +159,4 @@ def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative
         else:
             yield bits(last, first)
         if answers:
-            yield from (" (", *names(answers), ")")
+            yield from (" (", *answer_names(answers), ")")

@@ -1,0 +1,214 @@
+"""Statements about errata of a manual, and about questions that it leaves open."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Iterator, Sequence
+
+from ..model import INTERFACES, LEFT_OUT, NOT_KNOWN, Alternative, Answer, Device, Erratum, Layout
+from .text import Code, Part, Ref, Statement, listed, sentence, statement
+
+#: Top-level parts of a spec that are not lists of named items.
+_TOP = {
+    "connectors": "the connectors",
+    "inputs": "the hardware inputs",
+    "supply": "the supply",
+    "printed_defaults": "the printed table of defaults",
+    "measurement": "the unit of the position",
+    "movement": "the movement",
+    "characteristics": "the characteristics",
+    "leds": "the LEDs",
+    "tables": "the tables",
+    "alarms": "the alarms",
+}
+#: Keys inside a part, with the words that precede the part.
+_KEYS = {
+    "note": "the note on {}",
+    "meaning": "the meaning of {}",
+    "default": "the default of {}",
+    "min": "the minimum of {}",
+    "max": "the maximum of {}",
+    "implemented": "whether {} is implemented",
+    "interfaces": "the interfaces of {}",
+    "when_active": "the meaning of an active {}",
+    "when_inactive": "the meaning of an inactive {}",
+    "wait_at_least_ms": "the wait in ms after a write to {}",
+    "at_least_ms": "the minimum time in ms for {}",
+    "open": "unlisted values of {}",
+    "open_only_with": "the values that may accompany unlisted values of {}",
+}
+#: Lists of named items, with the word for one item.
+_LISTS = {
+    "registers": "register",
+    "fields": "field",
+    "layouts": "frame",
+    "timings": "time",
+    "procedures": "procedure",
+    "parts": "part",
+    "values": "value",
+    "alarms": "alarm",
+    "crcs": "CRC",
+    "parameters": "parameter",
+    "connectors": "connector",
+    "field_groups": "group",
+    "data_ids": "data ID",
+    "steps": "step",
+    "contacts": "contact",
+    "characteristics": "characteristic",
+    "leds": "LED",
+    "tables": "table",
+    "examples": "example",
+    "alternatives": "alternative",
+    "documents": "document",
+}
+_PATH = re.compile(r"[A-Za-z0-9_]+([.][A-Za-z0-9_+/ -]+)*")
+#: Index of an item in a list without names, counted from 0.
+_INDEX = re.compile(r"\[([0-9]+)\]")
+_MORE = re.compile(r" and ([0-9]+ more)$")
+
+
+def paths_in_words(paths: str) -> str:
+    """Return paths such as ``registers.bank.default, supply and 2 more`` in words."""
+    count_text = _MORE.search(paths)
+    texts = [_path_in_words(path.split(".")) for path in _MORE.sub("", paths).split(", ")]
+    return "".join(map(str, listed([*texts, *([count_text[1]] if count_text is not None else [])])))
+
+
+def change_in_words(printed: str) -> str:
+    """Return a part and its value, such as ``bank.default: 50``, in words. Text without a path is unchanged."""
+    paths, colon, value = printed.partition(": ")
+    paths = _INDEX.sub(lambda index_match: f".{int(index_match[1]) + 1}", paths)
+    if not all(map(_PATH.fullmatch, _MORE.sub("", paths).split(", "))):
+        return printed
+    return f"{paths_in_words(paths)}{colon}{value}"
+
+
+def _first_words(steps: Sequence[str]) -> tuple[str, int]:
+    """Return the words for the first steps of a path that are described together, and their number."""
+    match steps:
+        case ["order_code", "parts", part, "values", value, *_]:
+            return f"order codes with {part} {value}", 5
+        case ["order_code", "parts", part, _, *_]:
+            return f"order code part {part}", 3
+        case ["order_code", "also_written", number, "values", part, *_]:
+            return f"the values of {part} in spelling {number} on labels", 5
+    if steps[0] not in (*_LISTS, *_TOP, "interfaces", "order_code"):
+        return f"register {steps[0]}", 1
+    return "", 0
+
+
+def _path_in_words(steps: Sequence[str]) -> str:
+    """Return one path in words, from the outermost step inwards. A step for which there are no words is kept."""
+    if len(steps) == 1 and steps[0] in _TOP:
+        return _TOP[steps[0]]
+    words, index = _first_words(steps)
+    while index < len(steps):
+        step, following = steps[index], steps[index + 1] if index + 1 < len(steps) else ""
+        if step == "interfaces" and following:
+            words, index = (INTERFACES[following].title if following in INTERFACES else following), index + 2
+        elif step == "order_code":
+            words, index = "the order code", index + 1
+        elif step in _LISTS and following:
+            words, index = f"{_LISTS[step]} {following}" + (f" of {words}" if words else ""), index + 2
+        elif step in _KEYS and not following:
+            words, index = _KEYS[step].format(words), index + 1
+        else:
+            words, index = f"{step.replace('_', ' ')}" + (f" of {words}" if words else ""), index + 1
+    return words
+
+
+#: Longest reason, in characters, that is shown next to code. Errata with wrong data always have their reason.
+_SHORT = 100
+
+
+def errata(
+    device: Device, *paths: str, without: Collection[str] = (), exactly: Collection[str] = (), wording: bool = False
+) -> tuple[Erratum, ...]:
+    """Return the errata about these parts of the spec or anything inside them, except the parts ``without``.
+
+    An erratum about a part in ``exactly`` is about that part as a whole. Errata about wording are included only on
+    request, for pages that show the text of a manual.
+    """
+
+    def is_about(affected: str) -> bool:
+        return affected in exactly or (_is_within(affected, paths) and not _is_within(affected, without))
+
+    candidates = [correction for correction in device.errata if wording or correction.severity != "wording"]
+    return tuple(correction for correction in candidates if any(map(is_about, correction.affects)))
+
+
+def _is_within(path: str, parts: Collection[str]) -> bool:
+    """Return whether a path is that of one of the parts, or of something inside it."""
+    return path in parts or path.startswith(tuple(f"{part}." for part in parts))
+
+
+def erratum(correction: Erratum, *, whole: bool = False) -> Statement:
+    """Return an erratum in three labelled parts: the printed text, the value used, and the reason.
+
+    The reason is omitted if it is long, unless ``whole`` is set or wrong bytes could be sent. A change by an overlay
+    or another edition always has its reason. The short form keeps the value used if wrong bytes could be sent and the
+    erratum is open.
+    """
+    if correction.overlay or correction.edition:
+        return _change(correction)
+    at_stake = correction.severity == "wrong_data"
+    with_reason = whole or at_stake or len(correction.why) <= _SHORT
+    used = sentence(correction.used) + (f" {sentence(f'Only with {correction.only}')}" if correction.only else "")
+    brief = f"Used: {used}" if at_stake and correction.status == "open" else ""
+    label = f"Erratum {correction.name} ({correction.status}, {correction.severity.replace('_', ' ')})"
+    parts = _labelled(("Printed", correction.printed), ("Used", used), ("Why", correction.why if with_reason else ""))
+    return Statement((), label, correction.source, brief, tuple(parts))
+
+
+def _labelled(*parts: tuple[str, str]) -> Iterator[Statement]:
+    return (statement(text, label=label) for label, text in parts if text)
+
+
+def _change(correction: Erratum) -> Statement:
+    label = f"Overlay {correction.overlay}" if correction.overlay else f"In edition {correction.edition}"
+    if correction.edition.startswith("before "):
+        label = f"Before edition {correction.edition.removeprefix('before ')}"
+    # Next to code, a hint that another edition differs is enough, since the code is correct for this edition.
+    differs = "may differ" if correction.used == NOT_KNOWN else "differs"
+    brief = f"{differs}. See the encoder's page." if correction.edition else None
+    return Statement(
+        (), label, correction.source, brief, tuple(_labelled(*changed(correction), ("Why", correction.why)))
+    )
+
+
+def changed(correction: Erratum) -> Iterator[tuple[str, str]]:
+    """Yield a change by an overlay or another edition as labelled texts: the part, and its changed content."""
+    change = change_in_words(correction.printed)
+    if correction.used == NOT_KNOWN:
+        yield "Not known", change
+    elif correction.used == LEFT_OUT and correction.edition:
+        yield "Not present", change
+    elif correction.printed.endswith(".note") and correction.edition:
+        yield "Instead of", change
+        yield "Text", f"{correction.used}"
+    else:
+        yield "In the spec", change
+        yield "In that edition" if correction.edition else "With the overlay", f"{correction.used}"
+
+
+def question(alternative: Alternative) -> Statement:
+    """Return the question."""
+    return statement(alternative.meaning, source=alternative.source)
+
+
+def answer(choice: Answer) -> Statement:
+    """Return one answer, preceded by its name."""
+    return statement(Code(choice.name), f": {choice.meaning}", source=choice.source)
+
+
+def needed_answers(device: Device, layout: Layout) -> Iterator[Statement]:
+    """Yield the choices that are needed to read or write a frame of this layout."""
+    for alternative in device.alternatives_of(layout):
+        answers = listed([Code(choice.name) for choice in alternative.answers], " or ")
+        choice = Ref("alternative", alternative.name, alternative.name)
+        yield statement("The positions of its fields depend on your choice of ", choice, ": ", *answers)
+
+
+def answer_names(answers: Sequence[Answer]) -> Iterator[Part]:
+    """Yield the names of the answers as parts, such as ``as_printed``."""
+    yield from listed([Code(choice.name) for choice in answers])
