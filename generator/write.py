@@ -17,9 +17,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
-from .lock import PATIENCE_S, Busy, locked
+from .output_folder import PATIENCE_S, PREFIX, Busy, Stage, locked, stages_in
 from .output_list import LIST, LIST_SIGN, WriteError, families_in, is_safe, list_text, listed_in, read_file
-from .stage import PREFIX, Stage, stages_in
 
 _A_FOLDER = ", a folder in place of a file"
 

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from codewheel import lock, write
+from codewheel import output_folder, write
 from codewheel.commands.cli import main
 from codewheel.output_list import WriteError
 
@@ -122,7 +122,7 @@ def test_kills_at_random_moments_leave_each_target_whole(tmp_path: Path, system:
 
 @pytest.fixture
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(lock, "PATIENCE_S", 0.0)
+    monkeypatch.setattr(output_folder, "PATIENCE_S", 0.0)
 
 
 @pytest.mark.parametrize("way", ["out", "link", "other/../out"])
@@ -131,7 +131,7 @@ def test_a_run_that_does_not_end_is_named(tmp_path: Path, way: str) -> None:
     out = tmp_path / "out"
     (tmp_path / "other").mkdir()
     (tmp_path / "link").symlink_to(out)
-    with lock.locked(out, list):
+    with output_folder.locked(out, list):
         waited: list[bool] = []
         with pytest.raises(WriteError) as caught:
             write.write(tmp_path / way, files("a"), waiting=lambda: waited.append(True))
@@ -147,7 +147,7 @@ def test_a_run_that_does_not_end_is_named(tmp_path: Path, way: str) -> None:
 
 def test_a_folder_that_is_made_anew_meanwhile_is_locked_anew(tmp_path: Path) -> None:
     out = tmp_path / "out"
-    with lock.locked(out, list):
+    with output_folder.locked(out, list):
         write.write(out, files("a"), waiting=lambda: out.rename(tmp_path / "away") and None)
         assert content(out) == all_of("a")
 
@@ -186,7 +186,7 @@ def test_the_command_says_that_it_waits(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     assert main(["new", "demo"]) == 0
-    with lock.locked(tmp_path / "out", list):
+    with output_folder.locked(tmp_path / "out", list):
         assert main(["generate", "demo.yaml", "--target", "browser", "-o", "out"]) == 1
     assert capsys.readouterr().err == (
         "codewheel: waiting for another run that is writing to out\n"
