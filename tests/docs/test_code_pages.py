@@ -16,7 +16,7 @@ from codewheel.order_codes.reduction import with_quantities
 from codewheel.targets import Library
 from codewheel.targets.docs.order_code_page import RESERVED_NAMES
 from codewheel.targets.docs.order_code_patterns import patterns
-from codewheel.targets.file_names import names_of_codes
+from codewheel.targets.shared_files import names_of_codes
 
 Files = Mapping[str, str]
 

@@ -43,8 +43,7 @@ from ...say.order_code import initial
 from ...say.plain_text import in_ascii, plain
 from ...say.text import BY_NAME, counted
 from .. import NO_OPTIONS, Library, Option, Options, Target
-from ..file_names import names_of_codes
-from ..licence import licence_in
+from ..shared_files import licence_in, names_of_codes
 from .identity import (
     DataLength,
     IdBits,

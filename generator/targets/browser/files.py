@@ -24,8 +24,7 @@ from ...say.plain_text import plain
 from ...say.text import WORTH
 from ...why.in_bits import SLIPS
 from .. import NO_OPTIONS, Library, Options, Target
-from ..licence import licence_in
-from ..runtime import our_runtime
+from ..shared_files import licence_in, our_runtime
 from .family import family_data
 from .plain import Data, script_json
 

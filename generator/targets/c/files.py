@@ -19,7 +19,7 @@ from ...model import Device, Manufacturer
 from ...render import Templates, our_templates
 from ...say.plain_text import plain
 from .. import NO_OPTIONS, Library, Option, OptionError, Options, Target, TargetError, TargetProblem
-from ..licence import licence_in
+from ..shared_files import licence_in
 from .assumptions import TEMPLATE, Assumptions, assumptions_files
 from .device import DeviceView, Part, views_of
 from .examples import ExampleCode

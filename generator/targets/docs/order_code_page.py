@@ -17,7 +17,7 @@ from ...say.markdown import STYLE, cited, code, link, text
 from ...say.names_and_places import field_at, hexadecimal, title
 from ...say.order_code import parameter_value
 from ...say.text import Statement, counted, sentence, statement, with_unit
-from ..file_names import names_of_codes
+from ..shared_files import names_of_codes
 from . import bytes_to_send, clock_and_cable, frame_facts, pin_tables, short_tables, wide_pictures
 from .hardware_steps import ManualProcedure, manual_procedures
 from .inline_errata import ErrataLinks

@@ -21,8 +21,7 @@ from ...render import Templates, our_templates
 from ...say.markdown import text as markdown
 from ...say.plain_text import plain, wrapped
 from .. import NO_OPTIONS, Library, Option, Options, Target
-from ..file_names import names_of_codes
-from ..licence import licence_in
+from ..shared_files import licence_in, names_of_codes
 from .entries import Channel, Content, Raw, content
 
 _WIDTH = 120

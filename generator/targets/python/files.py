@@ -17,8 +17,7 @@ from ...model import Device, Manufacturer, Rs485
 from ...render import Templates, our_templates
 from ...say.plain_text import plain
 from .. import NO_OPTIONS, Library, Options, Target, has_biss, main_manufacturer
-from ..licence import licence_in
-from ..runtime import copied, our_runtime
+from ..shared_files import copied, licence_in, our_runtime
 from .filters import FILTERS, FUNCTIONS, TESTS
 from .imports import Imports, imports_of
 from .module import Module

@@ -15,7 +15,7 @@ from ...model import cite
 from ...model.expressions import Expression
 from ...model.members import PARTS_BY_CLASS
 from ...model.record import dataclass
-from ..runtime import our_runtime
+from ..shared_files import our_runtime
 from .literals import Call, Hex, Literal, Member, is_empty
 
 #: Sources with classes of records and enumerations.
