@@ -31,7 +31,7 @@ from codewheel.reference.bits import binary_to_gray, compute, from_gray, join_va
 from codewheel.reference.codec import UNUSED, decode, encode
 from codewheel.reference.crc import compute_bits, compute_bytes
 from codewheel.targets.c.device import views_of
-from codewheel.targets.c.reserved import c_name
+from codewheel.targets.c.names import c_name
 
 pytestmark = pytest.mark.slow
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 from codewheel.model.expressions import Expression
+from codewheel.targets.c.comments import break_lines, end_comment
 from codewheel.targets.c.expr import (
     Call,
     Cast,
@@ -18,7 +19,6 @@ from codewheel.targets.c.expr import (
     shifted_left,
     shifted_right,
 )
-from codewheel.targets.c.lines import break_lines, end_comment
 
 LONG = "a_name_of_so_many_letters_that_two_of_them_fill_a_line"
 

@@ -19,7 +19,7 @@ from codewheel.model import Device
 from codewheel.targets import Library, TargetError
 from codewheel.targets.c.device import views_of
 from codewheel.targets.c.files import generate
-from codewheel.targets.c.reserved import RESERVED, c_name
+from codewheel.targets.c.names import RESERVED, c_name
 from hostile_specs import BISS_CLOCK, HEAD, Item, crc, digits, flag, layout_of
 from uses import declared, use_everything
 from working_tools import require

@@ -20,10 +20,10 @@ from typing import Any
 
 from c_harness import WARNINGS, write
 from codewheel.model import Device
-from codewheel.targets.c.access import Access
 from codewheel.targets.c.device import DeviceView, views_of
+from codewheel.targets.c.names import c_name
 from codewheel.targets.c.procedures import ProcedureCode
-from codewheel.targets.c.reserved import c_name
+from codewheel.targets.c.registers import Access
 from working_tools import require
 
 OK, LENGTH, CRC, CONSTANT, RANGE, TRANSPORT, TIMEOUT, UNSUPPORTED = range(8)

@@ -24,7 +24,7 @@ from c_harness import Member, answers, codecs, included, members, short
 from codewheel.model import Alternative, Choice, Device, Layout, PlacedLayout, Variant
 from codewheel.targets.c.codec import StructCodec
 from codewheel.targets.c.device import DeviceView
-from codewheel.targets.c.reserved import c_name
+from codewheel.targets.c.names import c_name
 
 HERE = Path(__file__).resolve().parent
 

@@ -30,10 +30,9 @@ from ...say import register as say_register
 from ...say import report as say_report
 from ...say.names_and_places import addresses, bit_range, field_place, full_title, register_field, title
 from ...say.text import Code, Statement, counted, listed, statement
-from .comments import Paragraph
+from .comments import Paragraph, S
 from .order_codes import unknown_parts
 from .structs import Struct
-from .style import S
 
 #: The functions of a transport.
 CALLS = {

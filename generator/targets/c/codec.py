@@ -9,16 +9,14 @@ from ...model import Field
 from ...model.expressions import Expression
 from ...plan.limits import OutsideLimits, depends
 from .about import about_bits_crc, about_member, about_unused, about_word_crc
-from .alternatives import AlternativeCode, alternatives_in
 from .comments import Paragraph
+from .crc_folds import BitsCrc, WordCrc, folds
 from .decode import Decoder
 from .encode import Encoder
-from .expr import Expr, Name, Number, Operation, joined
-from .folds import BitsCrc, WordCrc, folds
-from .names import Declared
-from .reserved import c_name
+from .enumerations import AlternativeCode, alternatives_in
+from .expr import Expr, Name, Number, Operation, joined, number, string, unsigned
+from .names import Declared, c_name
 from .structs import Struct
-from .types import number, string, unsigned
 
 
 class StructCodec:

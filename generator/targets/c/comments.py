@@ -1,12 +1,14 @@
-"""Comments in C: text of a spec in ASCII, made safe so that nothing in it ends the comment."""
+"""Comments in C: text of a spec in ASCII, the style of sentences, and the breaking of long lines."""
 
 from __future__ import annotations
 
 import re
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from ...say.plain_text import in_ascii, plain
+from ...say.text import BY_TITLE, Statement, Style
+from .expr import string
 
 COLUMNS = 100
 #: The smallest width of a text after its lead.
@@ -76,3 +78,149 @@ def comment_lines(paragraphs: Sequence[Paragraph] | str) -> str:
 def in_comment_lead(text: str) -> str:
     """Make the lead of a paragraph safe for a comment, with its spaces kept."""
     return re.sub("[^ ]+", lambda word: in_comment(word[0]), text)
+
+
+class InHeader(Style):
+    """A style that mentions an erratum where it matters, with the value used if wrong bytes could be sent."""
+
+    def sentence(self, statement: Statement) -> str:
+        if statement.brief is None:
+            return super().sentence(statement)
+        label = self.text(statement.label)
+        return f"{label}: {statement.brief}" if statement.brief else f"{label}."
+
+
+S = InHeader(text=BY_TITLE.text, code=BY_TITLE.code, ref=BY_TITLE.ref)
+
+
+#: Places where a long line may be broken, the better ones first.
+_CONDITIONS = re.compile(r"(?<= &&) |(?<= \|\|) ")
+_ANYWHERE = re.compile(r"(?<= &&) |(?<= \|\|) |(?<= \|) |(?<= \+) |(?<= -) |(?<=,) (?=[A-Za-z&(])")
+_STRING = re.compile(r'"(?:\\.|[^"\\])*"')
+#: A comment that begins a line, except titles of sections, or that follows a declaration or a macro.
+_OPENS = re.compile(r"\s*/\*(?: (?!-- )|$)")
+_BEHIND = re.compile(r"^(\s*[A-Za-z#](?:(?!/\*).)*) /\* (?=[^*]*\*/$)")
+#: The end of a line that the next one continues.
+_OPEN = ("(", " =", " |")
+
+
+def end_comment(note: object) -> str:
+    """Return a comment for the end of a line. ``break_lines`` moves it above the line if the line gets too long."""
+    safe_note = in_comment(note)
+    return f" /* {safe_note} */" if safe_note else ""
+
+
+def in_lines(parts: Sequence[str], indent: int) -> str:
+    """Return a call with its arguments on one line, or each on its own line if that is too long."""
+    margin, whole = " " * indent, " ".join(parts)
+    return margin + whole if indent + len(whole) <= COLUMNS else f"\n{margin}    ".join((margin + parts[0], *parts[1:]))
+
+
+def literals(text: object, indent: int) -> str:
+    """Return text as a string literal, or as several literals on separate lines if it is too long."""
+    lines = textwrap.wrap(ascii_text(text), COLUMNS - indent - 4, break_long_words=False, break_on_hyphens=False)
+    parts = [*(string(f"{line} ") for line in lines[:-1]), *map(string, lines[-1:] or [""])]
+    return f"\n{' ' * indent}".join(parts)
+
+
+def documented(text: str) -> str:
+    """Mark the comments of a header for Doxygen: those above a declaration, and those after one.
+
+    A comment that becomes too long for the end of its line moves above it.
+    """
+    lines: list[str] = []
+    in_body = False
+    for line in text.splitlines():
+        in_body = line == "{" or (in_body and line != "}")
+        if in_body:
+            lines.append(line)
+        elif line == "/*" and not lines:
+            lines.append("/** @file")
+        else:
+            lines += _documented(line)
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _documented(line: str) -> Iterator[str]:
+    if _OPENS.match(line):
+        yield from _one_or_more(line.replace("/*", "/**", 1))
+        return
+    marked = _BEHIND.sub(r"\1 /**< ", line)
+    if marked == line or len(marked) <= COLUMNS:
+        yield marked
+        return
+    code, _, note = line.rpartition(" /* ")
+    margin = " " * (len(code) - len(code.lstrip()))
+    yield from _one_or_more(f"{margin}/** {note}")
+    yield code.rstrip()
+
+
+def _one_or_more(line: str) -> Iterator[str]:
+    """Yield a comment on one line, or as a block if the mark for Doxygen makes it too long."""
+    if len(line) <= COLUMNS:
+        yield line
+        return
+    margin = " " * (len(line) - len(line.lstrip()))
+    yield f"{margin}/**"
+    yield f"{margin} * {line.strip().removeprefix('/** ').removesuffix(' */')}"
+    yield f"{margin} */"
+
+
+def break_lines(text: str) -> str:
+    """Break the long lines of a file, except comments, macros and initialisers, which stay unchanged."""
+    lines: list[str] = []
+    in_comment = False
+    for line in text.splitlines():
+        in_comment = in_comment or line.lstrip().startswith("/*")
+        if in_comment or len(line) <= COLUMNS or line.endswith(("};", "\\")):
+            lines.append(line)
+        else:
+            lines += _lines(line, goes_on=bool(lines) and lines[-1].endswith(_OPEN))
+        in_comment = in_comment and not line.endswith("*/")
+    return "".join(f"{line}\n" for line in lines)
+
+
+def _lines(line: str, goes_on: bool) -> Iterator[str]:
+    """Yield a long line as several. ``goes_on`` is True if it continues the previous line."""
+    code, opened, note = line.rpartition(" /*") if line.endswith("*/") else (line, "", "")
+    margin = " " * (len(code) - len(code.lstrip()))
+    if opened:
+        yield comment(note.removesuffix("*/"), len(margin))
+    if len(code) <= COLUMNS or code.startswith("#"):
+        yield code.rstrip()
+    elif not margin and code.endswith(")"):
+        head, _, arguments = code.partition("(")
+        yield f"{head}("
+        yield from _lines(f"    {arguments}", goes_on=True)
+    else:
+        yield from _broken_line(code.lstrip(), margin, margin + " " * (0 if goes_on else 4))
+
+
+def _broken_line(line: str, margin: str, hang: str) -> Sequence[str]:
+    """Break a line after an assignment or a question mark if that is enough, else between conditions or anywhere."""
+    without_strings = _STRING.sub(lambda text: "x" * len(text[0]), line)
+    first, mark, _ = without_strings.partition(" ? ")
+    if not mark or first.count("(") > first.count(")") + 1:
+        first, mark, _ = without_strings.partition(" = ")
+    at = len(first) + len(mark)
+    twice = [margin + line[: at - 1], hang + line[at:]]
+    if mark and " | " not in without_strings and _all_fit(twice):
+        return twice
+    lines = _split(line, without_strings, margin, hang, _CONDITIONS)
+    return lines if _all_fit(lines) else _split(line, without_strings, margin, hang, _ANYWHERE)
+
+
+def _all_fit(lines: Sequence[str]) -> bool:
+    return max(map(len, lines)) <= COLUMNS
+
+
+def _split(line: str, without_strings: str, margin: str, hang: str, places: re.Pattern[str]) -> list[str]:
+    """Break the line as late as possible at the places found in ``without_strings``."""
+    lines, current, start = [], margin, 0
+    for end in (*(place.start() for place in places.finditer(without_strings)), len(line)):
+        piece = line[start:end]
+        if start and len(current) + len(piece) > COLUMNS:
+            lines.append(current)
+            current, piece = hang, piece[1:]
+        current, start = current + piece, end
+    return [*lines, current]

@@ -6,11 +6,9 @@ from ...model import Crc, Device, Layout, Parameter, Register, RegisterMeaning
 from ...model.expressions import Expression
 from ...plan.crcs import carriers
 from ...plan.registers import held_parameters
-from .alternatives import AlternativeCode
-from .enumerations import Enumerations
-from .expr import Scope
+from .enumerations import AlternativeCode, Enumerations
+from .expr import Scope, unsigned
 from .reports import Reports
-from .types import unsigned
 
 
 class Context:

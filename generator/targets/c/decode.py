@@ -11,10 +11,9 @@ from ...plan.operations import AlwaysIs, Check, ParityIs, Part, Whole, ZerosAbov
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
 from ...say.names_and_places import words
 from .bits import digits
-from .expr import Call, Cast, Conditional, Expr, Name, Number, Operation, joined, masked
-from .reserved import c_name
+from .expr import Call, Cast, Conditional, Expr, Name, Number, Operation, joined, masked, unsigned
+from .names import c_name
 from .structs import Struct
-from .types import unsigned
 
 #: Names of arguments and locals in the generated functions. The locals of fields have other names.
 _LOCALS = frozenset("variant word plain bytes length out in crc index v wide value flags".split())

@@ -20,25 +20,18 @@ from ...say.errata import errata, erratum
 from ...say.evidence import grade, origin, other_editions, removals
 from ...say.order_code import initial
 from .. import TargetError
-from .access import state_registers
 from .chosen import chosen_variant
 from .codec import StructCodec
-from .comments import Paragraph
+from .comments import Paragraph, S
+from .constants import timing_macros
 from .context import Context
 from .crcs import crc_code
-from .facts import AlarmCode
-from .identity import identity_codes
 from .interfaces import InterfaceCode, ReplyRequest
-from .lengths import LengthCode
-from .macros import timing_macros
-from .names import Declared, Names
+from .names import Declared, Names, c_name
 from .positions import RangeFunctions, positions
 from .procedures import ProcedureCode
-from .registers import RegisterCode
-from .reserved import c_name
-from .run_time import Taker
-from .style import S
-from .variants import VariantCode
+from .registers import AlarmCode, RegisterCode, identity_codes, state_registers
+from .variants import LengthCode, Taker, VariantCode
 
 _Built = TypeVar("_Built")
 

@@ -20,10 +20,22 @@ from ...plan.values import (
     meaning_of,
     widest_value,
 )
-from .expr import Cast, Conditional, Expr, Name, Number, Operation, joined, masked, shifted_left, shifted_right
-from .reserved import c_name
+from .expr import (
+    Cast,
+    Conditional,
+    Expr,
+    Name,
+    Number,
+    Operation,
+    joined,
+    masked,
+    shifted_left,
+    shifted_right,
+    size_of,
+    unsigned,
+)
+from .names import c_name
 from .structs import Struct
-from .types import size_of, unsigned
 
 
 class Encoder:

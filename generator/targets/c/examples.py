@@ -30,16 +30,16 @@ from ...plan.steps import Sends
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say.names_and_places import title, words
 from ...say.text import WORTH
-from .access import Access
-from .alternatives import AlternativeCode
 from .chosen import Chosen, Frame, NoFrame
 from .comments import ascii_text
 from .device import DeviceView
+from .enumerations import AlternativeCode
 from .interfaces import ReplyRequest
+from .names import c_name
 from .positions import Positions
 from .procedures import ProcedureCode, Row
+from .registers import Access
 from .reports import FrameReports
-from .reserved import c_name
 from .structs import Struct
 from .variants import CodeRow
 

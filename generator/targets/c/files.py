@@ -1,4 +1,4 @@
-"""The C target: headers for firmware, some for each interface of a family, and the runtime that they include.
+"""Filters for templates of the C target, and tests for the class of an operation.
 
 The headers need C99 or C++11 and no library. The templates contain the statements. Names, types and expressions are
 built here.
@@ -11,25 +11,110 @@ standard headers.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping
-from typing import Annotated, TypedDict
+from collections.abc import Callable, Iterator, Mapping
+from typing import Annotated, NoReturn, TypedDict
 
 from ...loading.named import UnknownName, narrowed_to
-from ...model import Device, Manufacturer
-from ...render import Templates, our_templates
+from ...model import Device, Digits, Join, Manufacturer
+from ...model.expressions import Expression
+from ...plan import steps
+from ...plan.limits import Refusal
+from ...plan.operations import Check, Whole
+from ...render import Templates, our_templates, tests_for
+from ...say.layout import join as said_of_join
+from ...say.markdown import text as markdown_text
+from ...say.names_and_places import addresses, title, words
 from ...say.plain_text import plain
+from ...say.text import BY_TITLE
 from .. import NO_OPTIONS, Library, Option, OptionError, Options, Target, TargetError, TargetProblem
 from ..shared_files import licence_in
-from .assumptions import TEMPLATE, Assumptions, assumptions_files
+from .about import place
+from .bits import digits
+from .comments import break_lines, comment, comment_lines, documented, end_comment, in_comment, in_lines, literals
+from .crc_folds import FoldOperation
+from .decode import ByteIs, FlagsIn, UnusedAre, UnusedIn
 from .device import DeviceView, Part, views_of
 from .examples import ExampleCode
-from .filters import FILTERS, TESTS
-from .lines import break_lines, documented
-from .names import called, clashes
-from .package import FILES, FOUND_BY_NAME, Named, Package, own_programs, package_files
-from .receivers import ReceiverCode
-from .runtime import FOLDER, runtime_headers, runtime_version
-from .selftest import AllTests, FamilyTest, SelfTest, own_test, selftest_files
+from .expr import mask, number, string, unsigned
+from .names import FOLDER, c_name, called, clashes, runtime_headers, runtime_version
+from .package import (
+    FILES,
+    FOUND_BY_NAME,
+    TEMPLATE,
+    Assumptions,
+    Named,
+    Package,
+    ReceiverCode,
+    assumptions_files,
+    own_programs,
+    package_files,
+)
+from .positions import Positions
+from .procedures import FilledRows
+from .selftest import AllTests, FamilyTest, SelfTest, Work, own_test, selftest_files
+
+#: Operations of the plan and further operations of this target.
+TESTS = tests_for(
+    *(Expression, Check, Refusal, Whole, steps.Operation, steps.ArgumentRefusal),
+    *(ByteIs, FlagsIn, UnusedIn, UnusedAre, FoldOperation, FilledRows, Positions, Work),
+)
+
+
+def _hex(value: int, digits: int = 2) -> str:
+    """Return a number as a hexadecimal constant of at least this many digits."""
+    return number(value, hexadecimal=True, digits=digits)
+
+
+def _refuse_operation(op: object) -> NoReturn:
+    """Refuse an operation for which a template has no case."""
+    raise AssertionError(f"no case for {op!r}")
+
+
+def _md(text: object) -> str:
+    """Return text of a spec as Markdown."""
+    return markdown_text(in_comment(text))
+
+
+def _digits_type(run: Digits) -> str:
+    """Return the type that holds a run of decimal digits."""
+    return unsigned((run.modulus - 1).bit_length())
+
+
+def _made_of(join: Join) -> str:
+    """Describe which fields form a number."""
+    return BY_TITLE.sentence(said_of_join(join))
+
+
+def _bytes(count: int) -> str:
+    """Return a number of bytes as text."""
+    return f"{count} byte{'s' if count > 1 else ''}"
+
+
+FILTERS: dict[str, Callable[..., object]] = {
+    "addresses": addresses,
+    "end_comment": end_comment,
+    "bytes": _bytes,
+    "c_name": c_name,
+    "comment": comment,
+    "comment_lines": comment_lines,
+    "digits_of": digits,
+    "digits_type": _digits_type,
+    "hex": _hex,
+    "in_lines": in_lines,
+    "in_words": words,
+    "literals": literals,
+    "mask": mask,
+    "md": _md,
+    "never": _refuse_operation,
+    "number": number,
+    "made_of": _made_of,
+    "place": place,
+    "string": string,
+    "text": in_comment,
+    "title": title,
+    "type": unsigned,
+}
+
 
 ONLY = Option(
     "only",

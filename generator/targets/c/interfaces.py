@@ -16,15 +16,12 @@ from ...say.text import Statement
 from .about import about_layout
 from .bits import of_bytes
 from .codec import StructCodec
-from .comments import Paragraph
+from .comments import Paragraph, S
+from .constants import Macro, timing_macros
 from .context import Context
-from .expr import Expr
-from .macros import Macro, timing_macros
-from .names import Declared
-from .reserved import c_name
+from .expr import Expr, number
+from .names import Declared, c_name
 from .structs import Struct
-from .style import S
-from .types import number
 
 _PARITIES = {"none": "'N'", "even": "'E'", "odd": "'O'"}
 #: Time allowed for an encoder to answer a request, in microseconds, in examples.

@@ -8,9 +8,9 @@ from ...model import Layout, Measurement, cite
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.values import PositionRange, position_ranges
+from .constants import Function, wide_number_of
 from .context import Context
 from .expr import Cast, Expr, Number, Scope
-from .functions import Function, wide_number_of
 from .names import Declared
 
 

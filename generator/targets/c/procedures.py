@@ -30,11 +30,9 @@ from .. import TargetError
 from .about import about_argument, about_procedure, about_run, note_of_read, note_of_step
 from .comments import Paragraph
 from .context import Context
-from .expr import Cast, Expr, Name, Number, masked, shifted_left, shifted_right
-from .names import Declared
+from .expr import Cast, Expr, Name, Number, masked, shifted_left, shifted_right, size_of, unsigned
+from .names import Declared, c_name
 from .registers import RegisterCode
-from .reserved import c_name
-from .types import size_of, unsigned
 
 #: Names of arguments and locals in the generated functions.
 _TAKEN = frozenset(

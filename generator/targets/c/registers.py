@@ -1,28 +1,124 @@
-"""One register in C: the places of its fields, its limits, and the functions that encode, decode and access it."""
+"""Registers in C: the places of fields, limits, access by name, alarms, and the registers that identify an encoder."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 
-from ...model import Field, Register, RegisterMeaning, assert_never
+from ...model import (
+    Alarm,
+    Device,
+    Field,
+    Interface,
+    Register,
+    RegisterMeaning,
+    assert_never,
+    member_named,
+    number_to_bytes,
+)
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...order_codes.parameters import parameters_at_run_time
 from ...plan.codec import Codec
-from ...plan.limits import NoPowerOfTwo, limits_of, outside, refusals
+from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends, limits_of, outside, refusals
+from ...plan.operations import IsOneOf
+from ...plan.registers import identities
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say.names_and_places import full_title, title, words
-from .about import about_member, about_register, table
-from .access import Access
+from .. import TargetError
+from .about import about_access, about_alarm, about_member, about_register, table
 from .codec import StructCodec
 from .comments import Paragraph
+from .constants import Function, Macro, number_of
 from .context import Context
-from .expr import Expr
+from .expr import Expr, Name, number
 from .expr import Number as NumberExpr
-from .functions import Function, number_of
 from .names import Declared
 from .structs import Struct
+
+
+class Access:
+    """The functions that read and write a register. A name is empty if the register does not allow that access.
+
+    Registers reserved for the manufacturer are only read. ``struct`` is empty if the register is one plain byte.
+    """
+
+    def __init__(self, layout: Struct, has_struct: bool, outside: Sequence[OutsideLimits]) -> None:
+        context, register = layout.context, layout.register
+        assert register is not None
+        self.register, self.outside = register, outside
+        self.stem = layout.name.upper()
+        self.struct = layout.name if has_struct else ""
+        self._layout, self._field = layout, register.layout.fields[0]
+        self.values = next((op.values for op in layout.plan.checks if isinstance(op, IsOneOf)), ())
+        choice = layout.choice(self._field)
+        self.type = self.struct or (choice.type if choice is not None else "uint8_t")
+        is_written = register.writable and not register.reserved
+        self.read = f"{context.prefix}_read_{register.name}" if register.readable else ""
+        self.write = f"{context.prefix}_write_{register.name}" if is_written else ""
+        read_state = f"{context.prefix}_read_state" if register.name in state_registers(context.device) else ""
+        self.read_about: tuple[Paragraph, ...] = tuple(about_access(context.device, register, False, ""))
+        self.write_about: tuple[Paragraph, ...] = tuple(about_access(context.device, register, True, read_state))
+        self.bank_address, self.bank = "", 0
+        selector = context.device.bank_selector(register)
+        if selector:
+            selecting = context.device.register(selector)
+            if selecting.length > 1:
+                raise TargetError(f"'{selector}' selects banks with {selecting.length} bytes; the C target writes one")
+            self.bank_address = f"{context.PREFIX}_REG_{selector}_ADDRESS".upper()
+            self.bank = number_to_bytes(selecting.layout, register.bank or 0, 8)[0]
+
+    def is_unknown(self, name: str, is_raw: bool) -> Expr:
+        """Return the condition that a byte differs from all named values."""
+        return self._layout.is_none_of(self._field, Name(name), self.values, is_raw)
+
+    @property
+    def write_depends(self) -> bool:
+        """True if the function that writes uses the variant."""
+        return bool(self.struct) or any(map(depends, self.outside))
+
+
+def state_registers(device: Device) -> list[str]:
+    """Return the readable registers that hold a part of the variant, each once."""
+    names = dict.fromkeys(parameter.register for parameter in device.run_time_parameters)
+    return [name for name in names if device.register(name).readable]
+
+
+class AlarmCode:
+    def __init__(self, context: Context, alarm: Alarm) -> None:
+        self.alarm = alarm
+        self.about = about_alarm(context.device, alarm)
+        self.macros = tuple(_macros(context.device, alarm, f"{context.PREFIX}_ALARM_{alarm.name.upper()}"))
+
+    def declared(self) -> Iterator[Declared]:
+        yield from ((macro.name, ("alarms", self.alarm.name)) for macro in self.macros)
+
+
+def _macros(device: Device, alarm: Alarm, stem: str) -> Iterator[Macro]:
+    bits, note = _mask(device, alarm)
+    if bits:
+        yield Macro(f"{stem}_MASK", number(bits, hexadecimal=True), note)
+    if alarm.below_mv is not None:
+        yield Macro(f"{stem}_BELOW_MV", number(alarm.below_mv), "raised below this, in millivolts")
+
+
+def _mask(device: Device, alarm: Alarm) -> tuple[int, str]:
+    """Return the bits of an alarm, or 0 if they have no place, and a note if they belong to one of several bytes."""
+    fields = (field for _, layout in device.layouts() for field in layout.fields if field.group == alarm.group)
+    candidates = (field for field in fields if field.name == alarm.field and field.pieces)
+    frame_field = next(candidates, None)
+    if alarm.group and frame_field is not None and len(frame_field.pieces) == 1:
+        piece = frame_field.pieces[0]
+        group = member_named(device.field_groups, alarm.group, "field group")
+        note = "in its byte" if group.bits > 8 else ""
+        return piece.mask << piece.right, note
+    if not alarm.register:
+        return 0, ""
+    layout = device.register(alarm.register).layout
+    register_field = layout.field(alarm.field) if alarm.field else layout.fields[0]
+    # A flag that moves with the order code has no mask. The register's codec finds it.
+    mask = register_field.mask_in_place if register_field.is_fixed else 0
+    return mask, ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,3 +291,28 @@ def _is_byte(plan: Codec) -> bool:
             return False
         case never:
             assert_never(never)
+
+
+@dataclass(frozen=True, slots=True)
+class IdentityCode:
+    """The identifying registers of one interface. One with a codec is decoded, one without is compared as a byte."""
+
+    prefix: str
+    interface: Interface
+    compared: tuple[RegisterCode, ...]
+
+    @property
+    def uses_variant(self) -> bool:
+        stated = (register.layout.fields[0].equals for register in self.compared if register.codec is None)
+        varies = any(isinstance(equals, Expression) and not equals.is_constant for equals in stated)
+        return varies or any(register.codec is not None for register in self.compared)
+
+    def declared(self) -> Iterator[Declared]:
+        names = ("identity", "could_be", "next_candidate", "read_identity")
+        yield from ((f"{self.prefix}_{name}", ()) for name in names)
+
+
+def identity_codes(context: Context, codes: Mapping[str, RegisterCode]) -> Iterator[IdentityCode]:
+    for identity in identities(context.device):
+        compared = tuple(codes[comparison.register.name] for comparison in identity.compared)
+        yield IdentityCode(context.prefix, context.device.interface(identity.interface), compared)

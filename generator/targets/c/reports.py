@@ -13,12 +13,10 @@ from ...say.names_and_places import title
 from ...say.report import alarm_of, meaning, remedy, source
 from ...say.text import statement
 from .. import TargetError
+from .comments import S
 from .enumerations import Entry, Enumeration
-from .expr import Cast, Conditional, Expr, Name, Number, Operation, joined, masked
-from .names import Declared
-from .reserved import c_name
-from .style import S
-from .types import unsigned
+from .expr import Cast, Conditional, Expr, Name, Number, Operation, joined, masked, unsigned
+from .names import Declared, c_name
 
 _UNUSED = Name("frame->unused")
 

@@ -29,13 +29,12 @@ from ...plan.operations import Part
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
 from .. import manufacturers
 from .codec import StructCodec
+from .crc_folds import WordCrc
 from .device import DeviceView
-from .folds import WordCrc
+from .expr import number, signed_number, string
+from .names import c_name, runtime_tests
 from .positions import LengthPositions
 from .procedures import ProcedureCode
-from .reserved import c_name
-from .runtime import runtime_tests
-from .types import number, signed_number, string
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,14 +19,12 @@ from ...plan.values import (
     widest_value,
 )
 from .. import TargetError
-from .bits import Reader
+from .bits import Reader, Unused
+from .constants import Macro, scale_macros
 from .context import Context
 from .enumerations import Enumeration
-from .expr import Cast, Expr, Name, Number, Operation, joined
-from .macros import Macro, scale_macros
-from .reserved import c_name
-from .types import number, signed, signed_number, unsigned
-from .unused import Unused
+from .expr import Cast, Expr, Name, Number, Operation, joined, number, signed, signed_number, unsigned
+from .names import c_name
 
 
 class Struct:
