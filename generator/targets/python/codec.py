@@ -28,11 +28,11 @@ from ...plan.values import (
 )
 from ...say.names_and_places import words
 from ...say.text import sentence
-from . import text
+from . import docstrings
+from .bits import Maker
 from .context import Context, OpenQuestion
 from .decode import Decoder, NamedValues, assigned
 from .expr import Atom, Expr, Negative, Operation, Scope, coded, number
-from .joins import Maker
 from .literals import quoted
 from .names import ClassNames, encoder_name, interface_name, meaning_limits
 from .reports import FrameReports
@@ -151,8 +151,8 @@ class Coder:
     @property
     def _unused(self) -> list[Attribute]:
         if self.plan.keeps_others:
-            return [Attribute("unused", "int", text.OF_OTHERS, "0")]
-        return [Attribute("unused", "int", text.OF_UNUSED, "0")] if self.plan.reserved else []
+            return [Attribute("unused", "int", docstrings.OF_OTHERS, "0")]
+        return [Attribute("unused", "int", docstrings.OF_UNUSED, "0")] if self.plan.reserved else []
 
     def others(self, whole: Whole) -> list[Attribute]:
         """Return the attributes that are not part of a joined number."""
@@ -198,10 +198,10 @@ class Coder:
 
     def _of_run(self, field: Field, run: Digits) -> str:
         """Return the description of a run of digits: that of the field if the run has its name."""
-        return self.about(field) if run.name == field.name else text.of_run(run)
+        return self.about(field) if run.name == field.name else docstrings.of_run(run)
 
     def about(self, field: Field, may_be_missing: bool = False) -> str:
-        return text.of_field(self.context.device, field, may_be_missing)
+        return docstrings.of_field(self.context.device, field, may_be_missing)
 
     # -- names
 
@@ -337,15 +337,15 @@ class Coder:
     def doc(self) -> str:
         device = self.context.device
         if self.register is not None:
-            description, kind = text.of_register(device, self.register), "register"
+            description, kind = docstrings.of_register(device, self.register), "register"
         else:
             interface = device.interface_of(self.layout)
-            description, kind = text.of_layout(device, interface, self.layout), "frame"
+            description, kind = docstrings.of_layout(device, interface, self.layout), "frame"
         attributes = [(question.name, sentence(question.alternative.meaning)) for question in self.questions]
         attributes += [(attribute.name, attribute.meaning) for attribute in self.attributes]
         reserved = self.plan.reserved
-        unused_bits = [(text.of_unused(bits.field, bits.place), self.about(bits.field)) for bits in reserved]
-        return text.of_class(
+        unused_bits = [(docstrings.of_unused(bits.field, bits.place), self.about(bits.field)) for bits in reserved]
+        return docstrings.of_class(
             description,
             kind if self.takes_variant else "",
             attributes,

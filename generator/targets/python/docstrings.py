@@ -1,13 +1,39 @@
-"""Docstrings. Their text is escaped so that it cannot end them."""
+"""Docstrings of a device module: order codes, frames, registers, fields and procedures."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
+from ...model import (
+    Alternative,
+    Answer,
+    Argument,
+    Crc,
+    Device,
+    Digits,
+    Field,
+    Interface,
+    Layout,
+    Parameter,
+    Procedure,
+    Register,
+    Value,
+)
 from ...model.record import dataclass
+from ...say import commands, field, layout, names_and_places, register
+from ...say import layout as crc
+from ...say.errata import errata, erratum
+from ...say.evidence import grade, origin, other_editions, removals
+from ...say.names_and_places import full_title, heading, title
+from ...say.numbers import counted
+from ...say.order_code import parameter
 from ...say.plain_text import plain, wrapped
-from .lines import WIDTH
+from ...say.text import AS_LITERAL as S
+from ...say.text import Statement, sentence, spec_text, statement
+from .context import is_one_choice
+from .literals import WIDTH
 
 #: A quotation mark at the end that is not escaped.
 _OPEN_QUOTE = re.compile(r'(?<!\\)(?:\\\\)*"$')
@@ -68,3 +94,212 @@ def _in_docstring_line(line: str) -> str:
 
 def _in_docstring(text: str) -> str:
     return plain(text).replace("\\", "\\\\").replace('"""', '\\"\\"\\"')
+
+
+#: End of a sentence that is followed by another one.
+_FIRST = re.compile(r"(?<=[.:?!]) (?=[A-Z])")
+
+# -- the module
+
+
+def of_module(device: Device, contents: Iterable[tuple[str, str]], example: Iterable[Block]) -> str:
+    """Return the docstring of the module. ``contents`` lists its names in groups."""
+    manual = device.manual
+    revision = f"revision {manual.revision}" + (f" of {manual.date}" if manual.date else "") + f" ({manual.language})"
+    return docstring(
+        sentence(f"{device.title}, by {device.manufacturer.title}"),
+        "Start with lookup(), which accepts every order code. Names follow the manual. Names that are reserved in"
+        " Python end in an underscore.",
+        ("Contents", [group for group in contents if group[1]]),
+        *example,
+        f"Version {device.manufacturer.version}, generated from the manual “{plain(manual.title)}”, {plain(revision)}."
+        " Sections and pages refer to this manual. A source that starts with a language code refers to the edition in"
+        " that language. A source that starts with any other key refers to that entry of DOCUMENTS.",
+        S.sentence(grade(device)),
+        S.paragraph([*origin(device), *other_editions(device)]),
+        *_in_full(removals(device)),
+        " ".join(device.manufacturer.trademarks),
+    )
+
+
+def of_errata(device: Device, *paths: str) -> list[Block]:
+    """Return the errata for these parts of the spec. Errata about wording are only in the table."""
+    return paragraphs(map(erratum, errata(device, *paths)))
+
+
+def paragraphs(statements: Iterable[Statement]) -> list[Block]:
+    """Return a paragraph for each statement, and one list of the errata among them."""
+    listed = [*statements]
+    errata_in_short = [_short_erratum(statement) for statement in listed if statement.below]
+    return [
+        *(S.sentence(statement) for statement in listed if not statement.below),
+        ("Errata (full text in ERRATA)", errata_in_short),
+    ]
+
+
+def _in_full(statements: Iterable[Statement]) -> list[Block]:
+    """Return a heading with labelled statements below it for each statement."""
+    return [(S.head(statement), list(map(_labelled, statement.below))) for statement in statements]
+
+
+def _labelled(statement: Statement) -> tuple[str, str]:
+    """Return the label of a statement and its sentence without it."""
+    return statement.label, S.sentence(replace(statement, label=""))
+
+
+def _short_erratum(statement: Statement) -> tuple[str, str]:
+    """Return the name of an erratum and the first sentence of its correction, or all of it if a user must choose."""
+    parts = {part.label: S.phrase(part) for part in statement.below}
+    corrected = parts.get("Used") or f"{statement.below[0].label}: {S.phrase(statement.below[0])}"
+    text = corrected if statement.brief and "Used" in parts else _FIRST.split(corrected)[0]
+    return statement.label.removeprefix("Erratum "), sentence(text)
+
+
+def notes(device: Device, interface: Interface) -> list[list[str]]:
+    """Return the errata of an interface that do not belong to a single layout, each as lines."""
+    path = f"interfaces.{interface.name}"
+    interface_errata = errata(device, path, without=[f"{path}.{frame.name}" for frame in interface.layouts])
+    return [S.lines(erratum(listed_erratum)) for listed_erratum in interface_errata]
+
+
+# -- order codes
+
+
+def of_variant(device: Device, names: dict[str, str]) -> str:
+    set_here = []
+    for quantity in device.set_parameters:
+        text = of_parameter(device, quantity)
+        if quantity.interface and len(device.interfaces) > 1:
+            text += f" Applies only to {device.interface(quantity.interface).title}."
+        if quantity.read_from:
+            by_code = device.register(quantity.register).default is None
+            text += f" The value is {'that of the order code' if by_code else 'the factory default'} unless set by"
+            text += " with_registers()."
+        set_here.append((names[quantity.name], text))
+    parts = ", ".join(part.name for part in device.order_code.parts)
+    attributes = [
+        ("family", "Family of the encoder."),
+        ("interface", "Interface of the encoder."),
+        ("code", "Order code, without any text that follows it on the label."),
+        ("parts", f"Parts of the order code: {parts}."),
+        *set_here,
+        ("unlisted", "Names of the parts whose values the manual does not list."),
+        ("tail", "Text that followed the order code on the label."),
+        ("special_code", f"Suffix /Sxxx of the label, or empty. {sentence(device.order_code.special)}".strip()),
+        ("written_as_in", "Document that uses the label's spelling of the order code, if it is not the usual one."),
+    ]
+    return docstring(
+        "Encoder as described by its order code. Each interface has a subclass.",
+        ("Attributes", attributes),
+        indent=4,
+    )
+
+
+def of_alternative(device: Device, alternative: Alternative) -> str:
+    """Return the docstring of a question that the manual leaves open."""
+    head = S.sentence(statement(alternative.meaning, source=alternative.source))
+    decide = "The manual leaves this open, or other evidence contradicts it."
+    if alternative.default:
+        decide += f" The default is {alternative.default.upper()}. Variant.with_answers() chooses another answer."
+    else:
+        decide += " There is no default."
+    return docstring(head, decide, *of_errata(device, f"alternatives.{alternative.name}"), indent=4)
+
+
+def of_answer(answer: Answer) -> str:
+    """Return the meaning of an answer to a question that the manual leaves open."""
+    return S.sentence(statement(answer.meaning, source=answer.source))
+
+
+def of_parameter(device: Device, quantity: Parameter) -> str:
+    return S.paragraph(parameter(device, quantity))
+
+
+# -- frames, registers and procedures
+
+
+def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str, list[Block]]:
+    summary = S.sentence(layout.head(interface, frame, heading(frame.name), device.alternatives))
+    names_of_groups = dict.fromkeys(member.group for member in frame.fields if member.group)
+    groups = [f"field_groups.{name}" for name in names_of_groups]
+    frame_errata = errata(device, f"interfaces.{interface.name}.{frame.name}")
+    shared = ", ".join(erratum.name for erratum in errata(device, *groups) if erratum not in frame_errata)
+    more = f"See also in ERRATA: {shared}." if shared else ""
+    return summary, [*paragraphs(layout.layout(device, interface, frame)), more]
+
+
+def of_register(device: Device, device_register: Register) -> tuple[str, list[Block]]:
+    """Return the docstring of a register, with the rules for its use in one paragraph."""
+    facts = [*register.facts(device, device_register)]
+    if is_one_choice(device_register):
+        facts += field.rules(device, device_register.layout.fields[0])
+    register_errata = of_errata(device, f"registers.{device_register.name}")
+    blocks: list[Block] = [
+        sentence(device_register.meaning),
+        S.paragraph(facts),
+        sentence(device_register.note),
+        *register_errata,
+    ]
+    return S.sentence(register.head(device, device_register, full_title(device_register))), blocks
+
+
+def of_class(
+    about: tuple[str, list[Block]], of_variant: str, attributes: Iterable[tuple[str, str]], *further_blocks: Block
+) -> str:
+    """Return the docstring of a class. ``of_variant`` is ``frame`` or ``register`` if it depends on the encoder."""
+    variant = [("variant", f"Encoder to which the {of_variant} belongs.")] if of_variant else []
+    summary, blocks = about
+    return docstring(summary, ("Attributes", [*variant, *attributes]), *blocks, *further_blocks, indent=4)
+
+
+def of_crc(device: Device, device_crc: Crc) -> list[Block]:
+    """Return the paragraphs of the function that computes a CRC."""
+    head, *more = paragraphs(crc.crc(device, device_crc))
+    return [f"Compute the {head}", *more]
+
+
+def of_procedure(device: Device, device_procedure: Procedure) -> list[Block]:
+    return paragraphs(
+        [
+            statement(device_procedure.title, source=device_procedure.source),
+            *commands.procedure(device, device_procedure),
+        ]
+    )
+
+
+def of_argument(device: Device, argument: Argument) -> str:
+    return S.sentence(commands.argument(device, argument))
+
+
+# -- fields
+
+
+def of_field(device: Device, data_field: Field, may_be_missing: bool) -> str:
+    missing = [statement("0 if the encoder does not have this field")] if may_be_missing else []
+    about = [
+        *field.meaning(data_field, data_field.meaning),
+        *missing,
+        *field.rules(device, data_field),
+        *spec_text(data_field.note),
+    ]
+    return S.paragraph(about) or sentence(title(data_field))
+
+
+#: Description of the member for unused bits.
+OF_UNUSED = "Mask of the unused bits that differ from the manual. 0 if none differs."
+#: Description of the member for bits of a register that the manual does not describe.
+OF_OTHERS = "Bits that the manual does not describe, at their positions in the number that the bytes form."
+
+
+def of_unused(unused_field: Field, at: int) -> str:
+    """Return the text for a field of unused bits, with its position in ``unused``."""
+    return f"{names_and_places.bits(at + unused_field.widest - 1, at)}, {unused_field.name}"
+
+
+def of_value(named_value: Field | Value) -> str:
+    """Return the meaning of a named value or a choice. Empty if the manual does not give one."""
+    return S.paragraph(field.meaning(named_value, named_value.meaning))
+
+
+def of_run(run: Digits) -> str:
+    return sentence(run.meaning or counted(run.digits, "digit"))

@@ -1,4 +1,4 @@
-"""The Python target: one installable, typed package for each manufacturer, and the runtime that all of them share.
+"""Tests, filters and functions of the templates.
 
 A layout becomes a NamedTuple with ``decode`` and ``encode``. A register of one choice becomes an IntEnum with the same
 methods. A procedure becomes a function that returns its steps. Their operations come from the plan, the statements from
@@ -7,22 +7,66 @@ the templates, and names and expressions from this package.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from posixpath import relpath
 from runpy import run_path
 from typing import Annotated, TypedDict
 
 from ...model import Device, Manufacturer, Rs485
-from ...render import Templates, our_templates
+from ...plan import operations, steps
+from ...plan.limits import Refusal
+from ...render import Templates, our_templates, tests_for
 from ...say.plain_text import plain
+from ...say.text import sentence
 from .. import NO_OPTIONS, Library, Options, Target, has_biss, main_manufacturer
 from ..shared_files import copied, licence_in, our_runtime
-from .filters import FILTERS, FUNCTIONS, TESTS
-from .imports import Imports, imports_of
-from .module import Module
-from .names import BISS, FACTS, PACKAGE, SHAPES, STANDARD
+from .context import byte_order
+from .docstrings import docstring, of_answer, of_crc, of_value
+from .expr import Expr, coded, grouped, mask
+from .literals import broken, constant, literal, quoted, table
+from .module import Enumeration, Module
+from .names import BISS, FACTS, PACKAGE, SHAPES, STANDARD, Imports, encoder_name, imports_of, interface_name
 from .readme import ReadmeExample, start
+
+
+def operand(value: Expr) -> str:
+    """Return an operand, in parentheses unless it is a name, a number or a call."""
+    return value.operand
+
+
+FILTERS: Mapping[str, Callable[..., object]] = {
+    "broken": broken,
+    "byte_order": byte_order,
+    "coded": coded,
+    "encoder": encoder_name,
+    "grouped": grouped,
+    "interface": interface_name,
+    "mask": mask,
+    "operand": operand,
+    "sentence": sentence,
+}
+FUNCTIONS: Mapping[str, Callable[..., object]] = {
+    "constant": constant,
+    "docstring": docstring,
+    "literal": literal,
+    "of_crc": of_crc,
+    "of_answer": of_answer,
+    "of_value": of_value,
+    "quoted": quoted,
+    "table": table,
+}
+TESTS = tests_for(
+    operations.Check,
+    Refusal,
+    steps.Operation,
+    steps.FixedNumber,
+    steps.AsNumber,
+    steps.OutsideArgumentLimits,
+    steps.Undecodable,
+    Enumeration,
+)
+
 
 #: Files that each package has once, next to its folder and in it.
 _PROJECT_FILES = ("README.md", "pyproject.toml")

@@ -11,17 +11,17 @@ from ...plan.frames import Dispatch, dispatches
 from ...plan.registers import identities
 from ...say.names_and_places import words
 from ...say.plain_text import plain
-from . import facts, text
+from . import docstrings, facts
 from .bits import from_pieces
 from .codec import Coder
 from .context import Context, OpenQuestion, is_one_choice
 from .docstrings import Block, Lines, docstring
 from .expr import Expr
+from .facts import row, rows
 from .literals import Call
 from .names import LOCAL_NAMES, attribute, camel, encoder_name, interface_name
 from .procedures import Steps
 from .readme import Readme
-from .records import row, rows
 from .shapes import Shape
 from .variants import FrameKind, Variants
 
@@ -142,7 +142,9 @@ class Module:
 
     @property
     def doc(self) -> str:
-        return text.of_module(self.device, [(name, ", ".join(names)) for name, names in self.contents], self._example())
+        return docstrings.of_module(
+            self.device, [(name, ", ".join(names)) for name, names in self.contents], self._example()
+        )
 
     @cached_property
     def contents(self) -> list[tuple[str, list[str]]]:
@@ -200,7 +202,7 @@ class Module:
     def alternatives(self) -> list[tuple[OpenQuestion, str]]:
         """Questions that the manual leaves open, with their docstrings."""
         questions = self.context.questions.values()
-        return [(question, text.of_alternative(self.device, question.alternative)) for question in questions]
+        return [(question, docstrings.of_alternative(self.device, question.alternative)) for question in questions]
 
     @property
     def known_by(self) -> list[str]:
@@ -240,7 +242,7 @@ class Module:
         dispatchers = [self._dispatcher(interface, dispatch, coders) for dispatch in dispatches(interface.layouts)]
         # Frames sent by the master come first.
         dispatchers.sort(key=lambda dispatcher: dispatcher.plan.sender == "encoder")
-        notes = text.notes(self.device, interface)
+        notes = docstrings.notes(self.device, interface)
         return Section(interface, facts.interface(interface), notes, coders, tuple(dispatchers))
 
     def _dispatcher(self, interface: Interface, plan: Dispatch, coders: Sequence[Coder]) -> Dispatcher:
@@ -264,7 +266,7 @@ class Module:
     def _register(self, register: Register) -> Coder | Enumeration:
         if not is_one_choice(register):
             return Coder(self.context, register.interface, register.layout, register)
-        summary, blocks = text.of_register(self.device, register)
+        summary, blocks = docstrings.of_register(self.device, register)
         name = self.context.registers[register.name]
         return Enumeration(name, docstring(summary, *blocks, indent=4), register.values, register)
 
@@ -287,4 +289,4 @@ class Module:
 
 
 def _enumeration_doc(field: Field) -> str:
-    return docstring(text.of_value(field) or f"Values of {field.name}.", indent=4)
+    return docstring(docstrings.of_value(field) or f"Values of {field.name}.", indent=4)

@@ -24,7 +24,7 @@ from ...plan.steps import (
     run_of,
 )
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
-from . import text
+from . import docstrings
 from .codec import Coder, limit_expressions, limits_depend
 from .context import Context
 from .decode import digits
@@ -106,11 +106,13 @@ class Steps:
     @property
     def listed(self) -> list[tuple[str, str]]:
         arguments = (parameter.argument for parameter in self.arguments)
-        return [(self.argument(argument), text.of_argument(self.context.device, argument)) for argument in arguments]
+        return [
+            (self.argument(argument), docstrings.of_argument(self.context.device, argument)) for argument in arguments
+        ]
 
     @property
     def about(self) -> list[Block]:
-        return text.of_procedure(self.context.device, self.procedure)
+        return docstrings.of_procedure(self.context.device, self.procedure)
 
     @staticmethod
     def argument(argument: Argument) -> str:

@@ -22,12 +22,11 @@ from ...plan.values import (
     position_ranges,
 )
 from ...say.order_code import initial
-from . import text
+from . import docstrings
 from .codec import Coder
 from .context import Context, OpenQuestion, byte_order
 from .expr import Atom, Expr, Operation, joined, number
-from .literals import Call, Code, Literal, record
-from .meanings import of_number
+from .literals import Call, Code, Literal, of_number, record
 from .names import FUNCTIONS, ClassNames, attribute, camel, encoder_name
 
 
@@ -149,7 +148,7 @@ class Variants:
 
     @property
     def doc(self) -> str:
-        return text.of_variant(self.device, self.context.parameters)
+        return docstrings.of_variant(self.device, self.context.parameters)
 
     @property
     def derived(self) -> list[tuple[str, str, Expr]]:
@@ -157,7 +156,7 @@ class Variants:
         derived, measured = [], parameters_in_measurement(self.device)
         for parameter in self.device.parameters:
             if parameter.equals is not None and parameter.name not in measured:
-                meaning = text.of_parameter(self.device, parameter)
+                meaning = docstrings.of_parameter(self.device, parameter)
                 derived.append((self.context.parameters[parameter.name], meaning, self._scope.of(parameter.equals)))
         return derived
 
