@@ -28,7 +28,7 @@ READERS = {
     "needs only names, links or procedures, which do not depend on the order code": {
         "reference/registers.py",
         "targets/c/chosen.py",
-        "targets/docs/glossary.py",
+        "targets/docs/cross_family_pages.py",
         "targets/docs/interface_page.py",
         "targets/docs/page_links.py",
     },
@@ -48,7 +48,7 @@ READERS = {
     },
     "denies something only if no fact of any order code mentions it": {
         "say/evidence.py",
-        "targets/docs/unstated.py",
+        "targets/docs/wiring_tables.py",
     },
     "shows the order codes beside each fact": {
         "changes/families.py",
@@ -61,15 +61,14 @@ READERS = {
         "say/evidence.py",
         "targets/c/device.py",
         "targets/c/interfaces.py",
-        "targets/docs/clock_and_cable.py",
-        "targets/docs/connector_pictures.py",
+        "targets/docs/wiring_tables.py",
+        "targets/docs/page_pictures.py",
         "targets/docs/cross_family_pages.py",
         "targets/docs/family_pages.py",
-        "targets/docs/hardware_steps.py",
+        "targets/docs/order_code_page.py",
         "targets/docs/inline_errata.py",
-        "targets/docs/interface_sections.py",
-        "targets/docs/pin_tables.py",
-        "targets/docs/short_tables.py",
+        "targets/docs/interface_page.py",
+        "targets/docs/fact_tables.py",
         "targets/docs/timing_pictures.py",
     },
 }

@@ -71,17 +71,16 @@ from codewheel.say.text import BY_NAME, Statement
 from codewheel.targets import Library
 from codewheel.targets.docs import (
     bytes_to_send,
-    clock_and_cable,
-    connector_pictures,
     cross_family_pages,
     family_pages,
     frame_facts,
     inline_errata,
     layout_pictures,
     order_code_tables,
+    page_pictures,
     timing_pictures,
-    unstated,
     verdict_page,
+    wiring_tables,
 )
 from codewheel.targets.registry import load_target
 
@@ -301,7 +300,7 @@ case(
 
 
 def speed_text(kind: str, device: Device) -> str:
-    return "\n".join(clock_and_cable.speed_section(device, device, interface_of(kind, device), None).facts)
+    return "\n".join(wiring_tables.speed_section(device, device, interface_of(kind, device), None).facts)
 
 
 def record_row(label: str, device: Device) -> str:
@@ -330,8 +329,10 @@ case(
 )
 case(
     "supply",
-    lambda: unstated.no_supply(without_parts(), interface_of("biss")),
-    lambda: unstated.no_supply(without_parts(characteristics=(a_text("supply", "+5 V DC"),)), interface_of("biss")),
+    lambda: wiring_tables.no_supply(without_parts(), interface_of("biss")),
+    lambda: wiring_tables.no_supply(
+        without_parts(characteristics=(a_text("supply", "+5 V DC"),)), interface_of("biss")
+    ),
 )
 case(
     "supply_master",
@@ -354,20 +355,20 @@ case(
 ONE_LED = Led("power", "Power", (LedState("on", "Supply is on"),), ())
 case(
     "leds",
-    lambda: unstated.no_leds(without_parts(), without_parts(), interface_of("biss")),
-    lambda: unstated.no_leds(without_parts(leds=(ONE_LED,)), without_parts(), interface_of("biss")),
+    lambda: wiring_tables.no_leds(without_parts(), without_parts(), interface_of("biss")),
+    lambda: wiring_tables.no_leds(without_parts(leds=(ONE_LED,)), without_parts(), interface_of("biss")),
 )
 case(
     "leds_text",
-    lambda: unstated.no_leds(without_parts(), without_parts(), interface_of("biss")),
-    lambda: unstated.no_leds(
+    lambda: wiring_tables.no_leds(without_parts(), without_parts(), interface_of("biss")),
+    lambda: wiring_tables.no_leds(
         without_parts(characteristics=(a_text("lamp", "A LED lights up"),)), without_parts(), interface_of("biss")
     ),
 )
 case(
     "leds_of_code",
-    lambda: unstated.no_leds(without_parts(leds=(ONE_LED,)), without_parts(), interface_of("biss")),
-    lambda: unstated.no_leds(without_parts(leds=(ONE_LED,)), without_parts(leds=(ONE_LED,)), interface_of("biss")),
+    lambda: wiring_tables.no_leds(without_parts(leds=(ONE_LED,)), without_parts(), interface_of("biss")),
+    lambda: wiring_tables.no_leds(without_parts(leds=(ONE_LED,)), without_parts(leds=(ONE_LED,)), interface_of("biss")),
 )
 
 
@@ -580,7 +581,7 @@ def grade_text(word: str) -> str:
 
 def contact_text(codes: str) -> str:
     connector = replace(tv62().connectors[0], contacts=(Contact("1", "0 V", codes),))
-    return connector_pictures.connector_text(connector) + connector_pictures.connector_picture(connector)
+    return page_pictures.connector_text(connector) + page_pictures.connector_picture(connector)
 
 
 def spelling_text(then: str) -> str:

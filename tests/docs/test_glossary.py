@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import pytest
 from codewheel.targets import Library
-from codewheel.targets.docs.glossary import page_values
+from codewheel.targets.docs.cross_family_pages import page_values
 
 
 @pytest.mark.parametrize(

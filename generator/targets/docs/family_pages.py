@@ -1,21 +1,80 @@
-"""Pages of a family that do not belong to an interface: index, hardware and manual."""
+"""Pages of a family that do not belong to an interface: index, hardware, manual and changes."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from typing import Annotated, TypedDict
+from typing import Annotated, Any, TypedDict
 
-from ...model import Device, Interface, Manual, Revision, Table, TimesRead
+from ...model import Device, Interface, Manual, Release, ReleasedChange, Revision, Table, TimesRead
 from ...order_codes.reduction import for_interface
 from ...say.evidence import basis, edition_test, grade, origin, other_editions
 from ...say.interface import settings
 from ...say.markdown import STYLE, cited, code, joined, link, text
-from ...say.text import Statement, counted, language
-from . import changes_page, fact_tables, inline_errata, order_code_tables, page_links, verdict_page
-from .hardware_steps import ManualProcedure, manual_procedures
-from .order_code_page import OrderCodes
-from .order_code_patterns import patterns
+from ...say.numbers import counted
+from ...say.text import Statement, language
+from . import fact_tables, inline_errata, order_code_tables, page_links, verdict_page
+from .order_code_page import ManualProcedure, OrderCodes, manual_procedures
+from .order_code_tables import patterns
+
+_VERSION_RULE = (
+    "Versions follow semantic versioning: major for changes that break code or alter its behaviour, minor for "
+    "additions, patch for documentation. Before 1.0.0, the minor number marks breaking changes and the patch number "
+    "all others. The version applies to the whole package. Versions without changes to this family are not listed."
+)
+_TITLES_BY_IMPACT = {
+    "breaking": "Breaking",
+    "behaviour": "Behaviour",
+    "compatible": "Compatible",
+    "documentation": "Documentation",
+}
+#: Highest number of documentation changes that are listed. If there are more, they are only counted.
+_MOST_DOCUMENTATION_CHANGES = 10
+
+
+class ChangesPage(TypedDict):
+    device: Annotated[Device, "the family"]
+    version: Annotated[str, "the version of the package"]
+    manual: Annotated[str, "revision and date of the manual"]
+    rule: Annotated[str, "rule that derives versions from changes"]
+    releases: Annotated[
+        list[dict[str, Any]], "the versions, the newest first: version, about, parts with title and lines"
+    ]
+
+
+def file_name(device: Device) -> str:
+    """Return the file name of the page."""
+    return f"{device.name}-changes.md"
+
+
+def page_values(device: Device) -> ChangesPage:
+    manual = device.manual
+    return {
+        "device": device,
+        "version": device.manufacturer.version,
+        "manual": text(manual.revision) + (f" of {manual.date}" if manual.date else ""),
+        "rule": _VERSION_RULE,
+        "releases": [_release_section(release) for release in device.releases],
+    }
+
+
+def _release_section(release: Release) -> dict[str, Any]:
+    parts: list[dict[str, Any]] = []
+    for impact, title in _TITLES_BY_IMPACT.items():
+        impact_changes = [change for change in release.changes if change.impact == impact]
+        lines = [_change_line(change) for change in impact_changes]
+        if impact == "documentation" and len(lines) > _MOST_DOCUMENTATION_CHANGES:
+            lines = [f"{counted(len(lines), 'change')} to wording, sources, errata and examples"]
+        if lines:
+            parts.append({"title": title, "lines": lines})
+    about = f"Changes since {release.since}, with revision {release.manual} of the manual."
+    return {"version": text(release.version), "about": about, "parts": parts}
+
+
+def _change_line(change: ReleasedChange) -> str:
+    about = "; ".join(filter(None, (change.reach, change.outputs)))
+    return f"{text(change.text)} ({code(change.rule)}): {text(about)}"
+
 
 Rows = list[tuple[str, ...]]
 
@@ -70,7 +129,7 @@ def index_values(family: OrderCodes, has_masters: bool) -> FamilyPage:
         "spelling_rows": list(order_code_tables.spelling_rows(device)),
         "measurement_rows": list(order_code_tables.measurement_rows(device)),
         "has_masters": has_masters,
-        "changes_page": changes_page.file_name(device),
+        "changes_page": file_name(device),
     }
 
 
@@ -198,7 +257,7 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
     for edition in manual.editions:
         name = [text(language(edition.language)), text(edition.title)]
         yield "Other edition", joined([*name, f"revision {text(edition.revision)}", edition.date], ", ")
-    yield "Version", f"{text(device.manufacturer.version)}, {link('changes', f'../{changes_page.file_name(device)}')}"
+    yield "Version", f"{text(device.manufacturer.version)}, {link('changes', f'../{file_name(device)}')}"
 
 
 def _second_reading_text(counts: TimesRead | None) -> str:

@@ -16,11 +16,9 @@ from ...say.text import counted, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
 from ..shared_files import licence_in
 from . import (
-    changes_page,
     cross_family_pages,
     fact_tables,
     family_pages,
-    glossary,
     inline_errata,
     interface_page,
     masters_page,
@@ -29,7 +27,9 @@ from . import (
     timing_pictures,
     verdict_page,
 )
-from .interface_sections import Rows, Section
+from . import cross_family_pages as glossary
+from . import family_pages as changes_page
+from .interface_page import Rows, Section
 
 
 class Index(TypedDict):

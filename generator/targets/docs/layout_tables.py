@@ -27,7 +27,7 @@ from ...say.markdown import STYLE, cited, code, joined, link, table, text
 from ...say.names_and_places import Named, bit_range, bits, field_place, frame_bytes, hexadecimal
 from ...say.text import Code, Statement, listed, parted, spec_text, statement
 from .layout_pictures import ByteRow, Stack, bit_stack, byte_stack, group_stack, register_stack
-from .order_code_patterns import order_codes
+from .order_code_tables import order_codes
 
 #: Highest number of named values in a cell. If there are more, they have their own table.
 _MOST_VALUES_IN_CELL = 4

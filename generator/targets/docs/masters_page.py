@@ -15,7 +15,7 @@ from ...masters.text import bound_in_words, cited, condition_text, condition_tex
 from ...model import Device, Interface
 from ...say.markdown import code, joined, text
 from .fact_tables import document_rows
-from .order_code_patterns import order_codes
+from .order_code_tables import order_codes
 from .page_links import link_to_erratum
 
 Row = tuple[str, ...]

@@ -1,32 +1,106 @@
-"""Page of an order code: everything about its interface, with numbers in place of expressions."""
+"""Widths in texts about all order codes of a family, such as 17 to 39 bits, on the page of one order code."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Annotated
 
-from ...model import INTERFACES, Biss, Device, Example, Interface, Layout, LayoutRange, Parameter, Register, Variant
+from ...model import (
+    INTERFACES,
+    Biss,
+    Characteristic,
+    Device,
+    Example,
+    Interface,
+    Layout,
+    LayoutRange,
+    Parameter,
+    Register,
+    Variant,
+)
 from ...model.record import dataclass
+from ...model.steps import has_steps, steps_of
 from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.reduction import for_codes, with_quantities
 from ...say.evidence import grade
 from ...say.field import measurement, own_ranges, position_range
 from ...say.layout import size
 from ...say.markdown import STYLE, cited, code, link, text
-from ...say.names_and_places import field_at, hexadecimal, title
+from ...say.names_and_places import field_at, heading, hexadecimal, title
+from ...say.numbers import counted, with_unit
 from ...say.order_code import parameter_value
-from ...say.text import Statement, counted, sentence, statement, with_unit
+from ...say.text import Statement, sentence, statement
 from ..shared_files import names_of_codes
-from . import bytes_to_send, clock_and_cable, frame_facts, pin_tables, short_tables, wide_pictures
-from .hardware_steps import ManualProcedure, manual_procedures
+from . import bytes_to_send, fact_tables, frame_facts, wide_pictures, wiring_tables
 from .inline_errata import ErrataLinks
-from .interface_page import InterfaceValues, interface_values
-from .interface_sections import Section, Sections, page_sections
-from .order_code_patterns import patterns
-from .own_widths import meaning_without_range, with_widths_of_order_code
+from .interface_page import InterfaceValues, Section, Sections, interface_values, page_sections
+from .order_code_tables import patterns
 from .page_pictures import Pictures, pictures_of_family, pictures_of_order_codes
-from .unstated import no_leds, no_supply
+from .wiring_tables import no_leds, no_supply
+
+
+def range_of_widths(family: Device, parameter: Parameter) -> str:
+    """Return the widths that the order codes of a family set, as in ``17 to 39``, or nothing if there is only one."""
+    if parameter.unit != "bits":
+        return ""
+    variants = [variant for variant in family.variants if parameter.name in variant.parameters]
+    widths = {variant.parameters[parameter.name] for variant in variants}
+    return f"{min(widths)} to {max(widths)}" if len(widths) > 1 else ""
+
+
+def meaning_without_range(family: Device, parameter: Parameter) -> str:
+    """Return the meaning of a quantity without its range, for a row that begins with its value."""
+    family_range = range_of_widths(family, parameter)
+    return parameter.meaning.replace(f", {family_range} bits", "") if family_range else parameter.meaning
+
+
+def with_widths_of_order_code(family: Device, device: Device, variant: Variant) -> Device:
+    """Return the device with the width of the order code in the notes of its frames, in place of the range."""
+    parameters = [parameter for parameter in family.parameters if parameter.name in variant.parameters]
+    ranges = [range_of_widths(family, parameter) for parameter in parameters]
+    widths: dict[str, str] = {}
+    for parameter, family_range in zip(parameters, ranges, strict=True):
+        # In a text, two quantities with the same range look alike.
+        if family_range and ranges.count(family_range) == 1:
+            widths[family_range] = str(variant.parameters[parameter.name])
+    interfaces = [_interface_with_widths(interface, widths) for interface in device.interfaces]
+    return replace(device, interfaces=tuple(interfaces))
+
+
+def _interface_with_widths(interface: Interface, widths: Mapping[str, str]) -> Interface:
+    layouts = [_layout_with_widths(layout, widths) for layout in interface.layouts]
+    return replace(interface, layouts=tuple(layouts))
+
+
+def _layout_with_widths(layout: Layout, widths: Mapping[str, str]) -> Layout:
+    """Return the layout with each range of widths in its note replaced by the width of the order code."""
+    note = layout.note
+    for family_range, width in widths.items():
+        note = note.replace(f" {family_range} bits", f" {width} bits").replace(f", {family_range},", f", {width},")
+    return replace(layout, note=note)
+
+
+@dataclass(frozen=True, slots=True)
+class ManualProcedure:
+    """Steps that a person carries out. ``before`` is the text before the first step."""
+
+    characteristic: Characteristic
+    title: str
+    before: str
+    steps: tuple[str, ...]
+
+
+def manual_procedures(device: Device) -> list[ManualProcedure]:
+    """Return the procedures that a person carries out for a family, in the order of its spec."""
+    return [_manual_procedure(fact) for fact in device.characteristics if has_steps(fact.value)]
+
+
+def _manual_procedure(characteristic: Characteristic) -> ManualProcedure:
+    before, *steps = steps_of(characteristic.value)
+    return ManualProcedure(characteristic, heading(characteristic.name), before, tuple(steps))
+
 
 Row = tuple[str, ...]
 #: Longest lead, in characters.
@@ -42,11 +116,11 @@ class CodePage(Sections, InterfaceValues):
     lead: Annotated[str, "first sentences of the note on the interface"]
     position: Annotated[str, "unit and range of the position"]
     evidence: Annotated[Statement, "grade of the evidence"]
-    wiring: Annotated[pin_tables.Wiring, "contacts and signals: head, rows, about, notes, errata"]
+    wiring: Annotated[wiring_tables.Wiring, "contacts and signals: head, rows, about, notes, errata"]
     supply: Annotated[list[str], "supply, with order codes if it differs between them"]
     no_supply: Annotated[str, "text in place of the supply"]
     no_leds: Annotated[str, "sentence in place of LEDs, or empty"]
-    speed: Annotated[clock_and_cable.SpeedSection, "clock or baud rate by cable length: title, facts, head, rows"]
+    speed: Annotated[wiring_tables.SpeedSection, "clock or baud rate by cable length: title, facts, head, rows"]
     frame: Annotated[Section | None, "frame with the position: title, name, size, questions, wide, narrow, facts"]
     sending: Annotated[
         bytes_to_send.SendingSection, "bytes to send: facts, requests, commands, command_errata, other_value"
@@ -183,27 +257,27 @@ def page_values(group: CodeGroup, has_masters: bool, pictures: Pictures) -> Code
         "lead": lead_sentences(interface.note) if isinstance(interface, Biss) else "",
         "position": _position_text(device, interface),
         "evidence": grade(device),
-        "wiring": pin_tables.wiring(device, group.codes),
-        "supply": pin_tables.supply_lines(device, group.variants),
-        "speed": clock_and_cable.speed_section(group.family, device, interface, frame),
+        "wiring": wiring_tables.wiring(device, group.codes),
+        "supply": wiring_tables.supply_lines(device, group.variants),
+        "speed": wiring_tables.speed_section(group.family, device, interface, frame),
         "frame": _frame_section(group, frame, {**pictures, **group.pictures}) if frame is not None else None,
         "sending": bytes_to_send.sending_section(
             group.family, device, interface, variant, errata_links.links_about_bytes
         ),
-        "led_rows": list(short_tables.led_rows(device)),
+        "led_rows": list(fact_tables.led_rows(device)),
         "no_leds": no_leds(group.family, device, interface),
         "no_supply": no_supply(group.family, interface),
         "interfaces": [_with_short_rows(device, section) for section in interface_sections["interfaces"]],
         "registers": [_register_section(device, section) for section in interface_sections["registers"]],
-        "register_rows": list(short_tables.register_rows(device)),
+        "register_rows": list(fact_tables.register_rows(device)),
         "procedures": [_procedure_section(device, section) for section in interface_sections["procedures"]],
         "procedures_summary": f"{counted(len(device.procedures), 'procedure')}, step by step",
-        "setting_lines": list(short_tables.setting_lines(device, interface)),
+        "setting_lines": list(fact_tables.setting_lines(device, interface)),
         "frames_summary": counted(len(interface.layouts), "frame") + (" with CRC" if device.crcs else ""),
         "registers_summary": _registers_summary(device),
-        "time_rows": list(short_tables.time_rows(interface.timings + device.timings)),
+        "time_rows": list(fact_tables.time_rows(interface.timings + device.timings)),
         "by_hand": manual_procedures(device),
-        "example_rows": list(short_tables.example_rows(device, _examples_of_order_codes(device))),
+        "example_rows": list(fact_tables.example_rows(device, _examples_of_order_codes(device))),
         "quantity_rows": list(_quantity_rows(group)),
         "errata_summary": errata_links.count_by_status,
         "errata_list": errata_links.list_of_errata,
@@ -213,12 +287,12 @@ def page_values(group: CodeGroup, has_masters: bool, pictures: Pictures) -> Code
 def _register_section(device: Device, section: Section) -> Section:
     """Return the values of a register with tables of two columns."""
     register: Register = section["register"]
-    rows = list(short_tables.field_rows(device, register.layout)) if section["rows"] else []
-    return {**section, "rows": rows, "value_tables": short_tables.value_tables(register)}
+    rows = list(fact_tables.field_rows(device, register.layout)) if section["rows"] else []
+    return {**section, "rows": rows, "value_tables": fact_tables.value_tables(register)}
 
 
 def _procedure_section(device: Device, section: Section) -> Section:
-    return {**section, "steps": list(short_tables.step_sentences(device, section["procedure"]))}
+    return {**section, "steps": list(fact_tables.step_sentences(device, section["procedure"]))}
 
 
 def _examples_of_order_codes(device: Device) -> list[Example]:
@@ -264,11 +338,11 @@ def _with_short_rows(device: Device, interface_section: Section) -> Section:
 
 
 def _layout_section(device: Device, section: Section) -> Section:
-    return {**section, "rows": list(short_tables.field_rows(device, section["layout"]))}
+    return {**section, "rows": list(fact_tables.field_rows(device, section["layout"]))}
 
 
 def _group_section(device: Device, section: Section) -> Section:
-    return {**section, "rows": list(short_tables.group_rows(device, section["group"].name))}
+    return {**section, "rows": list(fact_tables.group_rows(device, section["group"].name))}
 
 
 def _registers_summary(device: Device) -> str:

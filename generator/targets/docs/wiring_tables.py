@@ -1,0 +1,324 @@
+"""Pins, wires, supply, and the clock by cable length, on the page of an order code."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+
+from ...masters.cable import cable_table
+from ...model import (
+    Biss,
+    Clock,
+    Connector,
+    Contact,
+    Device,
+    Interface,
+    Layout,
+    Rs485,
+    Spi,
+    Ssi,
+    Supply,
+    Variant,
+    assert_never,
+    choices,
+)
+from ...model.order_codes import fits
+from ...model.record import dataclass
+from ...say.evidence import Subject, document, mentions
+from ...say.interface import bounds_with_codes, clock_words, settings
+from ...say.markdown import STYLE, anchor, cited, code, link, text
+from ...say.numbers import counted
+from ...say.text import BY_NAME, hertz, listed, nanoseconds, sentence, statement, timeout_words, volts
+
+Row = tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Wiring:
+    """Table of contacts and signals.
+
+    ``about`` lists the connectors and cables of each column, and ``notes`` the sentences that apply to all of them.
+    ``errata`` are the paths of the connectors in the spec.
+    """
+
+    head: tuple[str, ...]
+    rows: tuple[Row, ...]
+    about: tuple[str, ...]
+    notes: tuple[str, ...]
+    errata: tuple[str, ...]
+
+
+def wiring(device: Device, order_codes: Sequence[str]) -> Wiring:
+    """Return one table with the contacts of every connector and cable for each signal."""
+    columns = _columns(device.connectors, order_codes)
+    heads = _heads(columns)
+    contacts = [contact for connector in device.connectors for contact in connector.contacts]
+    signals = dict.fromkeys(_signal_cell(contact, order_codes) for contact in contacts)
+    about = []
+    for head, column in zip(heads, columns, strict=True):
+        about.append(f"{head}: {', or '.join(map(_anchored_title, column))}")
+    return Wiring(
+        head=(*heads, "Signal"),
+        rows=tuple(_row(columns, signal, order_codes) for signal in signals),
+        about=tuple(about),
+        notes=tuple(_common_sentences(device.connectors)),
+        errata=tuple(f"connectors.{connector.name}" for connector in device.connectors),
+    )
+
+
+def _heads(columns: Sequence[Sequence[Connector]]) -> list[str]:
+    """Return Pin or Wire for each column, or the short name of its connector if there are several of this kind."""
+    words = [_word_for_contact(column[0]) for column in columns]
+    heads = _short_names([column[0].title for column in columns])
+    for index, word in enumerate(words):
+        if words.count(word) == 1:
+            heads[index] = word
+    return heads
+
+
+def _word_for_contact(connector: Connector) -> str:
+    return "Wire" if connector.kind == "cable" else "Pin"
+
+
+def _row(columns: Sequence[Sequence[Connector]], signal: str, order_codes: Sequence[str]) -> Row:
+    return (*(_contacts_cell(column, signal, order_codes) for column in columns), signal)
+
+
+def _common_sentences(connectors: Sequence[Connector]) -> list[str]:
+    """Return the sentences that the notes of all connectors have."""
+    notes = [connector.note.rstrip(".").split(". ") for connector in connectors]
+    first_note = notes[0] if notes else []
+    common = set(first_note).intersection(*notes)
+    return [text(sentence(note_sentence)) for note_sentence in first_note if note_sentence and note_sentence in common]
+
+
+def _columns(connectors: Sequence[Connector], order_codes: Sequence[str]) -> list[list[Connector]]:
+    """Group connectors of one kind that have the same contacts for most signals of the one with fewer."""
+    columns: list[list[Connector]] = []
+    for connector in connectors:
+        for column in columns:
+            if _have_similar_contacts(connector, column[0], order_codes):
+                column.append(connector)
+                break
+        else:
+            columns.append([connector])
+    return columns
+
+
+def _have_similar_contacts(connector: Connector, other: Connector, order_codes: Sequence[str]) -> bool:
+    """Return whether connectors of one kind have the same contacts for most signals of the one with fewer."""
+    contacts, other_contacts = _contacts_by_signal(connector, order_codes), _contacts_by_signal(other, order_codes)
+    matches = sum(contacts.get(signal) == other_contacts[signal] for signal in other_contacts)
+    return connector.kind == other.kind and 2 * matches > min(len(contacts), len(other_contacts))
+
+
+def _contacts_by_signal(connector: Connector, order_codes: Sequence[str]) -> dict[str, list[str]]:
+    contacts_by_signal: dict[str, list[str]] = {}
+    for contact in connector.contacts:
+        contacts_by_signal.setdefault(_signal_cell(contact, order_codes), []).append(contact.contact)
+    return contacts_by_signal
+
+
+def _signal_cell(contact: Contact, order_codes: Sequence[str]) -> str:
+    """Return the signal of a contact in Markdown, and which of these order codes have it unless all do."""
+    if not contact.only:
+        return text(contact.signal)
+    patterns = []
+    for pattern in contact.only.split(", "):
+        if any(fits(pattern, order_code) for order_code in order_codes):
+            patterns.append(pattern)
+    return f"{text(contact.signal)} <small>(only {text(', '.join(patterns))})</small>"
+
+
+def _contacts_cell(column: Sequence[Connector], signal: str, order_codes: Sequence[str]) -> str:
+    """Return the contacts of a signal, marked with the name of their connector if they differ."""
+    contacts_of_connectors = []
+    for connector in column:
+        contacts = _contacts_by_signal(connector, order_codes).get(signal, [])
+        contacts_of_connectors.append(_contact_list(contacts))
+    names = _short_names([connector.title for connector in column])
+    marked = [f"{contacts} ({name})" for contacts, name in zip(contacts_of_connectors, names, strict=True) if contacts]
+    are_alike = len(set(contacts_of_connectors)) == 1
+    return text(contacts_of_connectors[0] if are_alike else ", ".join(marked))
+
+
+def _short_names(titles: Sequence[str]) -> list[str]:
+    """Return the first words by which titles differ, such as M12 and M23, or 8 pins and 12 pins."""
+    titles_in_pieces = [title.split(", ") for title in titles]
+    for pieces in zip(*titles_in_pieces, strict=False):
+        words_of_pieces = [piece.split() for piece in pieces]
+        for count in range(1, max(map(len, words_of_pieces)) + 1):
+            names = [" ".join(words[:count]) for words in words_of_pieces]
+            if len(set(names)) == len(names) and not any(name.isdecimal() for name in names):
+                return names
+    return [f"connector {index}" for index, _ in enumerate(titles, 1)]
+
+
+def _contact_list(contacts: Sequence[str]) -> str:
+    """Return contacts as a list, with three or more consecutive numbers as a range."""
+    numbers = [int(contact) for contact in contacts if contact.isdecimal()]
+    if len(numbers) == len(contacts) > 2 and numbers == list(range(numbers[0], numbers[-1] + 1)):
+        return f"{numbers[0]} to {numbers[-1]}"
+    return ", ".join(contacts)
+
+
+def _anchored_title(connector: Connector) -> str:
+    return f"{anchor(f'connector-{connector.name}')}{text(connector.title)}"
+
+
+def supply_lines(device: Device, variants: Sequence[Variant]) -> list[str]:
+    """Return the supply of each order code, or of all if it is the same, with its source."""
+    codes_by_supply: dict[str, list[str]] = {}
+    for variant in variants:
+        variant_supply = device.supply_of(variant)
+        if variant_supply is not None:
+            codes_by_supply.setdefault(_supply_text(variant_supply), []).append(variant.code)
+    if len(codes_by_supply) == 1:
+        return list(codes_by_supply)
+    return [f"{supply} with {', '.join(map(code, codes))}" for supply, codes in codes_by_supply.items()]
+
+
+def _supply_text(supply: Supply) -> str:
+    return f"{volts(supply.min_mv)} to {volts(supply.max_mv)} ({cited(supply.source)})"
+
+
+def unstated_facts(family: Device, interface: Interface, subjects: Mapping[str, Subject]) -> Iterator[str]:
+    """Yield the facts that the manual does not state, and links for those that a text may have, in one line.
+
+    ``family`` has the texts about all order codes, because a text about others may be valid for this one too.
+    """
+    unmentioned = [label for label, subject in subjects.items() if not mentions(family, interface, subject)]
+    sentences = [f"{_capitalized(unmentioned)}: the {document(family)} does not say."] if unmentioned else []
+    mentioned = [label for label in subjects if label not in unmentioned]
+    if mentioned:
+        places = [link("times", "#timings")]
+        if family.characteristics:
+            places.append(link("characteristics", "hardware.md#characteristics"))
+        sentences.append(f"{_capitalized(mentioned)}: see {' and '.join(places)}.")
+    if sentences:
+        yield " ".join(sentences)
+
+
+def no_leds(family: Device, device: Device, interface: Interface) -> str:
+    """Return why a page shows no LEDs, or an empty string if the manual may have some in its texts."""
+    if device.leds or document(family) != "manual":
+        return ""
+    if family.leds:
+        return "The manual describes no LEDs of this order code."
+    return "" if mentions(family, interface, Subject.LEDS) else "The manual describes no LEDs."
+
+
+def no_supply(family: Device, interface: Interface) -> str:
+    """Return what a page says in place of a supply."""
+    if mentions(family, interface, Subject.SUPPLY):
+        return f"see {link('characteristics', 'hardware.md#characteristics')}"
+    return f"the {document(family)} does not say"
+
+
+def _capitalized(labels: list[str]) -> str:
+    """Return labels as the beginning of a sentence."""
+    phrase = BY_NAME.phrase(statement(*listed(labels)))
+    return phrase[:1].upper() + phrase[1:]
+
+
+#: Bits of a BiSS frame before the position: the start bit and the CDS bit.
+_BISS_START_BITS = 2
+
+
+@dataclass(frozen=True, slots=True)
+class SpeedSection:
+    """Clock or baud rate: specified values, and a table of clock and frame duration by cable length."""
+
+    title: str
+    facts: tuple[str, ...]
+    head: tuple[str, ...] = ()
+    rows: tuple[Row, ...] = ()
+
+
+def speed_section(family: Device, device: Device, interface: Interface, layout: Layout | None) -> SpeedSection:
+    match interface:
+        case Ssi() | Biss():
+            return _clock_section(family, device, interface, layout)
+        case Spi():
+            setting_sentences = map(STYLE.sentence, settings(device, interface))
+            return SpeedSection("Clock and words", tuple(setting_sentences))
+        case Rs485():
+            return _baud_section(family, device, interface)
+        case _:
+            assert_never(interface)
+
+
+def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout: Layout | None) -> SpeedSection:
+    clock = interface.clock
+    lengths = _frame_lengths(device, layout) if layout is not None else []
+    start_bits = _BISS_START_BITS if isinstance(interface, Biss) else 0
+    clocked_lengths = [bits + start_bits for bits in lengths]
+    lowest_hz, highest_hz = clock.min_hz or 0, clock.fastest_hz
+    example_hz = min(max(1_000_000, lowest_hz), highest_hz)
+    facts = [f"Clock: {clock_words(clock)} ({cited(clock.source)})."]
+    if lengths:
+        durations = _durations(clocked_lengths, example_hz)
+        with_start_bits = ", with the start bit and the CDS bit" if start_bits else ""
+        facts.append(f"{_joined_by_or(map(str, lengths))} bits at {hertz(example_hz)}: {durations}{with_start_bits}.")
+    facts += _pauses(family, interface)
+    table = cable_table(device, interface)
+    rows: list[Row] = []
+    for row in table.rows:
+        if row.hz >= lowest_hz:
+            hz = min(row.hz, highest_hz)
+            rows.append((f"{row.metres} m", hertz(hz), _durations(clocked_lengths, hz)))
+    if rows:
+        facts.append(f"Clock for each cable length: from {text(table.origin)}{_limit_of_used_clocks(clock)}.")
+    is_below = any(row.is_below for row in table.rows)
+    head = ("Cable below", "Clock below", "Frame above") if is_below else ("Cable up to", "Clock up to", "Frame")
+    return SpeedSection("Clock and cable", tuple(facts), head, tuple(rows))
+
+
+def _limit_of_used_clocks(clock: Clock) -> str:
+    """Return why the table ends at a clock, if that is not the highest clock of the encoder."""
+    return "" if clock.max_hz is not None else f", up to {hertz(clock.fastest_hz)}, the fastest clock in use"
+
+
+def _pauses(family: Device, interface: Ssi | Biss) -> Iterator[str]:
+    """Yield the time between frames, and the time until the encoder answers."""
+    match interface:
+        case Ssi():
+            pauses = [timing for timing in interface.timings if timing.symbol == "Tp"]
+            for pause in pauses:
+                yield f"Pause between two words: {bounds_with_codes(pause)} ({cited(pause.source)})."
+        case Biss():
+            if interface.timeout is not None:
+                yield f"Time-out after a frame: {timeout_words(interface.timeout)} ({cited(interface.timeout.source)})."
+            yield from unstated_facts(family, interface, {"reply time (acknowledge)": Subject.REPLY_TIME})
+
+
+def _baud_section(family: Device, device: Device, interface: Rs485) -> SpeedSection:
+    port = interface.port
+    bits_per_byte = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
+    sizes = sorted({layout.widest // 8 for layout in interface.layouts if layout.sender == "encoder"})
+    times = ", ".join(f"{counted(size, 'byte')} {_duration(size * bits_per_byte, port.baud)}" for size in (1, *sizes))
+    baud_rate = STYLE.phrase(next(iter(settings(device, interface))))
+    facts = (
+        f"{baud_rate} ({cited(port.source)}).",
+        f"Duration ({bits_per_byte} bits per byte): {times}.",
+        *unstated_facts(family, interface, {"reply time": Subject.REPLY_TIME, "cable length": Subject.CABLE}),
+    )
+    return SpeedSection("Baud rate and times", facts)
+
+
+def _frame_lengths(device: Device, layout: Layout) -> list[int]:
+    """Return the lengths of a frame in bits, one for each answer to questions that the manual leaves open."""
+    return sorted({layout.sent_bits.value(sets) for _, sets in choices(device.alternatives_of(layout))})
+
+
+def _joined_by_or(alternatives: Iterable[str]) -> str:
+    return " or ".join(alternatives)
+
+
+def _durations(lengths: Iterable[int], hz: int) -> str:
+    return _joined_by_or(_duration(bits, hz) for bits in lengths)
+
+
+def _duration(bits: int, hz: int) -> str:
+    """Return the duration of some bits, in microseconds with one decimal if it is long."""
+    exact_ns = bits * 1_000_000_000 / hz
+    return nanoseconds(round(exact_ns)) if exact_ns % 100 == 0 else f"{exact_ns / 1000:.1f} µs"
