@@ -26,7 +26,7 @@ from ...why.in_bits import SLIPS
 from .. import NO_OPTIONS, Library, Options, Target
 from ..shared_files import licence_in, our_runtime
 from .family import family_data
-from .plain import Data, script_json
+from .layouts import Data, script_json
 
 #: Error messages, with placeholders for numbers and names: ``{0} is {1}``.
 _MESSAGES = {
