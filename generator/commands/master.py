@@ -130,7 +130,8 @@ def _requested_record(chosen: argparse.Namespace) -> tuple[Device, Match, Record
     Raises:
         Stop: There is no such order code or edition, or there are no settings for it.
     """
-    from ..masters.record import NoRecord, Undecided, record
+    from ..masters.frame_parts import NoRecord
+    from ..masters.record import Undecided, record
     from ..order_codes.parameters import RegisterError, with_registers
     from .choose import answers_of, open_questions
     from .find_encoder import find_requested

@@ -15,10 +15,9 @@ from ..say.evidence import Subject, origin
 from ..say.interface import clocks_in_use
 from ..say.plain_text import WIDTH, pairs, wrapped
 from ..say.text import BY_NAME, counted, hertz, microseconds, volts
-from .places import place_lines
+from .places import WriteCondition, place_lines, write_order
 from .record import Record
 from .sheet import Master, Refusal, Setting, Sheet
-from .writing import WriteCondition, write_order
 
 VERSION = 1
 

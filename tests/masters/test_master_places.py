@@ -23,10 +23,9 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.masters.places import Place
+from codewheel.masters.places import Place, write_order
 from codewheel.masters.record import Record
 from codewheel.masters.sheet import Master, Setting, Sheet, sheet
-from codewheel.masters.writing import write_order
 
 SheetOf = Callable[[str, str], Sheet]
 RecordOf = Callable[[str], Record]

@@ -8,8 +8,8 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
+from codewheel.masters.places import Effect, WriteCondition
 from codewheel.masters.sheet import Sheet
-from codewheel.masters.writing import Effect, WriteCondition
 
 SheetOf = Callable[[str, str], Sheet]
 

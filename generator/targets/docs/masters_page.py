@@ -7,10 +7,8 @@ from functools import partial
 from math import prod
 from typing import Annotated, Any, TypedDict
 
-from ...masters.groups import Group, GroupSheets, records_of, sheets_of
-from ...masters.places import Device as MasterDevice
-from ...masters.places import Place, place_words
-from ...masters.sheet import Master, Refusal, Setting, Sheet
+from ...masters.places import MasterDevice, Place, place_words
+from ...masters.sheet import Group, GroupSheets, Master, Refusal, Setting, Sheet, records_of, sheets_of
 from ...masters.text import bound_in_words, cited, condition_text, condition_texts, facts, legend, standing_mark
 from ...model import Device, Interface
 from ...say.markdown import code, joined, text

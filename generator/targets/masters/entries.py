@@ -7,10 +7,9 @@ from itertools import groupby
 from typing import Any
 
 from ...language.master_items import FILE_FORMATS, PLACE_KINDS, FileFormat
-from ...masters.places import Place
+from ...masters.places import Place, Write, write_order
 from ...masters.sheet import Setting, Sheet
 from ...masters.text import condition_text
-from ...masters.writing import Write, write_order
 from ...model.record import dataclass
 
 Raw = Mapping[str, Any]

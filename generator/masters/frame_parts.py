@@ -1,0 +1,183 @@
+"""Parts of a frame by their role for a master: position, status, parity and CRC.
+
+The rules for masters in ``specs/masters`` refer to its items by name. An item that the manual does not give is None. A
+rule that needs it reports it as unknown.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from ..model import (
+    Constant,
+    CrcValue,
+    Field,
+    Flag,
+    Layout,
+    Measurement,
+    Parity,
+    PlacedField,
+    PlacedLayout,
+    Unused,
+    Variant,
+)
+
+
+class NoRecord(ValueError):
+    """There are no master settings for this order code. The message gives the reason in one line."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A run of bits in the frame.
+
+    ``role`` is ``padding``, ``multiturn``, ``singleturn``, ``status``, ``crc``, ``parity`` or ``other``.
+    ``active`` of a status bit is ``low``, ``high``, or empty if it never changes.
+    """
+
+    name: str
+    role: str
+    bits: int
+    active: str = ""
+
+
+#: Roles in the common frame that masters expect, in the order sent. Zero bits may be on both sides of the position.
+_ROLES_AS_SENT = ("before", "position", "after", "status", "crc")
+
+
+def frame_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: Variant) -> Iterator[Part]:
+    """Yield the parts of the frame in the order sent. What the common frame does not have there is ``other``."""
+    layout = placed_layout.layout
+    position_field_names = layout.names_in(measurement.of)
+    stage, top = "before", placed_layout.bits
+    for field in placed_layout.fields:
+        if field.high + 1 != top:
+            raise NoRecord(f"the bits of '{layout.name}' above '{field.name}' have no meaning in the spec")
+        top = field.low
+        role = _role(field, placed_layout, position_field_names, stage)
+        if role in _ROLES_AS_SENT:
+            stage = role
+        elif stage in ("position", "after"):
+            stage = "status"  # Zero bits from here on are not next to the position.
+        if role == "position":
+            is_last, is_joined = field.name == position_field_names[-1], len(position_field_names) > 1
+            yield from _position_parts(field, is_last, is_joined, measurement, variant)
+        else:
+            printed_role = "padding" if role in ("before", "after") else role
+            yield Part(field.name, printed_role, field.width, _active_level(field.field) if role == "status" else "")
+    if top:
+        raise NoRecord(f"the last bits of '{layout.name}' have no meaning in the spec")
+
+
+def _role(field: PlacedField, placed_layout: PlacedLayout, position_field_names: Sequence[str], stage: str) -> str:
+    """Return the role of a field, with ``before`` and ``after`` for zero bits. ``stage`` is the last one reached."""
+    if field.name in position_field_names:
+        if stage not in ("before", "position"):
+            raise NoRecord(f"the position is not in one piece: other bits are sent before '{field.name}'")
+        return "position"
+    if stage == "position" and field.low > placed_layout.place_of(position_field_names[-1])[0]:
+        raise NoRecord(f"the position is not in one piece: '{field.name}' is sent within it")
+    role = _expected_role(field, stage)
+    if role in _ROLES_AS_SENT[_ROLES_AS_SENT.index(stage) :] and (stage != "before" or role == "before"):
+        return role
+    return "parity" if _is_parity_of_frame(field, placed_layout) else "other"
+
+
+def _expected_role(field: PlacedField, stage: str) -> str:
+    """Return the role of a field that is not part of the position, from its kind."""
+    kind = field.field.kind
+    if isinstance(kind, CrcValue):
+        return "crc"
+    if isinstance(kind, (Constant, Unused)) and kind.value == 0:
+        return "before" if stage == "before" else "after"
+    return "status" if field.width == 1 and isinstance(kind, (Flag, Constant, Unused)) else "other"
+
+
+def _is_parity_of_frame(field: PlacedField, placed_layout: PlacedLayout) -> bool:
+    """Return whether a field is the last one, and a parity bit over all other bits that are not always 0."""
+    kind = field.field.kind
+    if not isinstance(kind, Parity) or kind.over or field.low:
+        return False
+    covered_names = {name for of in kind.of for name in placed_layout.layout.names_in(of)} | {*kind.constants}
+    other_fields = [other for other in placed_layout.fields if other is not field]
+    return all(other.name in covered_names or _is_always_zero(other) for other in other_fields)
+
+
+def _is_always_zero(field: PlacedField) -> bool:
+    return isinstance(field.field.kind, (Constant, Unused)) and field.field.kind.value == 0
+
+
+def _position_parts(
+    field: PlacedField, is_last: bool, is_joined: bool, measurement: Measurement, variant: Variant
+) -> Iterator[Part]:
+    """Yield turns and position within a turn: two fields, or one that holds both."""
+    if is_joined:
+        yield Part(field.name, "singleturn" if is_last else "multiturn", field.width)
+        return
+    turns = measurement.turns.value(variant.parameters) if measurement.turns is not None else 1
+    turn_bits = (turns - 1).bit_length()
+    counts = measurement.counts_per_turn.value(variant.parameters) if measurement.counts_per_turn is not None else None
+    if turn_bits and counts is not None and counts & (counts - 1):
+        raise NoRecord(f"'{field.name}' has {counts} counts per revolution, so no bits of it are the revolutions")
+    if turn_bits:
+        yield Part(f"{field.name}_turns", "multiturn", turn_bits)
+    yield Part(field.name, "singleturn", field.width - turn_bits)
+
+
+def _active_level(field: Field) -> str:
+    if not isinstance(field.kind, Flag):
+        return ""
+    return "low" if field.kind.active_low else "high"
+
+
+def parity_of_frame(placed_layout: PlacedLayout, parts: Sequence[Part]) -> str:
+    """Return the parity of a frame that ends in a parity bit over the whole of it, or ``none``."""
+    kind = placed_layout.fields[-1].field.kind
+    if parts[-1].role != "parity" or not isinstance(kind, Parity):
+        return "none"
+    return "odd" if kind.odd else "even"
+
+
+def position_coding(placed_layout: PlacedLayout, measurement: Measurement, parts: Sequence[Part]) -> str:
+    """Return the code of the position, with ``gray_with_status`` if the code includes all status bits after it."""
+    layout: Layout = placed_layout.layout
+    if not layout.gray_of or (layout.gray_when and not placed_layout.gray):
+        return "binary"
+    if layout.gray_of == measurement.of:
+        return "gray"
+    gray_names, position_names = set(layout.names_in(layout.gray_of)), set(layout.names_in(measurement.of))
+    status_names = {part.name for part in parts if part.role == "status"}
+    if gray_names == position_names | status_names:
+        return "gray_with_status"
+    extent = "with more than the position" if position_names < gray_names else "not the whole position"
+    raise NoRecord(f"only '{layout.gray_of}' is in Gray code, {extent}")
+
+
+def _bits_of_role(parts: Sequence[Part], role: str) -> int:
+    return sum(part.bits for part in parts if part.role == role)
+
+
+def bit_counts(parts: Sequence[Part]) -> dict[str, int | None]:
+    roles = ("multiturn", "singleturn", "padding", "status", "crc", "other", "parity")
+    bits = {role: _bits_of_role(parts, role) for role in roles}
+    first = next(index for index, part in enumerate(parts) if part.role in ("multiturn", "singleturn"))
+    padding_left = _bits_of_role(parts[:first], "padding")
+    other_left = _bits_of_role(parts[:first], "other")
+    position = bits["multiturn"] + bits["singleturn"]
+    data = position + bits["padding"]
+    return {
+        "multiturn_bits": bits["multiturn"],
+        "singleturn_bits": bits["singleturn"],
+        "position_bits": position,
+        "padding_left": padding_left,
+        "padding_right": bits["padding"] - padding_left,
+        "data_bits": data,
+        "status_bits": bits["status"],
+        "data_and_status_bits": data + bits["status"],
+        "crc_bits": bits["crc"],
+        "other_bits_left": other_left,
+        "other_bits_right": bits["other"] - other_left,
+        "parity_bits": bits["parity"],
+        "frame_bits": data + bits["status"] + bits["crc"] + bits["other"],
+    }
