@@ -54,7 +54,7 @@ def find_requested(chosen: argparse.Namespace, specs: Specs, cache: Cache) -> tu
     register_bytes = bytes_by_address(chosen.register)
     if chosen.edition is None:
         return device, match, register_bytes
-    from .editions import in_requested_edition
+    from .encoder_options import in_requested_edition
 
     device, match_in_edition, register_bytes = in_requested_edition(
         paths, device, match, chosen.edition, chosen.order_code, register_bytes

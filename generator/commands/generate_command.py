@@ -155,7 +155,7 @@ def _generate(chosen: argparse.Namespace, cache: Cache, selection: Selection, re
         result.put(result_to_store(read_line, files, families_by_target))
 
     def gate() -> None:
-        from .check.coverage import refuse_unproved
+        from .check.specs import refuse_unproved
 
         refuse_unproved(families, "written", cache)
 

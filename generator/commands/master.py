@@ -133,7 +133,7 @@ def _requested_record(chosen: argparse.Namespace) -> tuple[Device, Match, Record
     from ..masters.frame_parts import NoRecord
     from ..masters.record import Undecided, record
     from ..order_codes.parameters import RegisterError, with_registers
-    from .choose import answers_of, open_questions
+    from .encoder_options import answers_of, open_questions
     from .find_encoder import find_requested
     from .read_specs import specs_to_read
 

@@ -16,7 +16,7 @@ from ..targets import Library, OptionError, Options, Target, TargetError
 from ..targets.registry import BUILT_IN, PackageMissing, files_of, load_target, problems_of, target_names
 from ..template_fault import TemplateFault
 from .accepted_families import accepted_devices
-from .editions import edition_devices
+from .encoder_options import edition_devices
 from .terminal import Stop
 
 _WIDTH = 79

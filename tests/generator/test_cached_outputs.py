@@ -191,26 +191,26 @@ def test_diff_renders_equal_models_once(
 
 @pytest.mark.slow
 def test_only_changed_families_are_proved_again(folder: Path, two: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    from codewheel.commands.check import coverage
+    from codewheel.commands.check import specs
 
     shutil.copy(two / "tv62.second.yaml", two / "tv63.second.yaml")
     second = two / "tv63.second.yaml"
     text = second.read_text(encoding="utf-8").replace("device: tv62", "device: tv63").replace("TV62", "TV63")
     second.write_text(text, encoding="utf-8")
     cache, proved = Cache(folder), list[str]()
-    real = coverage.check_families
+    real = specs.check_families
 
     def check_families(families: list[Family], *arguments: Any) -> object:
         proved.extend(family.device.name for family in families)
         return real(families, *arguments)
 
-    monkeypatch.setattr(coverage, "check_families", check_families)
+    monkeypatch.setattr(specs, "check_families", check_families)
 
     def refuse() -> list[str]:
         proved.clear()
         families, report = load_families([two], cache)
         assert not report, report.problems
-        coverage.refuse_unproved(families, "written", cache)
+        specs.refuse_unproved(families, "written", cache)
         return list(proved)
 
     assert (refuse(), refuse()) == (["tv62", "tv63"], [])

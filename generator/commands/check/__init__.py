@@ -108,7 +108,7 @@ def _check(
     from ..cached_result import specs_read
     from ..outputs import are_built_in, targets_named
     from ..settings_targets import report_unknown_families
-    from . import coverage
+    from . import specs as coverage
     from .specs import check_specs
 
     targets = targets_named(chosen.target, WITH_PROBLEMS)

@@ -1,21 +1,38 @@
-"""Check specs against their rules, the targets, and the second readings of their manuals."""
+"""Check specs against rules, targets and second readings, and count how often each fact was read."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+import sys
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import asdict, astuple, dataclass
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 from ...cache import NO_CACHE, Cache, content_of
+from ...language.document import Path as SpecPath
 from ...language.problems import Report
-from ...language.schema_files import second_reading_path
-from ...loading.library import Family, contents, is_clean, load_families
+from ...language.schema_files import coverage_path, second_reading_path
+from ...loading.evidence import RULE, counts_text
+from ...loading.library import contents, is_clean, load_families
+from ...loading.overlays import Family
 from ...loading.spec_files import family_files
-from ...readings.second_readings import Coverage, Reader, SecondReading, comparable_specs, compare_readings, read_beside
+from ...model import TimesRead
+from ...readings.fact import Sort
+from ...readings.second_readings import (
+    Coverage,
+    Reader,
+    SecondReading,
+    added,
+    comparable_specs,
+    compare_readings,
+    read_beside,
+)
+from ...say.numbers import counted
 from ...targets import Target
-from ..editions import check_editions
+from ..encoder_options import check_editions
 from ..outputs import tell_unfit
+from ..terminal import Stop
 
 #: Kind of entry for a family whose editions and second reading have no problems.
 _CLEAN = "clean family"
@@ -74,3 +91,129 @@ def check_families(
     sound = comparable_specs(families, report)
     tell_unfit(families, targets, report)
     return Checked(families, compare_readings(families, sound, report, read), report)
+
+
+#: Kind of entry for a family that may be released.
+_PROVED = "proved family"
+_COLUMNS = ("twice", "explained", "decided", "once", "derived")
+_OUT_OF_DATE = "the counts do not match the readings; update them with codewheel check --coverage --write"
+
+
+def check_counts(checked: Checked, *, write: bool) -> None:
+    """Report the counts next to the specs that are out of date, or write them all."""
+    for family_coverage in checked.readings:
+        place = coverage_path(Path(family_coverage.spec.file))
+        counts = counts_text(family_coverage.total)
+        if write:
+            place.write_text(counts, encoding="utf-8")
+        elif place.is_file() and place.read_text(encoding="utf-8") != counts:
+            checked.report.add_at(str(place), 1, 1, RULE, _OUT_OF_DATE)
+
+
+def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = NO_CACHE) -> None:
+    """Refuse to release valid specs if ``check`` finds problems in their other editions, second readings or counts.
+
+    Args:
+        families: Families whose specs have no other problems.
+        participle: Participle of the refused action, such as ``written``.
+        cache: Cache of families without such problems. They are not checked again until a file changes.
+
+    Raises:
+        Stop: There are problems. The exit code is 1.
+    """
+    report = Report()
+    # Check one family at a time, because a second reading needs as much memory as its spec.
+    for family in families:
+        if family.content and cache.get(_PROVED, family.content) is True:
+            continue
+        problems_before = len(report)
+        check_editions([family], report)
+        check_counts(check_families([family], (), report), write=False)
+        # A second reading may have changed since the content was read.
+        is_unchanged = family.content and content_of(family_files(Path(family.document.file))) == family.content
+        if is_unchanged and len(report) == problems_before:
+            cache.put(_PROVED, family.content, True)
+    if report:
+        for problem in report.shown:
+            print(problem.format(), file=sys.stderr)
+        problems = f"'codewheel check --coverage' reports {counted(len(report), 'problem')}"
+        raise Stop(f"nothing {participle}: {problems}; correct them, or add --unchecked", 1)
+
+
+def is_complete(covered: Sequence[Coverage], report: Report) -> bool:
+    """Return whether there are no problems and every fact that needs two readings has them."""
+    return not report and not any(family_coverage.lacking for family_coverage in covered)
+
+
+def as_data(covered: Sequence[Coverage]) -> dict[str, Any]:
+    """Return the coverage in the form that ``--json`` prints."""
+    return {
+        "coverage": [_family_data(family_coverage) for family_coverage in covered],
+        "total": asdict(added(family_coverage.total for family_coverage in covered)),
+    }
+
+
+def _family_data(family_coverage: Coverage) -> dict[str, Any]:
+    return {
+        "family": family_coverage.family.device.name,
+        "classes": {sort.value: _class_data(sort, count) for sort, count in family_coverage.counts.items()},
+        "total": asdict(family_coverage.total),
+        "once": [_fact_data(family_coverage, sort, place) for sort, place in family_coverage.once],
+    }
+
+
+def _class_data(sort: Sort, times_read: TimesRead) -> dict[str, Any]:
+    return asdict(times_read) | {"needed": sort.is_needed}
+
+
+def _fact_data(family_coverage: Coverage, sort: Sort, place: SpecPath) -> dict[str, Any]:
+    """Return the data about a fact that was read only once."""
+    spec = family_coverage.spec
+    line, _ = spec.position(place)
+    return {
+        "class": sort.value,
+        "file": spec.file,
+        "line": line,
+        "path": spec.name_path(place),
+        "needed": sort.is_needed,
+    }
+
+
+def as_text(covered: Sequence[Coverage], checked: Checked) -> str:
+    """Return the coverage as text: by class, by family, and the facts that need a second reading."""
+    covered_names = {family_coverage.family.device.name for family_coverage in covered}
+    names = [family.device.name for family in checked.families]
+    uncovered_names = [name for name in names if name not in covered_names]
+    last_lines = [f"not read twice: {', '.join(uncovered_names)}"] if uncovered_names else []
+    if not covered:
+        return "\n".join(last_lines)
+    lines = ["facts by number of readings (*: two are required)", _line("", _COLUMNS)]
+    lines += [_line(name, astuple(times_read)) for name, times_read in _rows(covered)]
+    return "\n".join([*lines, *last_lines, *_lacking_lines(covered)])
+
+
+def _rows(covered: Sequence[Coverage]) -> Iterator[tuple[str, TimesRead]]:
+    """Yield the counts of each class, of each family, and of several families together."""
+    for sort in Sort:
+        name = f"{sort.value} *" if sort.is_needed else sort.value
+        yield name, added(family_coverage.counts[sort] for family_coverage in covered)
+    for family_coverage in covered:
+        yield family_coverage.family.device.name, family_coverage.total
+    if len(covered) > 1:
+        yield "total", added(family_coverage.total for family_coverage in covered)
+
+
+def _line(name: str, cells: Sequence[object]) -> str:
+    columns = "".join(f"{cell!s:>11}" for cell in cells)
+    return f"{name:<17}{columns}"
+
+
+def _lacking_lines(covered: Sequence[Coverage]) -> list[str]:
+    """Return a line for each fact that needs a second reading, and one with their number."""
+    lines = []
+    for family_coverage in covered:
+        spec = family_coverage.spec
+        for sort, place in family_coverage.lacking:
+            line, column = spec.position(place)
+            lines.append(f"{spec.file}:{line}:{column}: read once: {sort.value}, {spec.name_path(place)}")
+    return [*lines, f"{counted(len(lines), 'fact')} to read a second time"] if lines else []

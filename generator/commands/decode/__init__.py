@@ -86,7 +86,7 @@ def _request(chosen: argparse.Namespace) -> Request:
     from ...order_codes.parameters import RegisterError, with_answers, with_registers
     from ...order_codes.reduction import reduced_to_codes
     from ...reference.findings import compare_held, fixed_addresses
-    from ..choose import answers_of
+    from ..encoder_options import answers_of
     from ..find_encoder import find_requested
     from ..read_specs import specs_to_read
     from .decoding import Request

@@ -14,7 +14,7 @@ from ...order_codes.labels import Match
 from ...order_codes.parameters import RegisterError
 from ...reference import codec
 from ...reference.findings import Difference, Findings, Report, findings, strange_values
-from ..choose import UndecidedError, refuse_undecided
+from ..encoder_options import UndecidedError, refuse_undecided
 from .frames import (
     FrameTextError,
     Line,

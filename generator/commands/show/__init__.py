@@ -38,7 +38,7 @@ def run(chosen: argparse.Namespace) -> int:
     specs = specs_to_read(chosen.specs)
     device, match, paths = find_family_or_code(specs, chosen.what, cache)
     if chosen.edition is not None:
-        from ..editions import in_requested_edition
+        from ..encoder_options import in_requested_edition
 
         device, match, _ = in_requested_edition(paths, device, match, chosen.edition, chosen.what, {})
     if chosen.json:
