@@ -7,8 +7,8 @@ from dataclasses import replace
 
 from ..model import Constant, Crc, Device, Parity, PlacedLayout, Variant, number_from_bytes, number_to_bytes
 from ..reference.bits import parity_bit
-from .in_bits import POLYNOMIALS, OtherCrc, as_sent, read_as
-from .tries import NOT_INVERTED, Try
+from .in_bits import POLYNOMIALS, OtherCrc, as_sent
+from .tries import NOT_INVERTED, Try, read_as
 
 #: More extra bytes than this do not come from an echoed request.
 _MOST_MORE = 4

@@ -14,8 +14,9 @@ from math import prod
 from ..model import Crc, Device, Number, PlacedLayout, Rs485, Variant
 from ..model.record import dataclass
 from ..reference import codec
-from . import in_bits, in_bytes
-from .tries import MISTAKES, NOT_INVERTED, BitText, Try
+from . import in_bytes
+from .in_bits import as_sent, other_answers, tries
+from .tries import MISTAKES, NOT_INVERTED, BitText, Try, read_as
 
 #: A mistake that matches more than one random frame in eight explains nothing.
 _LEAST_BITS = 3
@@ -72,10 +73,10 @@ def explain_bits(
     if crc is None or is_valid:
         return None
     failed = _known_to_fail(placed, crc, text)
-    why = _why(device, in_bits.tries(device, variant, placed, crc, text), failed, (crc,))
+    why = _why(device, tries(device, variant, placed, crc, text), failed, (crc,))
     bits = range(placed.bits) if failed else ()
     flips = (1 << bit for bit in bits)
-    fits = [in_bits.read_as("", "", placed, crc, text.number ^ flip).fits for flip in flips]
+    fits = [read_as("", "", placed, crc, text.number ^ flip).fits for flip in flips]
     return replace(why, disturbed=_fitting_bits(fits)) if why is not None else None
 
 
@@ -87,7 +88,7 @@ def explain_constant(device: Device, variant: Variant, placed: PlacedLayout, tex
     crc = device.crc_of(placed.layout)
     if crc is None:
         return None
-    fitting = [candidate for candidate in in_bits.other_answers(device, variant, placed, crc, text) if candidate.fits]
+    fitting = [candidate for candidate in other_answers(device, variant, placed, crc, text) if candidate.fits]
     return _why(device, fitting, (), (crc,)) if fitting else None
 
 
@@ -121,7 +122,7 @@ def _known_to_fail(placed: PlacedLayout, crc: Crc, text: BitText) -> tuple[Try, 
     """Return the frame as given. It is known not to match, so equivalent mistakes need not be tried."""
     if text.bits > placed.bits or (text.exact and text.bits != placed.bits):
         return ()
-    return (in_bits.as_sent(placed, crc, text.number),)
+    return (as_sent(placed, crc, text.number),)
 
 
 def _why(

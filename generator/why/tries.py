@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 
 from ..model import (
@@ -167,3 +167,39 @@ def likelihood(placed: PlacedLayout, number: int) -> float:
             case Unused(value):
                 likelihood *= _IDLE**placed_field.width if raw == value & placed_field.mask else _ACTIVE
     return likelihood
+
+
+def read_as(
+    kind: str,
+    words: str,
+    placed: PlacedLayout,
+    crc: Crc,
+    number: int,
+    lost: int = 0,
+    demanded: int = 0,
+    holds: bool = True,
+    codes: Sequence[str] = (),
+) -> Try:
+    """Return a try in which the frame was ``number``, whose last ``lost`` bits were not received."""
+    fixed, are_right = fixed_bits(placed, number)
+    received = (number & crc.mask) >> lost
+    return Try(
+        kind,
+        words,
+        crc,
+        *covered_number(placed, number),
+        received,
+        crc.width - lost,
+        demanded=demanded + fixed,
+        holds=holds and are_right,
+        likelihood=likelihood(placed, number),
+        number=number,
+        placed=placed,
+        codes=tuple(codes),
+    )
+
+
+def covered_number(placed: PlacedLayout, number: int) -> tuple[int, int]:
+    """Return the bits that the CRC covers, and how many they are."""
+    low, bits = placed.crc_covers
+    return number >> low & (1 << bits) - 1, bits
