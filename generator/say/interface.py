@@ -33,10 +33,10 @@ from ..model import (
     assert_never,
 )
 from ..model.expressions import Expression
-from .field import value
 from .names_and_places import printed, register_field, words
 from .names_and_places import register as named
 from .numbers import counted, number
+from .register import value
 from .text import (
     Code,
     Part,

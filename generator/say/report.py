@@ -23,8 +23,8 @@ from ..model import (
 )
 from .commands import remedied, with_steps
 from .errata import errata, erratum
-from .field import short
 from .names_and_places import only, register_field, title
+from .register import short
 from .text import Code, Part, Ref, Statement, listed, parted, sentence, spec_text, statement, volts
 
 

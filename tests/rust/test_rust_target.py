@@ -42,7 +42,7 @@ def test_it_uses_what_the_page_on_targets_tells_of() -> None:
     assert used
     for module in used:
         assert f"`{module}" in page or (
-            module.startswith("codewheel.say.") and "`codewheel.say.field` and similar modules" in page
+            module.startswith("codewheel.say.") and "`codewheel.say.register` and similar modules" in page
         )
 
 

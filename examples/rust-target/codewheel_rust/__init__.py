@@ -12,9 +12,9 @@ from codewheel.plan.description import describe
 from codewheel.plan.limits import Refusal, refusals
 from codewheel.plan.operations import Check, Fixed, ParityOf, ReservedBits, ValueOfField
 from codewheel.render import Templates, tests_for
-from codewheel.say.field import value
 from codewheel.say.layout import crc
 from codewheel.say.order_code import order_code, parameter
+from codewheel.say.register import value
 from codewheel.targets import Library, Option, Options, Target, TargetProblem
 
 from . import about, names, spelling

@@ -6,7 +6,8 @@ import re
 from collections.abc import Iterable
 
 from codewheel.model import Device, Field, Interface, Layout, Register, cite
-from codewheel.say import field, layout, names_and_places, register
+from codewheel.say import layout, names_and_places, register
+from codewheel.say import register as field
 from codewheel.say.plain_text import wrapped
 from codewheel.say.text import Statement, Style
 

@@ -27,11 +27,11 @@ from ...order_codes.labels import Match
 from ...order_codes.parameters import parameters_of, run_time_names, run_time_widths
 from ...order_codes.reduction import for_interface, reduced_to_codes, with_output_code
 from ...say import errata as say_errata
-from ...say import field as say_field
-from ...say import field as say_measurement
 from ...say import interface as say_interface
 from ...say import layout as say_layout
 from ...say import order_code as say_order_code
+from ...say import register as say_field
+from ...say import register as say_measurement
 from ...say import register as say_register
 from ...say.errata import answer as say_answer
 from ...say.errata import needed_answers, question

@@ -21,11 +21,11 @@ from ...plan.crcs import Carrier, CrcFunction, Form
 from ...plan.steps import Call, Operation, Polls, Reads, Run, Sends, Verifies, Waits, Writes
 from ...plan.values import Characters, meaning_of
 from ...say import commands as say_commands
-from ...say import field as say_field
 from ...say import layout as say_crc
 from ...say import layout as say_layout
 from ...say import order_code as say_order_code
 from ...say import order_code as say_parameter
+from ...say import register as say_field
 from ...say import register as say_register
 from ...say import report as say_report
 from ...say.names_and_places import addresses, bit_range, field_place, full_title, register_field, title

@@ -11,8 +11,8 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.values import Named, meaning_of
 from ...say.errata import errata, erratum
-from ...say.field import meaning
 from ...say.names_and_places import printed, title, words
+from ...say.register import meaning
 from ...say.text import Statement, spec_text, statement
 from .comments import Paragraph, S
 from .expr import Conditional, Expr, Name, Number, Operation

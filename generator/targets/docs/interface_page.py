@@ -35,11 +35,11 @@ from ...say import register as say_register
 from ...say import report
 from ...say.errata import needed_answers
 from ...say.evidence import document, origin, other_editions
-from ...say.field import measurement, own_ranges, position_range
 from ...say.interface import PURPOSES
 from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.names_and_places import Named, addresses, title, words
 from ...say.order_code import initial
+from ...say.register import measurement, own_ranges, position_range
 from ...say.text import Code, Statement, statement, volts
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
 from .layout_tables import has_value_table

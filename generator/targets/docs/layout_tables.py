@@ -22,9 +22,9 @@ from ...model import (
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...say.errata import answer_names
-from ...say.field import rules, value
 from ...say.markdown import STYLE, cited, code, joined, link, table, text
 from ...say.names_and_places import Named, bit_range, bits, field_place, frame_bytes, hexadecimal
+from ...say.register import rules, value
 from ...say.text import Code, Statement, listed, parted, spec_text, statement
 from .layout_pictures import ByteRow, Stack, bit_stack, byte_stack, group_stack, register_stack
 from .order_code_tables import order_codes

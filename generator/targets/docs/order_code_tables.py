@@ -8,10 +8,10 @@ from typing import Any
 from ...model import Alternative, Answer, Device, Interface, Measurement, OrderCode, Parameter, Variant
 from ...order_codes.labels import filled
 from ...order_codes.parameters import parameters_of, run_time_names
-from ...say.field import measurement, own_ranges, position_range
 from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.names_and_places import heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
+from ...say.register import measurement, own_ranges, position_range
 from .page_links import style_in_folder
 
 

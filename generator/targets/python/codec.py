@@ -31,11 +31,10 @@ from ...say.text import sentence
 from . import docstrings
 from .bits import Maker
 from .context import Context, OpenQuestion
-from .decode import Decoder, NamedValues, assigned
+from .decode import Decoder, FrameReports, NamedValues, assigned
 from .expr import Atom, Expr, Negative, Operation, Scope, coded, number
 from .literals import quoted
 from .names import ClassNames, encoder_name, interface_name, meaning_limits
-from .reports import FrameReports
 
 
 @dataclass(frozen=True)

@@ -22,8 +22,9 @@ from ...model import (
     Value,
 )
 from ...model.record import dataclass
-from ...say import commands, field, layout, names_and_places, register
+from ...say import commands, layout, names_and_places, register
 from ...say import layout as crc
+from ...say import register as field
 from ...say.errata import errata, erratum
 from ...say.evidence import grade, origin, other_editions, removals
 from ...say.names_and_places import full_title, heading, title

@@ -17,9 +17,9 @@ from ...plan.verdicts import Only, Reporting
 from .bits import others
 from .codec import Coder
 from .context import byte_order
+from .decode import holding
 from .expr import joined
 from .literals import Call, Code, ConditionalItem, Literal, Member, call, literal, record
-from .reports import holding
 
 #: Number of members that are printed without their names, by class.
 _POSITIONAL = {"BitField": 3, "Column": 1, "Join": 2, "Speaks": 1, "Tells": 1}
