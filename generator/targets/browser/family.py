@@ -18,7 +18,7 @@ from ...plan.verdicts import reportings
 from ...say.evidence import grade, origin
 from ...say.names_and_places import field_at
 from ...say.text import BY_NAME
-from ...why import in_bits, in_bytes
+from ...why import in_bits, mistakes
 from .layouts import (
     Data,
     SharedParts,
@@ -124,7 +124,7 @@ def _answer_data(answer: Answer) -> list[Any]:
 def _crc_data(device: Device, crc: Crc) -> Data:
     """Return the parameters of a CRC, and those of similar CRCs that may be used by mistake."""
     is_over_bytes = Carrier.BYTES in carriers(device, crc)
-    similar_crcs = in_bytes.other_crcs(crc) if is_over_bytes else in_bits.other_crcs(crc)
+    similar_crcs = mistakes.other_crcs(crc) if is_over_bytes else in_bits.other_crcs(crc)
     others = [[difference, _crc_parameters(similar)] for _, difference, similar in similar_crcs if similar != crc]
     return _crc_parameters(crc) | {"text": crc.polynomial, "others": others}
 
