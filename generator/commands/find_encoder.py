@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ..language.problems import Report
     from ..model import Device
     from ..order_codes.labels import Match
-    from .which_specs import Specs
+    from .read_specs import Specs
 
 #: Most files in a message.
 _MOST_FILES = 8

@@ -129,10 +129,9 @@ def _generate(chosen: argparse.Namespace, cache: Cache, selection: Selection, re
     from ..loading.library import load_families
     from ..owners import owners
     from ..targets import Library
-    from .accepted_families import accepted_devices, devices_by_target
     from .generate import result_to_store, write_or_compare
-    from .outputs import are_built_in, complete, options_named, targets_named
-    from .settings_targets import report_unknown_families
+    from .outputs import accepted_devices, are_built_in, complete, devices_by_target, options_named, targets_named
+    from .read_specs import report_unknown_families
 
     with Progress("codewheel: reading the specs"):
         families, report = load_families(selection.paths, cache)

@@ -107,7 +107,7 @@ def _check(
     from ...targets.registry import WITH_PROBLEMS
     from ..cached_result import specs_read
     from ..outputs import are_built_in, targets_named
-    from ..settings_targets import report_unknown_families
+    from ..read_specs import report_unknown_families
     from . import specs as coverage
     from .specs import check_specs
 
