@@ -154,7 +154,7 @@ def _print_comparison(comparison: DiffResult, before: _Side, after: _Side, chose
 
 def _changed_files(olds: Sequence[Device], news: Sequence[Device], cache: Cache) -> Files | None:
     """Return the generated files that differ, or None if nothing can be generated."""
-    files: Files | None = import_module(f"{__package__}.changed_files").changed_files(olds, news, cache)
+    files: Files | None = import_module(f"{__package__}.generate.files").changed_files(olds, news, cache)
     return files
 
 

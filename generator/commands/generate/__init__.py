@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from .cached_result import CachedResult
     from .selection import Selection
 
+
 EXAMPLES = (
     "codewheel generate",
     "codewheel generate my_encoder.yaml -o out --target c",
@@ -113,7 +114,7 @@ def run(chosen: argparse.Namespace) -> int:
     Raises:
         Stop: The specs or the arguments have problems, a target fails, or the output differs or cannot be written.
     """
-    from .generate import is_unchanged
+    from .generate.files import is_unchanged
     from .selection import selected
 
     cache = cache_for(chosen)
@@ -129,7 +130,7 @@ def _generate(chosen: argparse.Namespace, cache: Cache, selection: Selection, re
     from ..loading.library import load_families
     from ..owners import owners
     from ..targets import Library
-    from .generate import result_to_store, write_or_compare
+    from .generate.files import result_to_store, write_or_compare
     from .outputs import accepted_devices, are_built_in, complete, devices_by_target, options_named, targets_named
     from .read_specs import report_unknown_families
 
