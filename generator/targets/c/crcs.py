@@ -11,8 +11,7 @@ from .about import about_crc
 from .codec import StructCodec
 from .comments import Paragraph
 from .context import Context
-from .expr import unsigned
-from .names import Declared
+from .names import Declared, unsigned
 
 
 @dataclass(frozen=True)

@@ -23,12 +23,11 @@ from .. import TargetError
 from .chosen import chosen_variant
 from .codec import StructCodec
 from .comments import Paragraph, S
-from .constants import timing_macros
-from .context import Context
+from .context import Context, timing_macros
 from .crcs import crc_code
+from .decode import RangeFunctions, positions
 from .interfaces import InterfaceCode, ReplyRequest
 from .names import Declared, Names, c_name
-from .positions import RangeFunctions, positions
 from .procedures import ProcedureCode
 from .registers import AlarmCode, RegisterCode, identity_codes, state_registers
 from .variants import LengthCode, Taker, VariantCode

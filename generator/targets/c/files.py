@@ -32,11 +32,10 @@ from .about import place
 from .bits import digits
 from .comments import break_lines, comment, comment_lines, documented, end_comment, in_comment, in_lines, literals
 from .crc_folds import FoldOperation
-from .decode import ByteIs, FlagsIn, UnusedAre, UnusedIn
+from .decode import ByteIs, FlagsIn, Positions, UnusedAre, UnusedIn
 from .device import DeviceView, Part, views_of
 from .examples import ExampleCode
-from .expr import mask, number, string, unsigned
-from .names import FOLDER, c_name, called, clashes, runtime_headers, runtime_version
+from .names import FOLDER, c_name, called, clashes, mask, number, runtime_headers, runtime_version, string, unsigned
 from .package import (
     FILES,
     FOUND_BY_NAME,
@@ -49,7 +48,6 @@ from .package import (
     own_programs,
     package_files,
 )
-from .positions import Positions
 from .procedures import FilledRows
 from .selftest import AllTests, FamilyTest, SelfTest, Work, own_test, selftest_files
 

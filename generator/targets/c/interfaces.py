@@ -17,10 +17,8 @@ from .about import about_layout
 from .bits import of_bytes
 from .codec import StructCodec
 from .comments import Paragraph, S
-from .constants import Macro, timing_macros
-from .context import Context
-from .expr import Expr, number
-from .names import Declared, c_name
+from .context import Context, Macro, timing_macros
+from .names import Declared, Expr, c_name, number
 from .structs import Struct
 
 _PARITIES = {"none": "'N'", "even": "'E'", "odd": "'O'"}

@@ -29,11 +29,9 @@ from .. import TargetError
 from .about import about_access, about_alarm, about_member, about_register, table
 from .codec import StructCodec
 from .comments import Paragraph
-from .constants import Function, Macro, number_of
-from .context import Context
-from .expr import Expr, Name, number
-from .expr import Number as NumberExpr
-from .names import Declared
+from .context import Context, Function, Macro, number_of
+from .names import Declared, Expr, Name, number
+from .names import Number as NumberExpr
 from .structs import Struct
 
 

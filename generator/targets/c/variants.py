@@ -18,10 +18,8 @@ from ...say.text import hertz, nanoseconds, timeout_words
 from .. import TargetError
 from .about import about_order_codes, about_parameter
 from .bits import of_bytes
-from .constants import Function, Macro, number_of
-from .context import Context
-from .expr import Cast, Conditional, Expr, Name, Number, Operation, joined, number, unsigned
-from .names import Declared, c_name
+from .context import Context, Function, Macro, number_of
+from .names import Cast, Conditional, Declared, Expr, Name, Number, Operation, c_name, joined, number, unsigned
 from .order_codes import OpenCode, open_codes, unknown_parts
 from .registers import Access
 
