@@ -55,7 +55,6 @@ READERS = {
         "changes/interfaces.py",
         "dump/plain.py",
         "readings/interfaces.py",
-        "readings/surroundings.py",
         "say/errata.py",
         "say/interface.py",
         "say/evidence.py",

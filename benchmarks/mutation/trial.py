@@ -17,8 +17,7 @@ from codewheel.loading.library import Family, families_of
 from codewheel.loading.repeated_facts import check_shared_facts
 from codewheel.loading.spec_files import packaged_masters, packaged_specs
 from codewheel.readings.compare import compare
-from codewheel.readings.fact import Facts
-from codewheel.readings.reading import Reading
+from codewheel.readings.reading import Facts, Reading
 from codewheel.readings.second_readings import (
     Coverage,
     SecondReading,

@@ -18,7 +18,7 @@ from ...loading.library import contents, is_clean, load_families
 from ...loading.overlays import Family
 from ...loading.spec_files import family_files
 from ...model import TimesRead
-from ...readings.fact import Sort
+from ...readings.reading import Sort
 from ...readings.second_readings import (
     Coverage,
     Reader,
