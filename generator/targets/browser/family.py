@@ -12,8 +12,7 @@ from ...model import Alternative, Answer, CodePart, Crc, Device, Interface, Spel
 from ...model.layout import have_lengths
 from ...order_codes.labels import AFTER, as_listed, regex
 from ...plan.crcs import Carrier, carriers
-from ...plan.frames import Dispatch, dispatches
-from ...plan.registers import HeldParameter, held_parameters
+from ...plan.frames import Dispatch, HeldParameter, dispatches, held_parameters
 from ...plan.verdicts import reportings
 from ...say.evidence import grade, origin
 from ...say.names_and_places import field_at

@@ -8,7 +8,7 @@ from ...model import Crc, Device, Layout, Parameter, Register, RegisterMeaning, 
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.crcs import carriers
-from ...plan.registers import held_parameters
+from ...plan.frames import held_parameters
 from ...say.interface import timing as said_of
 from .comments import S
 from .enumerations import AlternativeCode, Enumerations, Reports

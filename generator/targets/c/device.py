@@ -14,7 +14,7 @@ from ...model import Device, Document, Layout, Parameter, Procedure, Register, S
 from ...model.record import dataclass
 from ...order_codes.reduction import for_codes
 from ...plan.crcs import crc_functions
-from ...plan.registers import held_parameters
+from ...plan.frames import held_parameters
 from ...plan.values import TwosComplement
 from ...say.errata import errata, erratum
 from ...say.evidence import grade, origin, other_editions, removals

@@ -20,9 +20,9 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...order_codes.parameters import parameters_at_run_time
 from ...plan.codec import Codec
+from ...plan.frames import identities
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends, limits_of, outside, refusals
 from ...plan.operations import IsOneOf
-from ...plan.registers import identities
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say.names_and_places import full_title, title, words
 from .. import TargetError

@@ -9,8 +9,7 @@ from copy import copy
 from ...language.problems import listed
 from ...model import Biss, Device, Interface, Layout, Parameter, Variant, assert_never, first_of
 from ...model.record import dataclass
-from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, received
-from ...plan.registers import HeldParameter, HoldingRegister
+from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, HeldParameter, HoldingRegister, received
 from ...plan.values import Raw, ZeroMeans, parameters_in_measurement, widest_value
 from ...say.names_and_places import title
 from ...say.order_code import initial

@@ -7,8 +7,7 @@ from functools import cached_property
 
 from ...model import Device, Field, Interface, Register, Value
 from ...model.record import dataclass
-from ...plan.frames import Dispatch, dispatches
-from ...plan.registers import identities
+from ...plan.frames import Dispatch, dispatches, identities
 from ...say.names_and_places import words
 from ...say.plain_text import plain
 from . import docstrings, facts

@@ -10,8 +10,7 @@ from ...model import Interface, Layout, Measurement, Register, Spi, Variant, fir
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...order_codes.labels import beginnings
-from ...plan.frames import Exchanged, exchanges
-from ...plan.registers import HeldParameter, held_parameters
+from ...plan.frames import Exchanged, HeldParameter, exchanges, held_parameters
 from ...plan.values import (
     Cases,
     PositionRange,
