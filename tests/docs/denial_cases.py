@@ -74,7 +74,6 @@ from codewheel.targets.docs import (
     bytes_to_send,
     cross_family_pages,
     family_pages,
-    frame_facts,
     inline_errata,
     layout_pictures,
     order_code_tables,
@@ -83,6 +82,7 @@ from codewheel.targets.docs import (
     verdict_page,
     wiring_tables,
 )
+from codewheel.targets.docs import order_code_tables as frame_facts
 from codewheel.targets.registry import load_target
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "example"
