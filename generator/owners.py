@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .output_list import WriteError, families_in
-from .say.numbers import counted, first_of
+from .say.plain_text import counted, first_of
 from .write import Change
 
 if TYPE_CHECKING:

@@ -56,7 +56,7 @@ READERS = {
         "dump/plain.py",
         "readings/interfaces.py",
         "say/errata.py",
-        "say/interface.py",
+        "say/order_code.py",
         "say/evidence.py",
         "targets/c/device.py",
         "targets/c/interfaces.py",

@@ -12,7 +12,7 @@ from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, WIDER, Member
 from ..order_codes.reduction import sent_crcs
 from ..say.names_and_places import register_at
-from ..say.numbers import first_of
+from ..say.plain_text import first_of
 from .counterparts import FamilyPair, in_section, recognised
 from .pairs import Pair
 from .rules import Change, Subject

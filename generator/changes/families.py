@@ -8,7 +8,7 @@ from itertools import chain
 from operator import attrgetter
 
 from ..model import Alternative, CodePart, Device, Manual, Parameter, Spelling, Supply, Variant
-from ..say.numbers import first_of
+from ..say.plain_text import first_of
 from .compare import compare_members, compare_parts, compare_section
 from .counterparts import FamilyPair, in_section, note_all
 from .interfaces import contacts, displayed, interfaces, procedure, register, timings

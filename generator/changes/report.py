@@ -18,8 +18,7 @@ from ..loading.overlays import Family
 from ..model import Manual, Release, ReleasedChange
 from ..say.markdown import code as in_code
 from ..say.markdown import text
-from ..say.numbers import counted, first_of
-from ..say.plain_text import WIDTH, wrapped
+from ..say.plain_text import WIDTH, counted, first_of, wrapped
 from .rules import OUTPUTS, RULES, TITLES, Change, Impact, Package
 
 #: Version of the data, in the shape of ``language/diff.schema.json``.

@@ -232,7 +232,7 @@ def _load_side(text: str, cache: Cache, lenient: bool, *, is_old: bool) -> _Side
         Stop: The specs do not exist, or have problems that prevent a comparison.
     """
     from ..loading.library import sound_families
-    from ..say.numbers import counted
+    from ..say.plain_text import counted
 
     families, report, file_names = _read_side(text, cache, is_old)
     problems = [replace(problem, file=file_names.get(problem.file, problem.file)) for problem in report.problems]
@@ -291,7 +291,7 @@ def _print_first(problems: Sequence[Problem]) -> None:
 
 
 def _not_comparable(text: str, problems: Sequence[Problem], is_old: bool) -> Stop:
-    from ..say.numbers import counted
+    from ..say.plain_text import counted
 
     _print_first(problems)
     count = counted(len(problems), "problem")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..say.numbers import counted
+from ..say.plain_text import counted
 from .arguments import Parser, add_specs_option
 from .terminal import Stop, print_json, problems
 

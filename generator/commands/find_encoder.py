@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..say.numbers import counted, first_of
+from ..say.plain_text import counted, first_of
 from .arguments import bytes_by_address
 from .terminal import Stop, problems
 

@@ -14,7 +14,7 @@ from ..loading.overlays import Family
 from ..model import Device
 from ..owners import family_of
 from ..render import unused_templates
-from ..say.numbers import first_of
+from ..say.plain_text import first_of
 from ..targets import Library, OptionError, Options, Target, TargetError
 from ..targets.registry import BUILT_IN, PackageMissing, files_of, load_target, problems_of, target_names
 from ..template_fault import TemplateFault

@@ -16,7 +16,7 @@ from ..language.files import LINK, UNREADABLE, describes_encoders, find_files, i
 from ..loading.configuration import Configuration, Faulty
 from ..loading.find_configuration import configuration_above
 from ..loading.spec_files import packaged_families
-from ..say.numbers import counted, first_of
+from ..say.plain_text import counted, first_of
 from .terminal import Stop, problems, refuse_missing
 
 if TYPE_CHECKING:

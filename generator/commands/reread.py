@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..say.numbers import counted
+from ..say.plain_text import counted
 from .arguments import Parser, a_path, add_specs_option
 from .facts import facts_data
 from .terminal import Stop, print_json, problems

@@ -10,7 +10,7 @@ from ..language.document import is_placeholder, placeholder_names
 from ..language.problems import DocumentReport, Report
 from ..language.schema_files import coverage_path
 from ..model import Device, TimesRead
-from ..say.numbers import first_of
+from ..say.plain_text import first_of
 from .from_mapping import Raw
 
 RULE = "coverage-file"

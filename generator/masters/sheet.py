@@ -19,7 +19,7 @@ from ..loading.spec_files import packaged_masters
 from ..model import INTERFACES, Device, Document, Interface, Variant, choices
 from ..model.expressions import Expression
 from ..model.record import dataclass
-from ..say.interface import clocks_in_use
+from ..say.order_code import clocks_in_use
 from .frame_parts import NoRecord, Part
 from .places import MasterDevice, Place, WriteCondition, devices_of, places_of, reason_for_misfit, writing_of
 from .record import Record, Undecided, record

@@ -19,7 +19,7 @@ from ..language.document import Path, label_of
 from ..language.schema_files import PROSE
 from ..loading.from_mapping import parse_sources
 from ..say.names_and_places import bits
-from ..say.numbers import first_of
+from ..say.plain_text import first_of
 from .frame_bits import continues_item, describe_bits
 from .reading import (
     NOTHING,

@@ -28,7 +28,7 @@ from ..model.record import dataclass
 from ..order_codes.parameters import possible_states, run_time_widths, with_changed
 from ..reference.bits import parity_bit
 from ..reference.crc import compute_bits, compute_bytes
-from ..say.numbers import counted, first_of
+from ..say.plain_text import counted, first_of
 
 
 @dataclass(frozen=True, slots=True)

@@ -59,12 +59,13 @@ from codewheel.model import (
     WriteStep,
 )
 from codewheel.model.expressions import Expression
-from codewheel.say import commands, evidence, interface, layout, names_and_places, order_code, register, report
+from codewheel.say import commands, evidence, layout, names_and_places, order_code, register, report
 from codewheel.say import errata as erratum
 from codewheel.say import evidence as origin
-from codewheel.say import interface as hardware_input
-from codewheel.say import interface as timing
 from codewheel.say import layout as crc
+from codewheel.say import order_code as hardware_input
+from codewheel.say import order_code as interface
+from codewheel.say import order_code as timing
 from codewheel.say import register as field
 from codewheel.say import register as measurement
 from codewheel.say import report as alarm

@@ -160,7 +160,7 @@ def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     """
     if form in ("github", "sarif"):
         return _for_review(report, form)
-    from ...say.numbers import counted
+    from ...say.plain_text import counted
     from ..read_specs import placeholder_lines, read_line
 
     lines = [problem.format() for problem in report.shown]

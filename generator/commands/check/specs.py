@@ -28,7 +28,7 @@ from ...readings.second_readings import (
     compare_readings,
     read_beside,
 )
-from ...say.numbers import counted
+from ...say.plain_text import counted
 from ...targets import Target
 from ..encoder_options import check_editions
 from ..outputs import tell_unfit

@@ -17,7 +17,7 @@ from ...family_parts import FamilyParts
 from ...model import Device
 from ...output_list import WriteError
 from ...owners import Guard
-from ...say.numbers import counted
+from ...say.plain_text import counted
 from ...targets import Library, TargetError
 from ...targets.registry import BUILT_IN, load_target
 from ...template_fault import TemplateFault

@@ -13,13 +13,12 @@ from ...model import Biss, Crc, Device, Field, Layout, assert_never
 from ...model.record import dataclass
 from ...order_codes.parameters import run_time_widths
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
-from ...say import interface as say_interface
+from ...say import order_code as say_order_code
 from ...say.errata import errata, erratum
 from ...say.layout import crc_parameters
 from ...say.names_and_places import field_at
-from ...say.numbers import counted
 from ...say.order_code import initial
-from ...say.plain_text import plain
+from ...say.plain_text import counted, plain
 from ...say.text import BY_NAME
 from .identity import DataLength, IdBits, profile_ids
 
@@ -115,7 +114,7 @@ def master_settings(
     lines.append(f"  code: {_code(device, layout)}")
     lines.append(f"  CRC: {_crc_words(device, crc)}. CrcPoly is the polynomial with its top bit")
     lines += _other_channels(device, layout)
-    facts = say_interface.settings(device, device.interface("biss"))
+    facts = say_order_code.settings(device, device.interface("biss"))
     lines += [f"  {BY_NAME.sentence(setting)}" for setting in facts]
     lines += _one_profile(device, lengths)
     paths = [f"interfaces.biss.{layout.name}", *dict.fromkeys(f"registers.{id_bits.register}" for id_bits in ids)]

@@ -9,7 +9,7 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...plan.crcs import carriers
 from ...plan.frames import held_parameters
-from ...say.interface import timing as said_of
+from ...say.order_code import timing as said_of
 from .comments import S
 from .enumerations import AlternativeCode, Enumerations, Reports
 from .names import Cast, Expr, Scope, number, unsigned

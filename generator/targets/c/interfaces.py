@@ -9,9 +9,9 @@ from ...model import Biss, CableLength, Clock, Interface, Layout, Port, Rs485, S
 from ...model.record import dataclass
 from ...plan.frames import Branch, Dispatch, Exchanged, answer, dispatches, exchanges
 from ...say.errata import errata, erratum
-from ...say.interface import control_field, data_id, exchange, settings, timing
-from ...say.interface import interface as said_of
 from ...say.names_and_places import title
+from ...say.order_code import control_field, data_id, exchange, settings, timing
+from ...say.order_code import interface as said_of
 from ...say.text import Statement
 from .about import about_layout
 from .bits import of_bytes

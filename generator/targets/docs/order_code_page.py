@@ -28,8 +28,8 @@ from ...say.evidence import grade
 from ...say.layout import size
 from ...say.markdown import STYLE, cited, code, link, text
 from ...say.names_and_places import field_at, heading, hexadecimal, title
-from ...say.numbers import counted, with_unit
 from ...say.order_code import parameter_value
+from ...say.plain_text import counted, with_unit
 from ...say.register import measurement, own_ranges, position_range
 from ...say.text import Statement, sentence, statement
 from ..shared_files import names_of_codes

@@ -28,8 +28,8 @@ from ...plan.verdicts import Judgement, Match, VerdictCause, reportings
 from ...say.layout import crc_inverted, crc_reflected
 from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.names_and_places import bits, frame_bytes, heading
-from ...say.numbers import counted, number
 from ...say.order_code import open_values, parameter_origin, parameter_value
+from ...say.plain_text import counted, number
 from ...say.register import measurement, own_ranges, position_range
 from ...say.report import conditions, deciding
 from ...say.text import WORTH, statement

@@ -14,9 +14,9 @@ from ...model.record import dataclass
 from ...plan.codec import Codec, codec_of
 from ...plan.values import Active, meaning_of
 from ...say.evidence import Subject, document, mentions
-from ...say.interface import REPLIES, bounds_with_codes, word_lengths
 from ...say.layout import DATA, box_colour
 from ...say.names_and_places import words
+from ...say.order_code import REPLIES, bounds_with_codes, word_lengths
 from ...say.text import counted, microseconds, timeout_words
 from .layout_pictures import card, number, rect, text
 from .layout_pictures import width as text_width
