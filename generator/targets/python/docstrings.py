@@ -32,8 +32,8 @@ from ...say.order_code import parameter
 from ...say.plain_text import counted, plain, wrapped
 from ...say.text import AS_LITERAL as S
 from ...say.text import Statement, sentence, spec_text, statement
-from .context import is_one_choice
 from .literals import WIDTH
+from .names import is_one_choice
 
 #: A quotation mark at the end that is not escaped.
 _OPEN_QUOTE = re.compile(r'(?<!\\)(?:\\\\)*"$')

@@ -13,15 +13,12 @@ from ...say.plain_text import plain
 from . import docstrings, facts
 from .bits import from_pieces
 from .codec import Coder
-from .context import Context, OpenQuestion, is_one_choice
 from .docstrings import Block, Lines, docstring
-from .expr import Expr
-from .facts import row, rows
-from .literals import Call
-from .names import LOCAL_NAMES, attribute, camel, encoder_name, interface_name
+from .facts import Shape, row, rows
+from .literals import Call, Expr
+from .names import LOCAL_NAMES, Context, OpenQuestion, attribute, camel, encoder_name, interface_name, is_one_choice
 from .procedures import Steps
 from .readme import Readme
-from .shapes import Shape
 from .variants import FrameKind, Variants
 
 

@@ -23,10 +23,8 @@ from ...plan.values import (
 from ...say.order_code import initial
 from . import docstrings
 from .codec import Coder
-from .context import Context, OpenQuestion, byte_order
-from .expr import Atom, Expr, Operation, joined, number
-from .literals import Call, Code, Literal, of_number, record
-from .names import FUNCTIONS, ClassNames, attribute, camel, encoder_name
+from .literals import Atom, Call, Code, Expr, Literal, Operation, joined, number, of_number, record
+from .names import FUNCTIONS, ClassNames, Context, OpenQuestion, attribute, byte_order, camel, encoder_name
 
 
 @dataclass(frozen=True)
