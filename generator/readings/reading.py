@@ -6,7 +6,6 @@ import dataclasses
 import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import field
 from enum import Enum
 from functools import cached_property
 from typing import Any
@@ -142,12 +141,12 @@ class Facts:
     ``sections``. ``decided`` contains the paths and classes of facts that no manual prints.
     """
 
-    facts: dict[Key, Fact] = field(default_factory=dict)
-    words: dict[Key, Word] = field(default_factory=dict)
-    derived: Counter[Sort] = field(default_factory=Counter)
-    names: dict[Key, Names] = field(default_factory=dict)
-    printed_numbers: Mapping[str, tuple[str, Path]] = field(default_factory=dict)
-    sections: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    facts: dict[Key, Fact] = dataclasses.field(default_factory=dict)
+    words: dict[Key, Word] = dataclasses.field(default_factory=dict)
+    derived: Counter[Sort] = dataclasses.field(default_factory=Counter)
+    names: dict[Key, Names] = dataclasses.field(default_factory=dict)
+    printed_numbers: Mapping[str, tuple[str, Path]] = dataclasses.field(default_factory=dict)
+    sections: Mapping[str, Sequence[str]] = dataclasses.field(default_factory=dict)
     decided: Sequence[str] = ()
 
     def add(self, facts: Iterator[Fact]) -> None:
