@@ -36,7 +36,7 @@ READERS = {
         "loading/editions.py",
         "loading/library.py",
         "loading/overlays.py",
-        "loading/verdicts.py",
+        "loading/frame_kinds.py",
     },
     "reads the errata of a cable table, which the record has chosen": {
         "masters/text.py",

@@ -13,7 +13,7 @@ from typing import Any
 from ..language.document import Document
 from ..language.problems import Report, listed, quoted, suggestion
 from ..language.read import read_document
-from ..loading.history import history_beside, history_text, with_release
+from ..loading.evidence import history_beside, history_text, with_release
 from ..loading.overlays import Family
 from ..model import Manual, Release, ReleasedChange
 from ..say.markdown import code as in_code

@@ -91,7 +91,7 @@ def _find(specs: Specs, text: str, cache: Cache, is_name: bool) -> Located:
 
 def _group_has(paths: Sequence[Path], family: str, text: str, cache: Cache, is_name: bool) -> bool:
     """Return True if a group also has the family, or the order code or name."""
-    from ..loading.selected import has_family
+    from ..loading.stored import has_family
 
     return has_family(paths, family) or _find_in_group(paths, text, cache, is_name, []) is not None
 
@@ -100,7 +100,7 @@ def _find_in_group(
     paths: Sequence[Path], text: str, cache: Cache, is_name: bool, skipped: list[Report]
 ) -> tuple[Device, Match | None] | None:
     """Return the family or order code in a group of specs, or None. Reports of specs with problems are added."""
-    from ..loading.selected import families_for
+    from ..loading.stored import families_for
 
     selected = families_for(paths, text, cache)
     matches = _all_matches(selected, text, is_name) if selected is not None else None
@@ -159,8 +159,8 @@ def _report_skipped(report: Report) -> None:
 
 def _no_such_encoder(specs: Specs, text: str, cache: Cache, is_name: bool) -> Stop:
     """Return the reason why no group has the text: problems in a spec, or the nearest codes of all families."""
+    from ..language.files import packaged_families
     from ..loading.library import load_sound
-    from ..loading.spec_files import packaged_families
 
     devices: list[Device] = []
     for paths in specs.groups:

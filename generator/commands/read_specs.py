@@ -12,10 +12,8 @@ from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..language.files import LINK, UNREADABLE, describes_encoders, find_files, is_folder
-from ..loading.configuration import Configuration, Faulty
-from ..loading.find_configuration import configuration_above
-from ..loading.spec_files import packaged_families
+from ..language.files import LINK, UNREADABLE, describes_encoders, find_files, is_folder, packaged_families
+from ..loading.configuration import Configuration, Faulty, configuration_above
 from ..say.plain_text import counted, first_of
 from .terminal import Stop, problems, refuse_missing
 

@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..cache import Cache
-from ..language.files import find_files
+from ..language.files import MANUFACTURER, find_files, packaged_families
 from ..loading.configuration import NO_FILTERS, Configuration, FamilyFilters
-from ..loading.spec_files import MANUFACTURER, packaged_families
 from .find_encoder import find_family_or_code
 from .read_specs import Specs, find_settings, find_specs, find_specs_to_judge, refuse_unknown_targets
 from .terminal import Stop, refuse_missing

@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 from ..language.check import check_document
+from ..language.files import packaged_masters
 from ..language.problems import Report, listed
 from ..language.read import read_specs
-from ..loading.spec_files import packaged_masters
 from ..model import INTERFACES, Device, Document, Interface, Variant, choices
 from ..model.expressions import Expression
 from ..model.record import dataclass

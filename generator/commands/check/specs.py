@@ -11,12 +11,12 @@ from typing import Any
 
 from ...cache import NO_CACHE, Cache, content_of
 from ...language.document import Path as SpecPath
+from ...language.files import family_files
 from ...language.problems import Report
 from ...language.schema_files import coverage_path, second_reading_path
 from ...loading.evidence import RULE, counts_text
 from ...loading.library import contents, is_clean, load_families
 from ...loading.overlays import Family
-from ...loading.spec_files import family_files
 from ...model import TimesRead
 from ...readings.reading import Sort
 from ...readings.second_readings import (

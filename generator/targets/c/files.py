@@ -14,7 +14,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping
 from typing import Annotated, NoReturn, TypedDict
 
-from ...loading.named import UnknownName, narrowed_to
+from ...loading.library import UnknownName, narrowed_to
 from ...model import Device, Digits, Join, Manufacturer
 from ...model.expressions import Expression
 from ...plan import steps
