@@ -312,7 +312,7 @@ def _beginnings_of_parts(spec: Path) -> tuple[str, ...]:
 
     If these data have problems or refer to other data, the result matches any label.
     """
-    from ..language.yaml import Unreadable, parse
+    from ..language.read import Unreadable, parse
     from ..order_codes.labels import beginnings
     from .device import code_grammar
 
