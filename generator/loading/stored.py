@@ -28,7 +28,6 @@ from ..language.files import MANUFACTURER, family_files, spec_files
 from ..language.schema_files import is_second
 from ..model import (
     device,
-    examples,
     expressions,
     facts,
     fields,
@@ -40,6 +39,7 @@ from ..model import (
     registers,
     steps,
 )
+from ..model import facts as examples
 
 if TYPE_CHECKING:
     from ..model import Device

@@ -27,7 +27,7 @@ from ..model import (
     assert_never,
     number_from_bytes,
 )
-from ..model.positions import PositionRange
+from ..model.device import PositionRange
 from ..model.record import dataclass
 from ..say import report
 from ..say.layout import as_one_number
