@@ -26,8 +26,7 @@ from ..model import (
 )
 from ..model.record import dataclass
 from ..order_codes.parameters import possible_states, run_time_widths, with_changed
-from ..reference.bits import parity_bit
-from ..reference.crc import compute_bits, compute_bytes
+from ..reference.bits import compute_bits, compute_bytes, parity_bit
 from ..say.plain_text import counted, first_of
 
 
