@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .output_list import WriteError, families_in
+from .output_folder import WriteError, families_in
 from .say.plain_text import counted, first_of
 from .write import Change
 

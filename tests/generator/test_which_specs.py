@@ -11,7 +11,7 @@ import pytest
 from codewheel.commands import read_specs
 from codewheel.commands.cli import main
 from codewheel.loading.configuration import Configuration, FamilyFilter
-from codewheel.output_list import LIST
+from codewheel.output_folder import LIST
 
 ROOT = Path(__file__).parents[2]
 JUDGING = (

@@ -15,7 +15,7 @@ from ...cache import Cache
 from ...changes.report import Files as FileCounts
 from ...family_parts import FamilyParts
 from ...model import Device
-from ...output_list import WriteError
+from ...output_folder import WriteError
 from ...owners import Guard
 from ...say.plain_text import counted
 from ...targets import Library, TargetError
