@@ -27,7 +27,7 @@ from ...say.names_and_places import addresses, title, words
 from ...say.plain_text import plain
 from ...say.text import BY_TITLE
 from .. import NO_OPTIONS, Library, Option, OptionError, Options, Target, TargetError, TargetProblem
-from ..shared_files import licence_in
+from ..registry import licence_in
 from .about import place
 from .bits import digits
 from .comments import break_lines, comment, comment_lines, documented, end_comment, in_comment, in_lines, literals

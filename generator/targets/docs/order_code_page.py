@@ -32,7 +32,7 @@ from ...say.order_code import parameter_value
 from ...say.plain_text import counted, with_unit
 from ...say.register import measurement, own_ranges, position_range
 from ...say.text import Statement, sentence, statement
-from ..shared_files import names_of_codes
+from ..registry import names_of_codes
 from . import bytes_to_send, fact_tables, order_code_tables, wide_pictures, wiring_tables
 from .inline_errata import ErrataLinks
 from .interface_page import InterfaceValues, Section, Sections, interface_values, page_sections

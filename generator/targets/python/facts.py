@@ -42,7 +42,7 @@ from ...plan.values import is_named, is_number, meaning_of, position_ranges
 from ...plan.verdicts import Only, Reporting, reports_of, verdict_of
 from ...say.plain_text import plain
 from ...say.report import alarm_of, meaning, remedy, source, states
-from ..shared_files import our_runtime
+from ..registry import our_runtime
 from .bits import others
 from .codec import Coder
 from .decode import holding

@@ -20,7 +20,7 @@ from ...render import Templates, our_templates, tests_for
 from ...say.plain_text import plain
 from ...say.text import sentence
 from .. import NO_OPTIONS, Library, Options, Target, has_biss, main_manufacturer
-from ..shared_files import copied, licence_in, our_runtime
+from ..registry import copied, licence_in, our_runtime
 from .docstrings import docstring, of_answer, of_crc, of_value
 from .literals import Expr, broken, coded, constant, grouped, literal, mask, quoted, table
 from .module import Enumeration, Module
