@@ -212,7 +212,7 @@ class FamilyPair:
             yield self.change(f"{kind}-renamed", replace(subject, label=label), "", old.name, new.name)
 
 
-_Item = TypeVar("_Part")
+_Item = TypeVar("_Item")
 
 
 def note_all(family_pair: FamilyPair) -> None:

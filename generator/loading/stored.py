@@ -332,7 +332,6 @@ def _load(spec: Path, cache: Cache, label: str = "") -> Sequence[Device]:
     Raises:
         _NotSelectable: The spec has problems or overlays.
     """
-    pass
 
     files = family_files(spec)
     if any(".overlay." in path.name for path in files):

@@ -114,8 +114,8 @@ def run(chosen: argparse.Namespace) -> int:
     Raises:
         Stop: The specs or the arguments have problems, a target fails, or the output differs or cannot be written.
     """
-    from .files import is_unchanged
     from ..selection import selected
+    from .files import is_unchanged
 
     cache = cache_for(chosen)
     selection = selected(chosen, cache)
@@ -130,9 +130,9 @@ def _generate(chosen: argparse.Namespace, cache: Cache, selection: Selection, re
     from ...loading.library import load_families
     from ...owners import owners
     from ...targets import Library
-    from .files import result_to_store, write_or_compare
     from ..outputs import accepted_devices, are_built_in, complete, devices_by_target, options_named, targets_named
     from ..read_specs import report_unknown_families
+    from .files import result_to_store, write_or_compare
 
     with Progress("codewheel: reading the specs"):
         families, report = load_families(selection.paths, cache)
