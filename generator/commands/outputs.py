@@ -7,7 +7,7 @@ import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
-from ..language.problems import Report, listed, suggestion
+from ..language.problems import Report, TemplateFault, listed, suggestion
 from ..loading.configuration import NO_FILTERS, FamilyFilters
 from ..loading.library import load_families, sound_families
 from ..loading.overlays import Family
@@ -17,7 +17,6 @@ from ..render import unused_templates
 from ..say.plain_text import first_of
 from ..targets import Library, OptionError, Options, Target, TargetError
 from ..targets.registry import BUILT_IN, PackageMissing, files_of, load_target, problems_of, target_names
-from ..template_fault import TemplateFault
 from .encoder_options import edition_devices
 from .terminal import Stop
 

@@ -11,7 +11,7 @@ from itertools import chain, count
 from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
-from ..template_fault import TemplateFault
+from ..language.problems import TemplateFault
 from . import Library, Options, Target, TargetError, TargetProblem
 
 if TYPE_CHECKING:

@@ -14,13 +14,13 @@ from typing import TypedDict
 from ...cache import Cache
 from ...changes.report import Files as FileCounts
 from ...family_parts import FamilyParts
+from ...language.problems import TemplateFault
 from ...model import Device
 from ...output_folder import WriteError
 from ...owners import Guard
 from ...say.plain_text import counted
 from ...targets import Library, TargetError
 from ...targets.registry import BUILT_IN, load_target
-from ...template_fault import TemplateFault
 from ...write import Change, changes, digest_of, digest_on_disk, left_stages, write
 from ..terminal import Stop
 
