@@ -1,8 +1,5 @@
 """Find the family or the order code that the user named in the specs of a run, from the cache if it is in there.
 
-An object is a list that begins with the position of its class in ``_CLASSES``. Objects that occur more than once are
-stored once. Only objects of the model can be built, so no data can run other code.
-
 A few expressions find the names and the patterns of order codes in the text of the specs, without reading them as
 YAML. If the result could differ from the result of reading all specs, nothing is selected.
 """
@@ -280,7 +277,6 @@ def _find(specs: Specs, text: str, cache: Cache, is_name: bool) -> Located:
 
 def _group_has(paths: Sequence[Path], family: str, text: str, cache: Cache, is_name: bool) -> bool:
     """Return True if a group also has the family, or the order code or name."""
-    pass
 
     return has_family(paths, family) or _find_in_group(paths, text, cache, is_name, []) is not None
 
@@ -289,7 +285,6 @@ def _find_in_group(
     paths: Sequence[Path], text: str, cache: Cache, is_name: bool, skipped: list[Report]
 ) -> tuple[Device, Match | None] | None:
     """Return the family or order code in a group of specs, or None. Reports of specs with problems are added."""
-    pass
 
     selected = families_for(paths, text, cache)
     matches = _all_matches(selected, text, is_name) if selected is not None else None

@@ -1,7 +1,5 @@
 """The specs and settings that a command reads: found by one rule, and named in its output.
 
-Both have the same keys.
-
 The nearest file with settings holds, in the current folder or above it, but not above the repository that the current
 folder is in. The parsers are imported only for a file with settings, because every command looks for it.
 

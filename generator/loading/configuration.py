@@ -1,9 +1,6 @@
 """The user's settings: the section ``[tool.codewheel]`` of a ``pyproject.toml``, or a file ``codewheel.yaml``.
 
 Both have the same keys.
-
-The nearest file with settings holds, in the current folder or above it, but not above the repository that the current
-folder is in. The parsers are imported only for a file with settings, because every command looks for it.
 """
 
 from __future__ import annotations

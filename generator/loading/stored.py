@@ -2,9 +2,6 @@
 
 An object is a list that begins with the position of its class in ``_CLASSES``. Objects that occur more than once are
 stored once. Only objects of the model can be built, so no data can run other code.
-
-A few expressions find the names and the patterns of order codes in the text of the specs, without reading them as
-YAML. If the result could differ from the result of reading all specs, nothing is selected.
 """
 
 from __future__ import annotations
