@@ -17,7 +17,8 @@ from typing import Any
 
 from codewheel.commands.new import write_spec
 from codewheel.loading.library import load_library
-from codewheel.masters.record import cable_table, record
+from codewheel.masters.frame_parts import cable_table
+from codewheel.masters.record import record
 from codewheel.masters.text import facts as record_facts
 from codewheel.model import (
     Alarm,

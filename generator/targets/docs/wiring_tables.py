@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from ...masters.record import cable_table
+from ...masters.frame_parts import cable_table
 from ...model import (
     Biss,
     Clock,
