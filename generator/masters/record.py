@@ -32,9 +32,6 @@ from .frame_parts import (
     position_coding,
 )
 
-_ORIGIN_MANUAL, _ORIGIN_PUBLIC = "the encoder's manual", "AN15 of iC-Haus, revision A3, for RS-422"
-
-
 _NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
 
 
