@@ -1,7 +1,4 @@
-"""What the record for a master is made of: the parts of a frame by their role, and the clock for a cable.
-
-The rules for masters in ``specs/masters`` refer to its items by name. An item that the manual does not give is None. A
-rule that needs it reports it as unknown."""
+"""What the record for a master is made of: the parts of a frame by their role, and the clock for a cable."""
 
 from __future__ import annotations
 
