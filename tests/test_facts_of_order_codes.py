@@ -12,6 +12,7 @@ RESTRICTED = {"timings", "alarms", "contacts", "leds", "characteristics", "errat
 #: Modules that read them, by the reason why no order code gets the fact of another.
 READERS = {
     "keeps those of the order code, with applying or fits": {
+        "masters/frame_parts.py",
         "masters/record.py",
         "order_codes/reduction.py",
         "targets/python/readme.py",

@@ -1,4 +1,4 @@
-"""Reports of an encoder and errors in a frame: flags, warnings, remedies, invalid frames and text that is no frame."""
+"""Reports of an encoder and errors in a frame: flags, warnings, remedies, and text that is not a valid frame."""
 
 from __future__ import annotations
 
