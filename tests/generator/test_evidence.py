@@ -13,14 +13,14 @@ from codewheel.targets import Library
 from codewheel.targets.registry import files_of, load_target
 
 ROOT = Path(__file__).parents[2]
-ENCODERS = ROOT / "examples" / "encoders"
+ENCODERS = ROOT / "specs"
 #: One frame of zeros with the CRC that an encoder over BiSS sends with it.
 FRAME = "0b" + "0" * 33 + "11" + "000000"
 
 
 @pytest.mark.slow
 def test_the_grade_decides_the_folder() -> None:
-    shipped, public = (load_library([ROOT / name])[0] for name in ("specs", "examples/encoders"))
+    shipped, public = (load_library([ROOT / name])[0] for name in ("specs", "specs"))
     assert {device.evidence.grade for device in shipped} == {"manual", "quoted"}
     assert {device.evidence.grade for device in public}.isdisjoint({"manual", "quoted"})
 

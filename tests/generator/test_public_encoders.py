@@ -15,7 +15,7 @@ from codewheel.order_codes.parameters import RegisterError, with_registers
 
 pytestmark = pytest.mark.slow
 
-ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
+ENCODERS = Path(__file__).parents[2] / "specs"
 #: Encoders with examples, each with its self-test in C.
 TESTED = {
     "amt21": "cui_amt21_rs485",

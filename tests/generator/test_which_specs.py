@@ -652,7 +652,7 @@ def test_targets_of_two_runs_are_named(capsys: pytest.CaptureFixture[str], two: 
     ],
 )
 def test_an_unknown_label_is_close_to_no_family(capsys: pytest.CaptureFixture[str], label: str, message: str) -> None:
-    code, _, err = run(capsys, "decode", label, "0x1", "--specs", str(ROOT / "examples/encoders"))
+    code, _, err = run(capsys, "decode", label, "0x1", "--specs", str(ROOT / "specs"))
     assert code == 2
     assert err.startswith(f"codewheel: {message}")
 
