@@ -15,8 +15,9 @@ from ...plan.crcs import Carrier, carriers
 from ...plan.frames import Dispatch, dispatches
 from ...plan.registers import HeldParameter, held_parameters
 from ...plan.verdicts import reportings
-from ...say.evidence import grade, origin
+from ...say.evidence import grade, mark_in_lists, origin
 from ...say.names_and_places import field_at
+from ...say.order_code import not_on_label
 from ...say.text import BY_NAME
 from ...why import in_bits, in_bytes
 from .layouts import (
@@ -75,7 +76,8 @@ def family_data(device: Device) -> Data:
         base=device.base,
         special=next((overlay.special for overlay in device.overlays if overlay.special), ""),
         special_codes=device.order_code.special,
-        about=[BY_NAME.sentence(fact) for fact in origin(device)],
+        about=[BY_NAME.sentence(fact) for fact in (*not_on_label(device), *origin(device))],
+        mark=mark_in_lists(device),
         evidence=BY_NAME.sentence(grade(device)),
         given=parameter_names,
         derived=[[name, expression_data(value)] for name, value in device.definitions.items()],

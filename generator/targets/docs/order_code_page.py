@@ -25,6 +25,7 @@ from ...model.steps import has_steps, steps_of
 from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.reduction import for_codes, with_quantities
 from ...say.evidence import grade
+from ...say.order_code import not_on_label
 from ...say.layout import size
 from ...say.markdown import STYLE, cited, code, link, text
 from ...say.names_and_places import field_at, heading, hexadecimal, title
@@ -116,6 +117,7 @@ class CodePage(Sections, InterfaceValues):
     lead: Annotated[str, "first sentences of the note on the interface"]
     position: Annotated[str, "unit and range of the position"]
     evidence: Annotated[Statement, "grade of the evidence"]
+    made_up: Annotated[Sequence[Statement], "statement that the order code is made up, if it is"]
     wiring: Annotated[wiring_tables.Wiring, "contacts and signals: head, rows, about, notes, errata"]
     supply: Annotated[list[str], "supply, with order codes if it differs between them"]
     no_supply: Annotated[str, "text in place of the supply"]
@@ -257,6 +259,7 @@ def page_values(group: CodeGroup, has_masters: bool, pictures: Pictures) -> Code
         "lead": lead_sentences(interface.note) if isinstance(interface, Biss) else "",
         "position": _position_text(device, interface),
         "evidence": grade(device),
+        "made_up": tuple(not_on_label(device)),
         "wiring": wiring_tables.wiring(device, group.codes),
         "supply": wiring_tables.supply_lines(device, group.variants),
         "speed": wiring_tables.speed_section(group.family, device, interface, frame),
