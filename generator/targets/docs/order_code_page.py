@@ -25,12 +25,11 @@ from ...model.steps import has_steps, steps_of
 from ...order_codes.parameters import parameters_of, run_time_names
 from ...order_codes.reduction import for_codes, with_quantities
 from ...say.evidence import grade
-from ...say.order_code import not_on_label
 from ...say.layout import size
 from ...say.markdown import STYLE, cited, code, link, text
 from ...say.names_and_places import field_at, heading, hexadecimal, title
 from ...say.numbers import counted, with_unit
-from ...say.order_code import parameter_value
+from ...say.order_code import not_on_label, parameter_value
 from ...say.register import measurement, own_ranges, position_range
 from ...say.text import Statement, sentence, statement
 from ..shared_files import names_of_codes
