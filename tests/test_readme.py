@@ -14,6 +14,7 @@ from types import ModuleType
 import pytest
 from codewheel.commands.cli import main
 from codewheel.model import Device
+from codewheel.targets import Library
 from front_picture import DECODED, PANELS, PYTHON, SPEC, C, picture
 
 ROOT = Path(__file__).parents[1]
@@ -145,8 +146,8 @@ def test_its_parts_are_in_order() -> None:
 
 
 def test_it_is_short() -> None:
-    """A front page has at most 700 words outside code blocks."""
-    assert len(re.sub(r"```.*?```", "", README, flags=re.DOTALL).split()) <= 700
+    """A front page has at most 700 words outside code blocks and the list of encoders."""
+    assert len(re.sub(r"```.*?```|^Also, .*?\n\n", "", README, flags=re.DOTALL | re.MULTILINE).split()) <= 700
 
 
 def test_its_table_matches_the_specs(devices: Mapping[str, Device]) -> None:
@@ -161,6 +162,16 @@ def test_its_table_matches_the_specs(devices: Mapping[str, Device]) -> None:
         interfaces = {interface.title for interface in device.interfaces}
         assert printed[name] == (interfaces, len(device.variants), device.evidence.grade), name
     assert printed.keys() == devices.keys()
+
+
+def test_it_lists_every_other_encoder(every_encoder: Library, devices: Mapping[str, Device]) -> None:
+    """Those without pages in this repository are listed below the table, and those that are uncorroborated marked."""
+    listed_marks = dict(re.findall(r"\[[^]]+\]\(specs/\w+/(\w+)\.yaml\)(\\\*)?", README))
+    others = [device for device in every_encoder.devices if device.name not in devices]
+    grades = {device.name: device.evidence.grade for device in others}
+    assert {name: mark != "" for name, mark in listed_marks.items()} == {
+        name: grade == "uncorroborated" for name, grade in grades.items()
+    }
 
 
 def test_its_links() -> None:

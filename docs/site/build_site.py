@@ -19,6 +19,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from api_pages import api_pages
+from encoder_pages import LISTS, encoder_pages, with_page_links
 from front_cards import cards
 from sphinx.application import Sphinx
 from sphinx.util.console import nocolor
@@ -77,6 +78,11 @@ def stage(root: Path, source: Path) -> None:
     pages_and_pictures |= set(root.glob("generated/docs/**/*.svg")) | set(root.glob("docs/*.svg"))
     for path in sorted(pages_and_pictures):
         _write(source / path.relative_to(root), path.read_text(encoding="utf-8"))
+    for name, text in encoder_pages(root):
+        _write(source / name, text)
+    for path in (source / name for name in LISTS):
+        if path.exists():
+            _write(path, with_page_links(path.read_text(encoding="utf-8")))
     if (root / DECODER).exists():
         name = f"{DECODER_PAGE}.md"
         _write(source / name, _own_page(name))
@@ -131,10 +137,11 @@ def _listing(root: Path, folder: Path) -> str:
 
 def copy_linked(root: Path, source: Path, target: Path) -> None:
     """Copy the linked files that are not pages, and the script that decodes frames."""
-    for path in [DECODER, *linked(source)]:
-        if path.suffix != ".md" and (root / path).is_file():
+    for path in dict.fromkeys([DECODER, *linked(source)]):
+        origin = next((base / path for base in (source, root) if (base / path).is_file()), None)
+        if path.suffix != ".md" and origin is not None:
             (target / path).parent.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(root / path, target / path)
+            shutil.copyfile(origin, target / path)
 
 
 def _write(path: Path, text: str) -> None:

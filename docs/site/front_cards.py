@@ -9,6 +9,7 @@ from pathlib import Path
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Flag, Layout, PlacedField, PlacedLayout, Variant, choices
 from codewheel.say.names_and_places import words
+from codewheel.say.numbers import counted
 
 #: Fields with fewer bits have room for a letter only, which the caption explains.
 _TEXT = 3
@@ -22,17 +23,27 @@ def cards(source: Path) -> list[str]:
 
 
 def _card(device: Device) -> Iterator[str]:
-    variant, placed = _frame(device)
+    """Yield the card of a family. It has no row of bits if all frames are bytes."""
     interfaces = ", ".join(interface.title for interface in device.interfaces)
     yield f'<div class="card"><h3><a href="generated/docs/{device.name}.md">{escape(device.title)}</a></h3>\n'
     manufacturer = escape(device.manufacturer.title)
-    yield f'<p class="facts">{manufacturer}. {escape(interfaces)}. {len(device.variants)} order codes.</p>\n'
+    order_codes = counted(len(device.variants), "order code")
+    grade = escape(device.evidence.grade)
+    yield f'<p class="facts">{manufacturer}. {escape(interfaces)}. {order_codes}. Evidence: {grade}.</p>\n'
+    frames = _frames_of_bits(device)
+    if frames:
+        yield from _picture(device, *max(frames, key=_rank))
+    yield "</div>\n"
+
+
+def _picture(device: Device, variant: Variant, placed: PlacedLayout) -> Iterator[str]:
+    """Yield a frame as a row of bits, and the text below it."""
     yield f"{_bits(placed)}\n"
     title = device.interface(variant.interface).title
     letters = [f"{_letter(field)} {words(field.name)}" for field in _left_to_right(placed) if _size(field) < _TEXT]
     legend = f" {', '.join(letters)}." if letters else ""
     frame = escape(f"Frame of {variant.code} over {title}: ")
-    yield f'<p class="facts">{frame}{_size_of(device, variant, placed)}.{escape(legend)}</p></div>\n'
+    yield f'<p class="facts">{frame}{_size_of(device, variant, placed)}.{escape(legend)}</p>\n'
 
 
 def _size_of(device: Device, variant: Variant, placed: PlacedLayout) -> str:
@@ -46,13 +57,19 @@ def _size_of(device: Device, variant: Variant, placed: PlacedLayout) -> str:
     return f'{lengths} bits (<a href="{page}">open question</a>), drawn with {placed.bits}'
 
 
-def _frame(device: Device) -> tuple[Variant, PlacedLayout]:
-    """Return the order code of a family with the longest frame of bits, and this frame. One with a CRC is preferred."""
+def _rank(frame: tuple[Variant, PlacedLayout]) -> tuple[bool, int]:
+    """Return the rank of a frame for the card. The longest is best, with a CRC if there is one."""
+    _, placed = frame
+    return placed.layout.crc_field is not None, placed.bits
+
+
+def _frames_of_bits(device: Device) -> list[tuple[Variant, PlacedLayout]]:
+    """Return the frames of bits that the encoder sends, each with its order code."""
     frames: list[tuple[Variant, PlacedLayout]] = []
     for variant in device.variants:
         layouts = [layout for layout in device.interface(variant.interface).layouts if _is_frame_of_bits(layout)]
         frames += [(variant, layout.place(variant.parameters)) for layout in layouts]
-    return max(frames, key=lambda frame: (frame[1].layout.crc_field is not None, frame[1].bits))
+    return frames
 
 
 def _is_frame_of_bits(layout: Layout) -> bool:

@@ -37,6 +37,7 @@ class Row(TypedDict):
     pattern: str
     order_codes: list[str]
     manual: Manual
+    evidence: str
 
 
 def add_arguments(parser: Parser) -> None:
@@ -107,6 +108,7 @@ def _row(device: Device) -> Row:
         "pattern": device.order_code.pattern,
         "order_codes": [variant.code for variant in device.variants],
         "manual": {"title": manual.title, "revision": manual.revision, "date": manual.date or None},
+        "evidence": device.evidence.grade,
     }
 
 
@@ -133,6 +135,12 @@ def _with_interface_names(family: Row) -> dict[str, Any]:
     return {**family, "interfaces": [name for name, _ in family["interfaces"]]}
 
 
+def _pattern(family: Row) -> str:
+    """Return the pattern of the order codes, or the codes themselves if the pattern shows none of their letters."""
+    shows_letters = not family["pattern"].startswith("{") or family["pattern"].count("{") > 1
+    return family["pattern"] if shows_letters else ", ".join(family["order_codes"])
+
+
 def as_text(families: Sequence[Row]) -> str:
     """Return a few lines about each family."""
     from ..say.plain_text import WIDTH, pairs, wrapped
@@ -144,8 +152,9 @@ def as_text(families: Sequence[Row]) -> str:
         date = f" of {manual['date']}" if manual["date"] else ""
         facts = [
             ("interfaces", ", ".join(title for _, title in family["interfaces"])),
-            ("order codes", f"{len(family['order_codes'])}, {family['pattern']}"),
+            ("order codes", f"{len(family['order_codes'])}, {_pattern(family)}"),
             ("manual", f"{manual['title']}, revision {manual['revision']}{date}"),
+            ("evidence", family["evidence"]),
         ]
         lines += [wrapped(heading, WIDTH, " " * 10, f"{family['family']:<8}  "), *pairs(facts, 10), ""]
     return "\n".join(lines).rstrip()

@@ -78,7 +78,7 @@ def apply_overlays(
     by_name = {family.device.name: family for family in families}
     for overlay in valid_overlays:
         if overlay.data["of"] not in by_name:
-            hint = suggestion(overlay.data["of"], by_name)
+            hint = suggestion(overlay.data["of"], by_name) or "; codewheel list shows the families"
             message = f"there is no family {quoted(overlay.data['of'])} among the specs that were read{hint}"
             report.add("undefined-reference", overlay, ("of",), message)
     _refuse_same_names(valid_overlays, report)

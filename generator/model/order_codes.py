@@ -153,6 +153,7 @@ class OrderCode:
     pattern: str
     parts: tuple[CodePart, ...]
     special: str
+    not_on_label: str
     note: str
     source: Sources
     also_written: tuple[Spelling, ...] = ()

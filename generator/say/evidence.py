@@ -35,6 +35,18 @@ def grade(device: Device) -> Statement:
     return statement(f"{text}. {placeholders(device)}" if device.evidence.placeholders else text, label="Evidence")
 
 
+def mark_in_lists(device: Device) -> str:
+    """Return the grade if it is the lowest, so that lists without grades can mark the family. Otherwise return ""."""
+    grade_name = device.evidence.grade
+    return grade_name if grade_name == GRADES[-1] else ""
+
+
+def titled_in_lists(device: Device) -> str:
+    """Return the title of a family for a list without grades, with its mark."""
+    mark = mark_in_lists(device)
+    return f"{device.title} ({mark})" if mark else device.title
+
+
 def placeholders(device: Device) -> str:
     """Return the values that are still the template's in one sentence, or an empty text if there are none."""
     names = device.evidence.placeholders

@@ -67,9 +67,15 @@ def order_code(device: Device) -> Iterator[Statement]:
         yield part(code_part)
         yield from open_values(code_part)
     yield from map(spelling, code.also_written)
+    yield from not_on_label(device)
     yield from spec_text(code.note)
     yield from spec_text(code.special)
     yield from map(erratum, errata(device, "order_code", "parameters"))
+
+
+def not_on_label(device: Device) -> Iterator[Statement]:
+    """Yield that the order codes are made up, with what the label shows instead, if they are."""
+    yield from spec_text(device.order_code.not_on_label, label="Made-up order code")
 
 
 def part(code_part: CodePart) -> Statement:

@@ -19,8 +19,8 @@ const option = (name, text = "") => element("option", { value: name }, text);
  * ``data-evidence-above`` says that the page around the box states the evidence.
  */
 function box(root) {
-  const known = new Set(TABLE.families.flatMap((family) => family.codes.map((row) => row[0])));
-  const codes = element("datalist", { id: `${CLASS}-codes-${boxes}` }, [...known].map((one) => option(one)));
+  const known = new Map(TABLE.families.flatMap((family) => family.codes.map((row) => [row[0], family.mark ?? ""])));
+  const codes = element("datalist", { id: `${CLASS}-codes-${boxes}` }, [...known].map(([name, mark]) => option(name, mark)));
   const code = element("input", { list: codes.id, autocomplete: "off", spellcheck: "false" });
   code.value = root.dataset.code ?? "";
   const what = element("select");

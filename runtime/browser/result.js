@@ -226,7 +226,8 @@ function guessesOf(text, pick) {
     const { at } = group.decoded;
     const size = at.layout.order ? counted(at.bits / 8, "byte") : counted(at.bits, "bit");
     const check = group.decoded.crc ? "with a correct CRC" : "without a CRC";
-    const text = `${group.over.title} from the ${group.sender}, ${at.layout.title}: ${size}, ${check}`;
+    const mark = group.family.mark ? ` (${group.family.mark})` : "";
+    const text = `${group.over.title} from the ${group.sender}, ${at.layout.title}: ${size}, ${check}${mark}`;
     return [element("p", {}, text), codeButtons(group.codes, (code) => pick(code, group.sender))];
   });
   return [element("p", {}, "Valid frame of these order codes. Select the one on the label:"), list(rows)];

@@ -23,7 +23,7 @@ from xml_reader import from_xml
 # Rebuilds every model from its XML, which does not depend on wording or rules of check.
 pytestmark = pytest.mark.slow
 
-ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
+ENCODERS = Path(__file__).parents[2] / "specs"
 SPECS = Path(__file__).parents[1] / "specs"
 #: Members that the XML does not carry: those that follow from the others and only guide code, the counts of the
 #: second reading, and earlier versions.

@@ -36,13 +36,13 @@ MADE_UP += (
     "specs/long_crc",
 )
 MADE_UP += ("python/specs/odd_shapes", "browser/specs/names")
-MADE_UP += ("../examples/encoders/ams/as5047p", "../examples/encoders/cui/amt21", "../examples/encoders/sick/skm36")
+MADE_UP += ("../specs/ams/as5047p", "../specs/cui/amt21", "../specs/sick/skm36")
 MADE_UP += (
-    "../examples/encoders/infineon/tle5012b",
-    "../examples/encoders/rls/orbis_serial",
-    "../examples/encoders/cui/amt22",
+    "../specs/infineon/tle5012b",
+    "../specs/rls/orbis_serial",
+    "../specs/cui/amt22",
 )
-MADE_UP += ("../examples/encoders/magntek/mt6835", "../examples/encoders/mps/ma732", "../examples/encoders/cui/amt22")
+MADE_UP += ("../specs/magntek/mt6835", "../specs/mps/ma732", "../specs/cui/amt22")
 #: The order code of the made-up encoder of 22 bits.
 BITS_22 = "T22SC"
 FRAMES = 1_000
@@ -77,7 +77,7 @@ def test_what_no_device_has(name: str, ask: Ask) -> None:
 
 def test_bytes_of_a_word_of_another_length_are_refused(ask: Ask) -> None:
     """The AMT22 has words of 16 and 32 bits. 61ABh is in its data sheet."""
-    node = ask(library_of("../examples/encoders/cui/amt22"), "node")
+    node = ask(library_of("../specs/cui/amt22"), "node")
     texts = {
         "encoder:position": ["61 AB", "61 AB C0 00", "61 AB C0"],
         "encoder:position_and_turns": ["61 AB C0 00", "61 AB"],
@@ -116,14 +116,14 @@ def test_other_frames_that_it_can_be(
     path: str, code: str, sender: str, text: str, alternatives: list[str], ask: Ask
 ) -> None:
     """They are those that the command names."""
-    node = ask(library_of(f"../examples/encoders/{path}"), "node")
+    node = ask(library_of(f"../specs/{path}"), "node")
     (answer,) = node("values", [{"code": code, "sender": sender, "text": text, "answers": {}}])
     assert answer["others"] == alternatives
 
 
 def test_a_dead_line_over_spi(ask: Ask) -> None:
     """As the command says it: a CRC-8 that starts at 0 is correct if all bits are 0."""
-    node = ask(library_of("../examples/encoders/magntek/mt6835"), "node")
+    node = ask(library_of("../specs/magntek/mt6835"), "node")
     texts = ("0x0", "0b" + "1" * 48, "0x1")
     items = [{"code": "MT6835", "sender": "encoder:angle", "text": text, "answers": {}} for text in texts]
     assert [answer["dead"] for answer in node("values", items)] == [
@@ -135,7 +135,7 @@ def test_a_dead_line_over_spi(ask: Ask) -> None:
 
 def test_a_dead_line_over_rs_485(ask: Ask) -> None:
     """There is no clock."""
-    node = ask(library_of("../examples/encoders/sick/skm36"), "node")
+    node = ask(library_of("../specs/sick/skm36"), "node")
     items = [{"code": "SKM36", "sender": "encoder:position_reply", "text": "FF " * 7, "answers": {}}]
     assert [answer["dead"] for answer in node("values", items)] == [
         "Every bit is 1: the line never changes. Check for a broken wire, the supply and wires A and B."

@@ -247,7 +247,7 @@ OTHERS = """
 @pytest.mark.slow
 def test_other_frames_that_it_can_be(chromium: str, tmp_path: Path) -> None:
     """The replies of the AMT21 have the same form, and those of the SKM36 the same length."""
-    folder = Path(__file__).parents[2] / "examples" / "encoders"
+    folder = Path(__file__).parents[2] / "specs"
     devices, report = load_library([folder / "cui", folder / "sick"])
     assert not report
     (tmp_path / "decode.js").write_text(text_in("decode.js", Library(devices)), encoding="utf-8")
@@ -410,7 +410,7 @@ def test_hostile_texts_stay_texts(chromium: str, hostile: Library, tmp_path: Pat
 @pytest.mark.slow
 def test_frames_of_bits_that_nothing_tells_apart_are_chosen(chromium: str, tmp_path: Path) -> None:
     """A reply over SPI does not show which request it answers. 0180h is the value of DIAAGC, or a position of 384."""
-    ams = Library(load_library(sorted((Path(__file__).parents[2] / "examples/encoders/ams").glob("*.yaml")))[0])
+    ams = Library(load_library(sorted((Path(__file__).parents[2] / "specs/ams").glob("*.yaml")))[0])
     for path, text in generate(ams).items():
         (tmp_path / Path(path).name).write_text(text, encoding="utf-8")
     script = """

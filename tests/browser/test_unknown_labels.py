@@ -11,7 +11,7 @@ from codewheel.loading.library import load_library
 from codewheel.targets import Library
 from test_browser_labels import description_of
 
-ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
+ENCODERS = Path(__file__).parents[2] / "specs"
 LABELS = ("EQN1325", "EQN1325-X", "AS5047", "AS5047P", "AS5047P-X", "as5048a/S1", "", "-", "AS5047P1")
 
 

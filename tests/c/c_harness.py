@@ -107,9 +107,10 @@ def included(device: Device) -> str:
 
 
 def devices_of(*paths: Path) -> tuple[Device, ...]:
+    """Return the devices of specs, or else those of ``FAMILIES``."""
     devices, report = load_library(paths or None)
     assert not len(report)
-    return devices
+    return devices if paths else tuple(device for device in devices if device.name in FAMILIES)
 
 
 def write(folder: Path, devices: tuple[Device, ...]) -> Path:

@@ -10,7 +10,7 @@ from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate
 
-ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
+ENCODERS = Path(__file__).parents[2] / "specs"
 
 
 def rows(page: str) -> list[list[str]]:

@@ -11,7 +11,7 @@ from codewheel.commands.cli import main
 
 pytestmark = pytest.mark.slow
 
-ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
+ENCODERS = Path(__file__).parents[2] / "specs"
 
 #: GET1 for alpha of the MLX90363, whose time-out is FFFFh by default (Getting Started Guide, p.10).
 GET1 = "00 00 FF FF 00 00 13 EA"

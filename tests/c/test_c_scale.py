@@ -11,7 +11,7 @@ from c_harness import GCC, SANITIZED, compile_c, devices_of, write
 # Compiles a program.
 pytestmark = pytest.mark.slow
 
-ENCODERS = Path(__file__).resolve().parents[2] / "examples" / "encoders"
+ENCODERS = Path(__file__).resolve().parents[2] / "specs"
 PROGRAM = """\
 #include <stdint.h>
 #include <stdio.h>

@@ -156,7 +156,7 @@ def words_of(schema: Mapping[str, Any], data: Iterable[Any] | None) -> Iterator[
 def specs() -> dict[str, list[Any]]:
     """Return the specs of all real encoders, by manufacturer."""
     specs_by_manufacturer: dict[str, list[Any]] = {}
-    for path in sorted([*(ROOT / "specs").glob("*/*.yaml"), *(ROOT / "examples" / "encoders").glob("*/*.yaml")]):
+    for path in sorted((ROOT / "specs").glob("*/*.yaml")):
         if path.name != "manufacturer.yaml" and path.parent.name != "masters" and not is_second(path):
             text = path.read_text(encoding="utf-8")
             specs_by_manufacturer.setdefault(path.parent.name, []).append(yaml.load(text, LOADER))

@@ -20,7 +20,7 @@ from codewheel.targets.registry import names_of_codes
 
 Files = Mapping[str, str]
 
-ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
+ENCODERS = Path(__file__).parents[2] / "specs"
 
 #: A sum or product without its numeric value: ``singleturn_bits + 7``.
 _OPEN = re.compile(r"(?:_bits|_bytes|per_turn|revolutions)\b.*[-+*^]|2\^")

@@ -12,7 +12,7 @@ from codewheel.model import Device
 from codewheel.targets.docs.verdict_page import page_values
 
 TESTS = Path(__file__).resolve().parents[1]
-ENCODERS = TESTS.parent / "examples" / "encoders"
+ENCODERS = TESTS.parent / "specs"
 MT6701 = ENCODERS / "magntek" / "mt6701.yaml"
 
 

@@ -20,7 +20,7 @@ from codewheel.targets.c.files import generate as c_files
 from codewheel.targets.docs.files import generate as pages
 from codewheel.targets.python.files import generate as python_files
 
-ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
+ENCODERS = Path(__file__).parents[2] / "specs"
 USED = (250_000, 1_000_000, 2_000_000, 5_000_000)
 IN_WORDS = "250 kHz, 1 MHz, 2 MHz and 5 MHz are in use, the limits are not known"
 

@@ -26,7 +26,7 @@ from codewheel.model import Flag, Layout, Verdict
 from planted import crc
 
 SPECS = Path(__file__).parents[1] / "specs"
-ENCODERS = str(Path(__file__).parents[2] / "examples" / "encoders")
+ENCODERS = str(Path(__file__).parents[2] / "specs")
 Capture = pytest.CaptureFixture[str]
 AS_PRINTED = ("--choose", "eeprom_address=as_printed")
 AS_T_FORMAT = ("--choose", "eeprom_address=as_t_format")

@@ -8,26 +8,38 @@ from pathlib import Path
 
 import pytest
 from codewheel.commands.cli import main
+from codewheel.loading.configuration_file import read_configuration
 from codewheel.loading.library import load_library
+from codewheel.output_list import families_in
+from codewheel.owners import family_of
 from codewheel.targets import Library
 from codewheel.targets.registry import files_of, load_target
 
 ROOT = Path(__file__).parents[2]
-ENCODERS = ROOT / "examples" / "encoders"
+ENCODERS = ROOT / "specs"
 #: One frame of zeros with the CRC that an encoder over BiSS sends with it.
 FRAME = "0b" + "0" * 33 + "11" + "000000"
 
 
 @pytest.mark.slow
-def test_the_grade_decides_the_folder() -> None:
-    shipped, public = (load_library([ROOT / name])[0] for name in ("specs", "examples/encoders"))
-    assert {device.evidence.grade for device in shipped} == {"manual", "quoted"}
-    assert {device.evidence.grade for device in public}.isdisjoint({"manual", "quoted"})
+def test_the_grade_decides_whose_files_are_tracked() -> None:
+    """Code and pages of the highest two grades are in the repository. The decode page decodes the frames of all."""
+    settings = read_configuration(ROOT / "pyproject.toml")
+    assert settings is not None
+    devices, report = load_library([ROOT / "specs"])
+    assert not report
+    tracked = sorted(family_of(device) for device in devices if device.evidence.grade in ("manual", "quoted"))
+    for target in ("c", "python", "biss", "docs"):
+        assert settings.only[target].grades == ("manual", "quoted")
+        assert {name.partition("/")[2] for name in families_in(ROOT / "generated" / target)} == {*tracked}
+    every = {family_of(device) for device in devices}
+    assert {name.partition("/")[2] for name in families_in(ROOT / "generated" / "browser")} == every
+    assert families_in(ROOT / "generated" / "masters") == ["lika/amm5"]
 
 
 def test_the_index_lists_each_encoder_with_its_grade() -> None:
     page = (ROOT / "docs" / "encoders.md").read_text(encoding="utf-8")
-    devices, report = load_library([ROOT / "specs", ENCODERS])
+    devices, report = load_library([ENCODERS])
     assert not report
     listed_grades = {name: grade for grade, name in re.findall(r"\| ([a-z, ]+) \| \[(\w+)\]\(", page)}
     assert listed_grades == {device.name: device.evidence.grade for device in devices}

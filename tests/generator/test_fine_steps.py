@@ -15,7 +15,7 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.say.plain_text import decimal
 
-ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
+ENCODERS = Path(__file__).parents[2] / "specs"
 #: A frame of real hardware, whose position is 2,979,902,961.
 CAPTURED = "0b1011000110011101101101011111000111010011"
 #: The same lines for a Python package, with values that follow from the data sheets.

@@ -15,7 +15,7 @@ from codewheel.order_codes.parameters import RegisterError, with_registers
 
 pytestmark = pytest.mark.slow
 
-ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
+ENCODERS = Path(__file__).parents[2] / "specs"
 #: Encoders with examples, each with its self-test in C.
 TESTED = {
     "amt21": "cui_amt21_rs485",
@@ -67,7 +67,7 @@ def test_their_self_tests_in_c_pass(generated: Path, tmp_path: Path) -> None:
     subprocess.run(["gcc", *flags, f"-I{generated / 'c' / 'include'}", *sources, "-o", str(library)], check=True)
     tests = ctypes.CDLL(str(library))
     assert {name: getattr(tests, f"{prefix}_selftest")() for name, prefix in TESTED.items()} == dict.fromkeys(TESTED, 0)
-    makers = [path.name for path in ENCODERS.iterdir() if path.is_dir()]
+    makers = [path.parent.name for path in ENCODERS.glob("*/manufacturer.yaml")]
     assert {name: getattr(tests, f"{name}_selftest")() for name in makers} == dict.fromkeys(makers, 0)
 
 
@@ -117,11 +117,12 @@ def test_the_registers_of_an_ic_mhm_select_its_frame() -> None:
 
 def test_each_grade_names_vectors_that_exist() -> None:
     """All published vectors are found: of replies, frames, an EEPROM, a table, check bits, and a capture."""
-    devices, _ = load_library([ENCODERS, ENCODERS.parents[1] / "specs" / "ichaus"])
+    devices, _ = load_library([ENCODERS])
     counts = {device.name: len(device.evidence.vectors) for device in devices}
     assert counts == {
-        "aksim2": 1, "amt21": 0, "amt22": 1, "as38": 0, "as5047p": 0, "as5048a": 0, "as5147": 0,
+        "aksim2": 1, "am36": 0, "amm5": 0, "amt21": 0, "amt22": 1, "as38": 0, "as5047p": 0, "as5048a": 0,
+        "as5147": 0, "asc85": 0,
         "icmhm": 0, "icmu": 3, "kcd": 0, "la11": 0, "ma732": 3, "mlx90363": 4, "mt6701": 0, "mt6835": 0,
-        "orbis": 0, "orbis_serial": 0, "resolute": 11, "resolute_linear": 11, "skm36": 9, "tle5012b": 0, "ts5700": 12,
+        "orbis": 0, "orbis_serial": 0, "resolute": 11, "resolute_linear": 11, "skm36": 9, "sma21": 0, "tle5012b": 0, "ts5700": 12,
         "wdga": 0,
     }  # fmt: skip

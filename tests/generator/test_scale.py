@@ -16,7 +16,7 @@ from codewheel.model.kinds import WIDEST
 from codewheel.say.plain_text import formula, quantity
 from codewheel_runtime import facts
 
-ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
+ENCODERS = Path(__file__).parents[2] / "specs"
 #: Infineon/TLE5012-Magnetic-Angle-Sensor: (TEMP_OFFSET + temperature) / TEMP_DIV, with 152 and 2.776.
 TLE5012B = Scale(1000, 2776, 152_000, "°C")
 #: TLE5014 user's manual, revision 1.0, equation 9.9: (2 T + 34.54) / 1.3815.

@@ -32,7 +32,7 @@ from test_c_reports import by_interface
 pytestmark = pytest.mark.slow
 
 TESTS = Path(__file__).resolve().parents[1]
-MT6701 = TESTS.parent / "examples" / "encoders" / "magntek" / "mt6701.yaml"
+MT6701 = TESTS.parent / "specs" / "magntek" / "mt6701.yaml"
 SCRIPT = TESTS.parent / "docs" / "example" / "decode_from_xml.py"
 SIGNS = TESTS / "specs" / "signs.yaml"
 VERDICTS = [verdict.value for verdict in Verdict]

@@ -535,5 +535,5 @@ def test_a_dead_line(code: str, frame: str, advice: str, capsys: pytest.CaptureF
 
     Check bits of the AMT22 are wrong on a dead line. The parity of the AS5047P and a CRC of 00h are correct.
     """
-    main(["decode", code, frame, "--specs", str(Path(__file__).parents[2] / "examples" / "encoders")])
+    main(["decode", code, frame, "--specs", str(Path(__file__).parents[2] / "specs")])
     assert advice in " ".join(capsys.readouterr().out.split())

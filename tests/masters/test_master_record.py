@@ -228,7 +228,7 @@ def test_other_frames(devices: Mapping[str, Device]) -> None:
 
 def test_a_step_of_nanometres() -> None:
     """Expected widths: ecmcEL5042-Encoder-Renishaw_RL26BUT001B30V.cmd of ecmccfg. 5 nm is not a whole µm."""
-    devices, report = load_library([Path(__file__).parents[2] / "examples" / "encoders" / "renishaw"])
+    devices, report = load_library([Path(__file__).parents[2] / "specs" / "renishaw"])
     assert not report
     (device,) = (device for device in devices if device.name == "resolute_linear")
     numbers = record(device, find(device, "RESOLUTE-LINEAR-26-005").variant).numbers

@@ -1,4 +1,4 @@
-"""Settings that an institute keeps for the EL5042, reproduced from specs of its encoders in ``examples/encoders``.
+"""Settings that an institute keeps for the EL5042, reproduced from specs of its encoders in ``specs``.
 
 The numbers were typed from paulscherrerinstitute/ecmccfg at commit 19fd09c, hardware/Encoders, and from
 paulscherrerinstitute/ecmccomp at commit c97a6b0: its facts in encoders/ as EL5042_SDOS_BISS_C_ENC.cmd writes them.
@@ -13,7 +13,7 @@ import file_readers as readers
 import pytest
 from codewheel.commands.cli import main
 
-ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
+ENCODERS = Path(__file__).parents[2] / "specs"
 DIRECTION = "choice: 01 is the counting direction, which depends on the mounting. 0 is the factory default"
 SUPPLY = "choice: 50 is the factory default of 12. Writing it needs a code word in F008 first, which theirs lacks"
 POLYNOMIAL = "theirs: it leaves 11 at its factory default, which is 67"

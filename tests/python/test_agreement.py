@@ -63,9 +63,9 @@ MADE_UP |= dict.fromkeys(
     ("banks", "gray", "lowfirst", "ring", "ring_turns", "scale", "signs", "wide", "long", "long_crc"),
     TESTS / "specs",
 )
-MADE_UP |= {"as5047p": TESTS.parent / "examples" / "encoders" / "ams"}
-MADE_UP |= {"amt21": TESTS.parent / "examples" / "encoders" / "cui"}
-MADE_UP |= {"skm36": TESTS.parent / "examples" / "encoders" / "sick"}
+MADE_UP |= {"as5047p": TESTS.parent / "specs" / "ams"}
+MADE_UP |= {"amt21": TESTS.parent / "specs" / "cui"}
+MADE_UP |= {"skm36": TESTS.parent / "specs" / "sick"}
 ALL = [*FAMILIES, *MADE_UP]
 
 

@@ -14,7 +14,7 @@ from codewheel_runtime.commands.main import main
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
-ENCODERS = ROOT / "examples" / "encoders"
+ENCODERS = ROOT / "specs"
 TURNS = "another frame: TurnsReply (decode it with the class in cui_encoders.amt21)"
 
 

@@ -33,7 +33,7 @@ NUMBERS = [0, 100, 269, 12345, -100, -2732]
 def rls(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType]:
     """The package with the Orbis."""
     folder = tmp_path_factory.mktemp("quantities")
-    specs = [str(ROOT / "examples" / "encoders" / "rls")]
+    specs = [str(ROOT / "specs" / "rls")]
     assert main(["generate", *specs, "--target", "python", "-o", str(folder)]) == 0
     place = str(folder / "python")
     sys.path.insert(0, place)

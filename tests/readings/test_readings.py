@@ -413,7 +413,7 @@ def test_waits_that_follow_each_other_are_one(folder: pathlib.Path) -> None:
 
 
 #: An encoder whose requests have other names in the second reading.
-EXCHANGES = HERE.parents[1] / "examples" / "encoders" / "sick"
+EXCHANGES = HERE.parents[1] / "specs" / "sick"
 RENAMED = {"position_request": "ask", "type_label_reply": "label", "reset_request": "restart", "xor_8": "xor"}
 LEFT_OUT = re.compile(r"^(evidence|documents|examples|errata):.*\n((  .*)?\n)*", re.MULTILINE)
 

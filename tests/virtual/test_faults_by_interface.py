@@ -18,7 +18,7 @@ from codewheel.virtual import FAULTS, BissLine, Faults, Rs485Line, SpiLine, SsiL
 from codewheel.virtual.clocked_lines import ByLevels
 
 ROOT = Path(__file__).parents[2]
-EXAMPLES = ROOT / "examples" / "encoders"
+EXAMPLES = ROOT / "specs"
 #: Faults that need a request and a reply as bytes, and one that needs a start bit.
 ONLY_BYTES = {"doubled", "echo", "junk"}
 NOT_CLOCKED = {"biss": ONLY_BYTES, "ssi": ONLY_BYTES | {"late"}, "spi": ONLY_BYTES | {"late", "busy"}}

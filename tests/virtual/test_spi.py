@@ -19,7 +19,7 @@ from working_tools import require
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).parents[2]
-SPECS = ROOT / "examples" / "encoders"
+SPECS = ROOT / "specs"
 #: ``CODEWHEEL_POSITIONS=100000`` reads as many as the longer evidence asks for.
 POSITIONS = int(os.environ.get("CODEWHEEL_POSITIONS", "5000"))
 DIAAGC = {"diaagc": bytes.fromhex("0180")}

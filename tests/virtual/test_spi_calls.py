@@ -16,7 +16,7 @@ from working_tools import require
 pytestmark = pytest.mark.slow
 
 HERE = Path(__file__).parent
-SPECS = HERE.parents[1] / "examples" / "encoders"
+SPECS = HERE.parents[1] / "specs"
 CHECKS = (
     "-std=c99 -Wall -Wextra -Wconversion -Werror -O1 -fsanitize=undefined,address -fno-sanitize-recover=all".split()
 )

@@ -17,7 +17,7 @@ from working_tools import require
 
 pytestmark = pytest.mark.slow
 
-SPECS = Path(__file__).parents[2] / "examples" / "encoders"
+SPECS = Path(__file__).parents[2] / "specs"
 #: Table of moteus, fw/orbis.h at commit db1a762, for half a byte.
 TABLE = bytes.fromhex("00 97 B9 2E E5 72 5C CB 5D CA E4 73 B8 2F 01 96")
 POSITION = 0x1234

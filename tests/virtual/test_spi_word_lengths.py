@@ -18,7 +18,7 @@ from working_tools import require
 
 pytestmark = pytest.mark.slow
 
-SPECS = Path(__file__).parents[2] / "examples" / "encoders"
+SPECS = Path(__file__).parents[2] / "specs"
 
 
 @pytest.fixture(scope="module")

@@ -17,6 +17,7 @@ from ...reference.findings import Findings, Report
 from ...say import report as say
 from ...say.evidence import origin, placeholders
 from ...say.names_and_places import words
+from ...say.order_code import not_on_label
 from ...say.plain_text import WIDTH, decimal, quantity
 from ...say.plain_text import wrapped as wrapped_anew
 from ...say.text import BY_NAME, WORTH, counted, sentence, with_unit
@@ -97,6 +98,8 @@ def label_lines(device: Device, match: Match) -> Iterator[str]:
 
 def label_differences(device: Device, match: Match) -> Iterator[str]:
     """Yield how a label differs from the codes in the manual, in lines of at most 80 columns."""
+    for statement in not_on_label(device):
+        yield wrapped(BY_NAME.sentence(statement), WIDTH, "  ")
     if match.written_as_in:
         yield wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  ")
     if match.unlisted:

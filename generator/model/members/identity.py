@@ -186,6 +186,12 @@ IDENTITY = (
         Member("also_written", "[spelling]", "Alternative spellings on labels."),
         Member("parts", "[code_part]", "Parts of the code, in order."),
         Member("special", "text", "The manual's warning about codes that end in /Sxxx.", "words"),
+        Member(
+            "not_on_label",
+            "text",
+            "For made-up order codes: what the label shows instead, and what the code stands for.",
+            "words",
+        ),
         NOTE,
         of="OrderCode",
     ),

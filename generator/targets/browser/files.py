@@ -24,10 +24,11 @@ from ...plan.frames import Dispatch, HeldParameter, dispatches, held_parameters
 from ...plan.verdicts import reportings
 from ...render import Templates, our_templates
 from ...say import report
-from ...say.evidence import grade, origin
+from ...say.evidence import grade, mark_in_lists, origin
 from ...say.layout import as_one_number
 from ...say.markdown import text
 from ...say.names_and_places import field_at
+from ...say.order_code import not_on_label
 from ...say.plain_text import plain
 from ...say.text import BY_NAME, WORTH
 from ...why import in_bits, mistakes
@@ -91,7 +92,8 @@ def family_data(device: Device) -> Data:
         base=device.base,
         special=next((overlay.special for overlay in device.overlays if overlay.special), ""),
         special_codes=device.order_code.special,
-        about=[BY_NAME.sentence(fact) for fact in origin(device)],
+        about=[BY_NAME.sentence(fact) for fact in (*not_on_label(device), *origin(device))],
+        mark=mark_in_lists(device),
         evidence=BY_NAME.sentence(grade(device)),
         given=parameter_names,
         derived=[[name, expression_data(value)] for name, value in device.definitions.items()],

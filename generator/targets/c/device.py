@@ -17,7 +17,7 @@ from ...plan.crcs import Carrier, CrcFunction, Form, carrier_of, crc_functions, 
 from ...plan.frames import held_parameters
 from ...plan.values import TwosComplement
 from ...say.errata import errata, erratum
-from ...say.evidence import grade, origin, other_editions, removals
+from ...say.evidence import grade, origin, other_editions, removals, titled_in_lists
 from ...say.order_code import initial
 from .. import TargetError
 from .about import about_crc
@@ -262,6 +262,11 @@ class DeviceView:
         dated = f" of {manual.date}" if manual.date else ""
         compared = f", compared with: {editions}" if editions else ""
         return f'"{manual.title}", revision {manual.revision}{dated} ({manual.language}{compared})'
+
+    @property
+    def title_in_lists(self) -> str:
+        """Title of the family, with its grade if that is the lowest."""
+        return titled_in_lists(self.device)
 
     @property
     def evidence(self) -> list[Paragraph]:

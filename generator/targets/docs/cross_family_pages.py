@@ -10,6 +10,7 @@ from ...model.record import dataclass
 from ...order_codes.parameters import run_time_names
 from ...order_codes.reduction import for_interface
 from ...say import register as say_register
+from ...say.evidence import titled_in_lists
 from ...say.layout import crc_sent
 from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.names_and_places import TERMS, Term, Titled, addresses, title, words
@@ -74,7 +75,7 @@ def _label_row(device: Device) -> Row:
     titles = joined((interface.title for interface in device.interfaces), ", ")
     supplies = dict.fromkeys(filter(None, map(device.supply_of, device.variants)))
     labels = joined(map(code, patterns(device, [variant.code for variant in device.variants])))
-    return _family_link(device), text(device.title), labels, titles, joined(map(_supply_range, supplies))
+    return _family_link(device), text(titled_in_lists(device)), labels, titles, joined(map(_supply_range, supplies))
 
 
 def _supply_range(supply: Supply) -> str:

@@ -28,7 +28,7 @@ from ...say.evidence import grade
 from ...say.layout import size
 from ...say.markdown import STYLE, cited, code, link, text
 from ...say.names_and_places import field_at, heading, hexadecimal, title
-from ...say.order_code import parameter_value
+from ...say.order_code import not_on_label, parameter_value
 from ...say.plain_text import counted, with_unit
 from ...say.register import measurement, own_ranges, position_range
 from ...say.text import Statement, sentence, statement
@@ -116,6 +116,7 @@ class CodePage(Sections, InterfaceValues):
     lead: Annotated[str, "first sentences of the note on the interface"]
     position: Annotated[str, "unit and range of the position"]
     evidence: Annotated[Statement, "grade of the evidence"]
+    made_up: Annotated[Sequence[Statement], "statement that the order code is made up, if it is"]
     wiring: Annotated[wiring_tables.Wiring, "contacts and signals: head, rows, about, notes, errata"]
     supply: Annotated[list[str], "supply, with order codes if it differs between them"]
     no_supply: Annotated[str, "text in place of the supply"]
@@ -257,6 +258,7 @@ def page_values(group: CodeGroup, has_masters: bool, pictures: Pictures) -> Code
         "lead": lead_sentences(interface.note) if isinstance(interface, Biss) else "",
         "position": _position_text(device, interface),
         "evidence": grade(device),
+        "made_up": tuple(not_on_label(device)),
         "wiring": wiring_tables.wiring(device, group.codes),
         "supply": wiring_tables.supply_lines(device, group.variants),
         "speed": wiring_tables.speed_section(group.family, device, interface, frame),

@@ -124,6 +124,7 @@ class OrderCode(NamedTuple):
         pattern: The order code, with the names of the parts in braces.
         parts: The parts.
         special: Meaning of the ``/Sxxx`` suffix.
+        not_on_label: For made-up order codes: what the label shows instead, and what the code stands for.
         note: Note on the order code.
         source: Section and page of the manual.
         also_written: Alternative spellings.
@@ -132,6 +133,7 @@ class OrderCode(NamedTuple):
     pattern: str
     parts: tuple[Part, ...]
     special: str = ""
+    not_on_label: str = ""
     note: str = ""
     source: str = ""
     also_written: tuple[Spelling, ...] = ()

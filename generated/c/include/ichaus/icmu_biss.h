@@ -75,8 +75,9 @@ extern "C" {
  * chip: Chip: MU = pole width 1.28 mm; MU150 = pole width 1.50 mm.
  * bits: Position bits: 16; 18; 19; 20; 24; 28; 38.
  * zeros: Zero bits: 0; 2; 7.
- * The label of the chip has only its name. The numbers are those that its configuration selects:
- * position bits and zero bits. Other sums of OUT_MSB and OUT_LSB give other widths.
+ * Made-up order code: The label of the chip has only its name. The numbers are those that its
+ * configuration selects: position bits and zero bits.
+ * Other sums of OUT_MSB and OUT_LSB give other widths.
  */
 
 /** An order code: the values that differ between the order codes of this interface. */

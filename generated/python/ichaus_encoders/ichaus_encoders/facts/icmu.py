@@ -70,10 +70,11 @@ ORDER_CODE: Final = OrderCode(
         ),
         Part(name="zeros", meaning="Zero bits", values=(PartValue(text="0"), PartValue(text="2"), PartValue(text="7"))),
     ),
-    note=(
+    not_on_label=(
         "The label of the chip has only its name. The numbers are those that its configuration selects: position bits "
-        "and zero bits. Other sums of OUT_MSB and OUT_LSB give other widths."
+        "and zero bits."
     ),
+    note="Other sums of OUT_MSB and OUT_LSB give other widths.",
     source="p.28",
 )
 

@@ -95,7 +95,7 @@ def main(package: str, arguments: Sequence[str] | None = None) -> int:
     """Run the command.
 
     Args:
-        package: Name of the manufacturer's package, such as ``lika_encoders``.
+        package: Name of the manufacturer's package, such as ``my_encoders``.
         arguments: Command-line arguments. Defaults to the arguments of the process.
 
     Returns:

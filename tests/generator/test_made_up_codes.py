@@ -1,0 +1,59 @@
+"""Order codes that are on no label say so, wherever an encoder is named by one."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from codewheel.commands.cli import main
+from codewheel.targets import Library
+from codewheel.targets.browser.family import family_data
+from codewheel.targets.docs.files import generate
+
+SAID = "Made-up order code: The label of the chip has only its name."
+
+
+def _printed(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    capsys.readouterr()
+    main(arguments)
+    return " ".join(capsys.readouterr().out.split())
+
+
+@pytest.mark.parametrize("arguments", [("decode", "iC-MU-38-7", "0x0"), ("show", "iC-MU-38-7")])
+def test_commands_say_it(capsys: pytest.CaptureFixture[str], arguments: tuple[str, ...]) -> None:
+    assert SAID in _printed(capsys, *arguments)
+    assert "Made-up" not in _printed(capsys, arguments[0], "AMM5A21/65KSC1", *arguments[2:])
+
+
+def test_pages_say_it(every_encoder: Library) -> None:
+    devices = {device.name: device for device in every_encoder.devices}
+    pages = generate(Library((devices["icmu"], devices["as5047p"])))
+    assert SAID in pages["docs/icmu/iC-MU-38-7.md"]
+    assert "Made-up order codes: The label of the chip has only its name." in " ".join(pages["docs/icmu.md"].split())
+    assert "Made-up" not in pages["docs/as5047p/AS5047P.md"]
+    assert any(text.startswith(SAID) for text in family_data(devices["icmu"])["about"])
+
+
+def test_every_code_with_a_width_of_our_own_says_it(every_encoder: Library) -> None:
+    """The families whose sources name no labels. Those of the others are in their sources."""
+    made_up = {device.name for device in every_encoder.devices if device.order_code.not_on_label}
+    assert made_up == {"aksim2", "amt22", "icmu", "orbis", "orbis_serial", "resolute", "resolute_linear"}
+
+
+def test_lists_mark_what_is_uncorroborated(capsys: pytest.CaptureFixture[str], every_encoder: Library) -> None:
+    uncorroborated = {device.name for device in every_encoder.devices if device.evidence.grade == "uncorroborated"}
+    assert uncorroborated == {"as38", "kcd", "la11", "wdga"}
+    main(["list", "--json"])
+    families = json.loads(capsys.readouterr().out)["families"]
+    assert {row["family"] for row in families if row["evidence"] == "uncorroborated"} == uncorroborated
+    main(["list"])
+    assert capsys.readouterr().out.count("evidence     uncorroborated\n") == len(uncorroborated)
+    assert {device.name for device in every_encoder.devices if "mark" in family_data(device)} == uncorroborated
+
+
+@pytest.mark.slow
+def test_pages_of_lists_mark_it(every_encoder: Library) -> None:
+    pages = generate(every_encoder)
+    rows = [line for line in pages["docs/which-encoder.md"].splitlines() if "(uncorroborated)" in line]
+    assert sorted(row.split("](")[1].partition(".md")[0] for row in rows) == ["as38", "kcd", "la11", "wdga"]
+    assert pages["docs/README.md"].count("| uncorroborated |") == 4
