@@ -109,7 +109,7 @@ def test_the_examples_work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, line
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        ([CODE, "--position", "x"], "codewheel: 'x' is not a position; write 1000003, sine:0.5Hz or ramp:1000"),
+        ([CODE, "--position", "x"], "codewheel: 'x' is not a position; write 1000003, sine:0.5Hz, sine:0.5Hz:90deg"),
         ([CODE, "--fault", "x"], "codewheel: 'x' is not a fault; write a name and a rate from 0 to 1"),
         ([CODE, "--flag", "x"], f"codewheel: {CODE} has no flag 'x'; it has: "),
         ([CODE, "--register", "0x12=1"], f"codewheel: {CODE} has no register at 0x12"),
@@ -213,7 +213,9 @@ def test_2000_requests_with_each_fault(
     started = time.monotonic()
     served = virtual_encoder(CODE, lambda now: now * 1e6, faults=[f"{fault}:0.02"], clock=time.monotonic)
     errors = 0
-    with lika.open_encoder(served.port, CODE, timeout_s=0.03) as encoder:
+    # On a busy machine, an encoder that is a program can need more than the default.
+    settle_s = 0.02 if fault in ("repeated", "second") else None
+    with lika.open_encoder(served.port, CODE, timeout_s=0.03, settle_s=settle_s) as encoder:
         last_request = _times_of_requests(encoder)
         for _ in range(2000):
             try:
@@ -225,5 +227,5 @@ def test_2000_requests_with_each_fault(
             assert age <= (time.monotonic() - last_request[0]) * 1e6
     assert served.encoder.faults.injected[fault] > 10
     # On a busy machine a reply can be late without a fault. The link may give up, but return no wrong position.
-    assert errors < 20 or fault in ("busy", "restart", "brownout", "late", "low", "high")
+    assert errors < 20 or fault in ("busy", "restart", "brownout", "late", "low", "high", "second")
     assert time.monotonic() - started < 60
