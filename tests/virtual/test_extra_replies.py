@@ -16,7 +16,7 @@ import pytest
 
 Package = tuple[Path, ModuleType]
 CODE = "AMM5A23/65KJP1"
-#: Seconds that a byte takes at 2.5 Mbaud, with its start bit and stop bit, and from a request to the start of its reply.
+#: Seconds that a byte takes at 2.5 Mbaud, with its start bit and stop bit, and from a request to its reply.
 BYTE_S = 10 / 2_500_000
 TURNAROUND_S = 10e-6
 #: Replies by the first byte of their request: the number of bytes between that byte and the CRC.

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from asyncio import Lock, StreamReader, StreamWriter, to_thread, wait_for
 from asyncio import TimeoutError as Late
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from inspect import isawaitable
 from typing import Any, Protocol, TypeVar
 
@@ -15,7 +15,7 @@ from .link_errors import PortError
 from .session import Session, Statistics, Work
 from .steps import Step
 
-__all__ = ["AsyncLink", "AsyncTransport", "StreamTransport", "ThreadTransport", "open_async"]
+__all__ = ["AsyncLink", "AsyncPorts", "AsyncTransport", "StreamTransport", "ThreadTransport", "open_async"]
 
 _Result = TypeVar("_Result")
 
@@ -179,3 +179,47 @@ def open_async(
     Session(encoder)
     line = ThreadTransport(serial_transport(port, encoder))
     return AsyncLink(encoder, line, timeout_s=timeout_s, retries=retries, settle_s=settle_s)
+
+
+class AsyncPorts:
+    """Functions of a manufacturer's package that open ports for asyncio.
+
+    Args:
+        lookup: Function that returns the encoder that belongs to a label.
+    """
+
+    def __init__(self, lookup: Callable[[str], Encoder]) -> None:
+        self._lookup = lookup
+
+    def open_async(
+        self,
+        port: str,
+        label: str | Encoder,
+        *,
+        timeout_s: float = 0.05,
+        retries: int = 3,
+        settle_s: float | None = None,
+    ) -> AsyncLink:
+        """Open the serial port to an encoder with RS-485, for asyncio.
+
+        Not yet tested on hardware.
+
+        Args:
+            port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
+            label: Order code on the label, or the encoder.
+            timeout_s: Time in seconds in which a reply must be complete.
+            retries: Number of further attempts after a failure.
+            settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud
+                rate and the measured reply times. With 0, a request of another kind is sent before each request
+                instead.
+
+        Returns:
+            The link, for an ``async with`` statement.
+
+        Raises:
+            OrderCodeError: There is no such order code.
+            InterfaceError: The encoder has a different interface.
+            PortError: The port cannot be opened, or pyserial is not installed.
+        """
+        encoder = self._lookup(label) if isinstance(label, str) else label
+        return open_async(port, encoder, timeout_s=timeout_s, retries=retries, settle_s=settle_s)

@@ -136,7 +136,7 @@ class Session:
             for the latency of USB adapters.
         retries: Number of further attempts after a failure.
         settle_s: Time in seconds for which the line must be quiet after a reply. The default is 0.25 ms plus the time
-            that the request and the reply take at the baud rate, or the time that the last replies took if that is
+            that the request and the reply take at the baud rate, or the usual time of the last replies if that is
             longer. With 0, a request of another kind is sent before each request instead, so an extra reply can be
             taken for the reply to at most one other request, and a second device is not detected.
         clock: Function that returns the time in seconds.
@@ -373,10 +373,10 @@ class Session:
     def _settle_s(self, pending: PendingRequest) -> float:
         if self.settle_s is not None:
             return self.settle_s
-        longest_times = sorted(self._reply_times)[-2:]
-        # A single reply that was much slower than the others does not count.
-        usual_s = longest_times[0 if len(self._reply_times) == _REPLY_TIMES else -1] if longest_times else 0.0
-        return max(_TURNAROUND_S + self._byte_s * (len(pending.data) + pending.kind.length), usual_s)
+        reply_s = _TURNAROUND_S + self._byte_s * (len(pending.data) + pending.kind.length)
+        # Few replies that were much slower than the others do not count.
+        times = sorted(self._reply_times)
+        return max(reply_s, times[3 * len(times) // 4]) if times else reply_s
 
     def _unambiguous(self, found: FoundReply, received: bytes, pending: PendingRequest) -> bytes:
         """Return the reply, and count other replies. Raises an error if they differ."""
