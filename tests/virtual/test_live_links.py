@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import asyncio
+import json
+import os
 import re
 import shlex
 import subprocess
@@ -329,3 +331,40 @@ def test_all_errors_of_links_are_at_the_top(generated_python: Package) -> None:
     for name in link_errors.__all__:
         assert getattr(lika, name) is getattr(link_errors, name)
         assert name in lika.__all__
+
+
+def monitored(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run ``monitor`` as a user does, with its output in a pipe."""
+    command = [sys.executable, "-m", "lika_encoders", "monitor", *arguments]
+    path = os.pathsep.join([str(folder), str(folder / "runtime")])
+    return subprocess.run(
+        command, capture_output=True, text=True, check=False, timeout=60, env={**os.environ, "PYTHONPATH": path}
+    )
+
+
+def test_monitor_records_and_fails(
+    generated_python: Package, virtual_encoder: Callable[..., Any], tmp_path: Path
+) -> None:
+    """In a pipe it writes a table. With too many errors, it exits with 1, but the file is complete."""
+    folder, served = generated_python[0], virtual_encoder(CODE, position=1_000_003)
+    piped = monitored(folder, CODE, served.port, "--count", "3")
+    assert piped.returncode == 0
+    header, *rows = piped.stdout.splitlines()
+    assert header == "time,position,verdict,reports,error"
+    assert [row.split(",")[1:] for row in rows] == [["1000003", "usable", "", ""]] * 3
+    assert piped.stderr == "0 of 3 readings failed\n"
+
+    served = virtual_encoder(CODE, position=5, faults=["lost:0.5"], seed=3)
+    log = str(tmp_path / "log.jsonl")
+    lossy = monitored(folder, CODE, served.port, "--count", "20", "-o", log)
+    assert lossy.returncode == 1
+    assert re.fullmatch(r"lika-encoders: \d+ of 20 readings failed; --max-errors is 10\n", lossy.stderr)
+    lines = Path(log).read_text(encoding="utf-8").splitlines()
+    assert len(lines) == 20
+    assert {json.loads(line)["error"] for line in lines} == {"", "no reply"}
+    allowed = monitored(folder, CODE, served.port, "--count", "20", "-o", log, "--max-errors", "100", "--force")
+    assert allowed.returncode == 0
+
+    silent = monitored(folder, CODE, virtual_encoder(CODE, faults=["lost"]).port, "--count", "2")
+    assert silent.returncode == 1
+    assert silent.stdout.count("no reply") == 2

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from contextlib import nullcontext
 from time import monotonic, sleep
-from typing import NamedTuple, Protocol, cast
+from typing import Any, NamedTuple, Protocol, cast
 
 from .steps import Modify, Poll, Read, Send, Step, Verify, Wait, Write
 
@@ -264,7 +264,7 @@ def run(
     """
     procedure = _Procedure(bus, poll_s, wait)
     # Another thread must not send requests between those of a procedure.
-    lock = getattr(bus, "lock", None)
+    lock: Any = getattr(bus, "lock", None)
     with lock if hasattr(lock, "__enter__") else nullcontext():
         procedure.carry_out(steps, progress)
     return tuple(procedure.readings)

@@ -373,7 +373,7 @@ class Session:
     def _settle_s(self, pending: PendingRequest) -> float:
         if self.settle_s is not None:
             return self.settle_s
-        reply_s = _TURNAROUND_S + self._byte_s * (len(pending.data) + pending.kind.length)
+        reply_s: float = _TURNAROUND_S + self._byte_s * (len(pending.data) + pending.kind.length)
         # Few replies that were much slower than the others do not count.
         times = sorted(self._reply_times)
         return max(reply_s, times[3 * len(times) // 4]) if times else reply_s
