@@ -96,6 +96,11 @@ ELSEWHERE = {
         "jinja: ": "tests/docs/test_templates_page.py::test_its_example",
         ": ": "tests/docs/test_templates_page.py::test_its_example",
     },
+    "docs/virtual-encoders.md": {
+        "python: def": "tests/virtual/test_page.py::test_the_fixture",
+        "python: from": "tests/virtual/test_page.py::test_the_programs",
+        "text: $ codewheel simulate AMM5A21": "tests/virtual/test_page.py::test_the_simulation",
+    },
     "docs/why-a-crc-fails.md": {
         ": $ codewheel": "tests/generator/test_why.py::test_the_page_shows_what_the_command_prints"
     },
@@ -118,6 +123,7 @@ ELSEWHERE = {
             ("python: from lika_encoders import LinkError", "python: from lika_encoders import open_encoder"),
             "tests/virtual/test_live_links.py::test_the_live_example_of_the_package",
         ),
+        "python: from asyncio": "tests/virtual/test_live_links.py::test_the_asyncio_example_of_the_package",
     },
     "examples/python-two-manufacturers/README.md": {
         ": codewheel generate": "tests/python/test_two_manufacturers.py::test_the_example",
@@ -139,6 +145,7 @@ EXCEPTIONS = {
     ("docs/spi.md", "yaml: "): "has ... for the layouts; the file that it names is checked",
     ("docs/spi.md", "c: "): "has ... for calls; test_spi.py compiles and runs the program that it names",
     ("docs/spec-language.md", "yaml: # yaml-language-server"): "a line for editors alone",
+    ("docs/virtual-encoders.md", "text: $ codewheel simulate AMM5A23"): "waits for Ctrl+C; test_live_links.py runs it",
     ("docs/why-a-crc-fails.md", ": mistake "): "measured over 20,000 frames; test_why.py holds a short run against it",
     ("generated/python/README.md", ": pip install"): "fetches nothing but changes the reader's own environment",
     ("examples/rust-target/README.md", ": pip install"): "as above; test_the_readme runs the line after it",

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 EXAMPLES = (
     "codewheel simulate MY-ENCODER-13-SC --position 1000",
-    "codewheel simulate MY-ENCODER-13-SC --position sine:0.5Hz --fault flip:1e-3",
+    "codewheel simulate MY-ENCODER-13-SC --position sine:0.5Hz:90deg --fault flip:1e-3",
 )
 _HOW_TO_USE = (
     "For RS-485, open the printed device like a serial port, at any baud rate. With --tcp, and on systems without "
@@ -34,7 +34,8 @@ def add_arguments(parser: Parser) -> None:
         "--position",
         default="0",
         metavar="POSITION",
-        help="counts such as 1000003, sine:0.5Hz, or ramp:1000 in counts per second (default: 0)",
+        help="counts such as 1000003, sine:0.5Hz:90deg to turn to and fro, sine:0.5Hz through all positions, or "
+        "ramp:1000 in counts per second (default: 0)",
     )
     parser.add_argument(
         "--fault",
@@ -126,7 +127,7 @@ def _encoder(chosen: argparse.Namespace, paths: Sequence[Path]) -> VirtualEncode
         edition=chosen.edition or "",
         specs=paths,
     )
-    encoder.position = motion(chosen.position, encoder.counts, encoder.lowest)
+    encoder.position = motion(chosen.position, encoder.counts, encoder.lowest, encoder.counts_per_turn)
     encoder.set_flag(*chosen.flag)
     for address, byte in bytes_by_address(chosen.register).items():
         encoder.memory.hold(address, byte)

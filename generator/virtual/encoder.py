@@ -106,6 +106,13 @@ class VirtualEncoder:
         """Lowest position in that frame. It is negative if the position is signed."""
         return self._lowest(self._position_layout)
 
+    @property
+    def counts_per_turn(self) -> int:
+        """Number of positions in one turn, or 0 if the position is not an angle."""
+        measurement = self._measurement(self._position_layout)
+        per_turn = measurement.counts_per_turn if measurement is not None else None
+        return per_turn.value(self.variant.parameters) if per_turn is not None else 0
+
     def _counts(self, layout: Layout | None) -> int:
         """Return the number of positions in frames with this layout."""
         measurement = self._measurement(layout)
@@ -235,6 +242,15 @@ class VirtualEncoder:
             return codec.encode(self.device, self.place(layout), self._values(layout, request_values or {}))
         finally:
             self._instant = None
+
+    def frame_of_another(self, layout: Layout, request_values: Mapping[str, int | str | bool]) -> int:
+        """Return the frame that a second encoder of this kind sends, whose shaft is half of all positions away."""
+        distance = self._counts(layout) // 2
+        self._offset += distance
+        try:
+            return self.frame(layout, request_values)
+        finally:
+            self._offset -= distance
 
     def place(self, layout: Layout) -> PlacedLayout:
         """Return a layout for this encoder with its current registers."""

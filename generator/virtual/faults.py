@@ -27,6 +27,8 @@ FAULTS: Mapping[str, Mapping[str, str]] = {
         "spi": "the end of the word is missing, and its bits are 1",
     },
     "doubled": {"rs485": "the reply comes twice"},
+    "repeated": {"rs485": "the reply comes again, 0.1 to 1 ms later"},
+    "second": {"rs485": "a second encoder at another position replies, too, up to 1 ms later"},
     "late": {
         "rs485": "the reply comes 5 to 40 ms late",
         "biss": "the start bit comes 1 to 8 clocks late",
@@ -120,6 +122,10 @@ class Faults:
             return chance.randbytes(chance.randint(1, 8)) + reply
         return reply
 
+    def gap_s(self) -> float:
+        """Return the time in seconds after which an extra reply follows."""
+        return self.random.uniform(0.0001, 0.001)
+
     def cut(self, word: int, bits: int) -> int:
         """Return a word whose last bits are all 1, at least one of which was 0, if there is one."""
         lowest_zero = (~word & (word + 1)).bit_length() - 1
@@ -176,14 +182,15 @@ Position = int | Callable[[float], float]
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
 
 
-def motion(text: str, counts: int, lowest: int = 0) -> Position:
+def motion(text: str, counts: int, lowest: int = 0, counts_per_turn: int = 0) -> Position:
     """Parse a position.
 
     Args:
-        text: A number of counts, ``sine:0.5Hz`` (back and forth through all positions), or ``ramp:1000`` (counts per
-            second).
+        text: A number of counts, ``sine:0.5Hz:90deg`` (90 degrees to each side of the middle), ``sine:0.5Hz`` (through
+            all positions), or ``ramp:1000`` (counts per second).
         counts: Number of positions of the encoder.
         lowest: Lowest position of the encoder.
+        counts_per_turn: Number of positions in one turn, or 0 if the position is not an angle.
 
     Returns:
         The position.
@@ -195,10 +202,32 @@ def motion(text: str, counts: int, lowest: int = 0) -> Position:
         return int(text, 0)
     except ValueError:
         pass
-    match = re.fullmatch(rf"(sine|ramp):({_NUMBER})(Hz)?", text)
+    match = re.fullmatch(rf"(sine|ramp):({_NUMBER})(Hz)?(?::({_NUMBER})(deg)?)?", text)
     value = float(match[2]) if match is not None else math.inf
-    if match is None or not math.isfinite(value) or (match[3] and match[1] == "ramp"):
-        raise ValueError(f"'{text}' is not a position; write 1000003, sine:0.5Hz or ramp:1000 (counts per second)")
+    amplitude = float(match[4] or 0) if match is not None else math.inf
+    is_bad_ramp = match is not None and match[1] == "ramp" and (match[3] or match[4])
+    if match is None or not math.isfinite(value) or not math.isfinite(amplitude) or is_bad_ramp:
+        raise ValueError(
+            f"'{text}' is not a position; write 1000003, sine:0.5Hz, sine:0.5Hz:90deg, sine:0.5Hz:1000 (counts), "
+            "or ramp:1000 (counts per second)"
+        )
     if match[1] == "ramp":
         return lambda now: value * now
-    return lambda now: lowest + (counts - 1) / 2 * (1 + math.sin(2 * math.pi * value * now))
+    radius = (counts - 1) / 2
+    if match[4]:
+        radius = _amplitude_in_counts(text, amplitude, bool(match[5]), radius, counts_per_turn)
+    return lambda now: lowest + (counts - 1) / 2 + radius * math.sin(2 * math.pi * value * now)
+
+
+def _amplitude_in_counts(text: str, amplitude: float, is_angle: bool, highest: float, counts_per_turn: int) -> float:
+    """Return the amplitude of a motion in counts.
+
+    Raises:
+        ValueError: The position is not an angle, or the encoder does not have so many positions.
+    """
+    if is_angle and not counts_per_turn:
+        raise ValueError(f"'{text}' is an angle, but this encoder has no turns; write the amplitude in counts")
+    radius = amplitude * counts_per_turn / 360 if is_angle else amplitude
+    if not 0 <= radius <= highest:
+        raise ValueError(f"'{text}' leaves the positions of this encoder; the largest amplitude is {highest:g} counts")
+    return radius

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import deque
+from bisect import insort
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
@@ -16,6 +16,8 @@ GAP_S = 0.005
 #: Durations in seconds: a line fault, and an EEPROM access for one byte.
 OUTAGE_S = 0.02
 EEPROM_S = 0.003
+#: Number of replies that are kept for a master that does not read them.
+_MOST_REPLIES = 1000
 #: Tolerance in seconds of the interval between the requests of a reset.
 _EARLY_S = 1e-9
 
@@ -48,7 +50,9 @@ class Rs485Line:
         self._received = b""
         self._since = self._outage_until = 0.0
         self._outage = ""
-        self._out: deque[tuple[float, bytes]] = deque(maxlen=1000)
+        #: Replies with the times at which they arrive, in order, and that of the last one without extra replies.
+        self._out: list[tuple[float, bytes]] = []
+        self._last_due = 0.0
         self._resets: tuple[int, int, float] = (-1, 0, 0.0)
         self._eeprom: dict[int, int] = {}
         self._memory_busy_until = 0.0
@@ -111,7 +115,7 @@ class Rs485Line:
         """Return the bytes that have reached the master, each once."""
         now, data = self.encoder.clock(), b""
         while self._out and self._out[0][0] <= now:
-            data += self._out.popleft()[1]
+            data += self._out.pop(0)[1]
         return data
 
     def _layout(self, sender: str, data_id: DataId) -> Layout | None:
@@ -129,7 +133,7 @@ class Rs485Line:
             self._memory_busy_until = max(self._memory_busy_until, now + BUSY_S)
         if fault in ("low", "high"):
             self._outage, self._outage_until = fault, now + OUTAGE_S
-        reply = self._reply(data_id, values, layout)
+        reply, other_reply = self._replies(data_id, values, layout, is_second=fault == "second")
         if fault == "restart":
             encoder.restart()
             return
@@ -139,26 +143,41 @@ class Rs485Line:
             if now < self._outage_until:
                 data = bytes(len(reply)) if self._outage == "low" else b""
             delay = faults.random.uniform(0.005, 0.04) if fault == "late" else 0.0
-            # The line keeps the order of replies.
-            self._out.append((max([now + delay, *(due_time for due_time, _ in list(self._out)[-1:])]), data))
+            # The line keeps the order of replies, but extra ones can come before or after the next reply.
+            self._last_due = max(now + delay, self._last_due)
+            self._put(self._last_due, data)
+            if fault in ("repeated", "second"):
+                self._put(self._last_due + faults.gap_s(), reply if fault == "repeated" else other_reply)
         if fault == "brownout":
             encoder.restart()
 
-    def _reply(self, data_id: DataId | None, values: dict[str, int | str | bool], layout: Layout | None) -> bytes:
-        """Carry out a request and return the reply to it, or nothing."""
+    def _put(self, due: float, data: bytes) -> None:
+        """Add bytes that arrive at the master at a time. If it does not read, the first ones are lost."""
+        insort(self._out, (due, data), key=lambda arrival: arrival[0])
+        del self._out[:-_MOST_REPLIES]
+
+    def _replies(
+        self,
+        data_id: DataId | None,
+        values: dict[str, int | str | bool],
+        layout: Layout | None,
+        *,
+        is_second: bool,
+    ) -> tuple[bytes, bytes]:
+        """Carry out a request. Return the reply, or nothing, and that of a second encoder if there is one."""
         if layout is None or self.encoder.needs_answer(layout):
-            return b""
+            return b"", b""
         request_values = {name: value for name, value in values.items() if name != codec.UNUSED}
         if data_id is not None and data_id.purpose in ("read", "write"):
             memory = self._memory(data_id, layout, request_values)
             if memory is None:
-                return b""
+                return b"", b""
             request_values |= memory
-        number = self.encoder.frame(layout, request_values)
-        placed = self.encoder.place(layout)
+        number, bits = self.encoder.frame(layout, request_values), self.encoder.place(layout).bits
+        other = self.encoder.frame_of_another(layout, request_values) if is_second else number
         if data_id is not None:
             self._count(data_id)
-        return number_to_bytes(layout, number, placed.bits)
+        return number_to_bytes(layout, number, bits), number_to_bytes(layout, other, bits)
 
     def _memory(
         self, data_id: DataId, layout: Layout, request_values: dict[str, int | str | bool]

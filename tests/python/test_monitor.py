@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import csv
 import io
 import itertools
+import json
+from pathlib import Path
 from typing import Any
 
 import pytest
 from codewheel_runtime.commands import monitor
+from codewheel_runtime.commands.record import recording
 
 GOOD, SPOILT = 0x55BCD15E2, 0x55BCD1564
 
@@ -62,16 +66,65 @@ def test_a_terminal_shows_the_last_state(encoder: Any) -> None:
     assert "89902357 counts" in out.getvalue()
 
 
-def test_elsewhere_each_reading_is_a_line(encoder: Any) -> None:
-    out = io.StringIO()
+def test_a_terminal_shows_angle_and_speed(encoder: Any) -> None:
+    """A quarter of a revolution in 0.25 s."""
+    out = Terminal()
     quarter = encoder.encode_many({"position": [0, 1 << 19]}).tolist()
-    readings = Readings(*map(encoder.decode, quarter))
+    monitor.watch(Readings(*map(encoder.decode, quarter)), encoder, "a port", count=2, out=out)
+    shown = out.getvalue()
+    for text in ("524288 counts", "90.00000°", "60.000 rpm", "usable", "0 of 2 readings failed"):
+        assert text in shown
+
+
+def record(encoder: Any, target: Path, *readings: Any) -> monitor.Readings:
+    with recording(str(target), None, force=False) as recorder:
+        return monitor.watch(
+            Readings(*readings), encoder, "COM3", count=len(readings), out=io.StringIO(), recorder=recorder
+        )
+
+
+def test_each_reading_is_a_row(encoder: Any, tmp_path: Path) -> None:
+    """89,902,357 is the position of a usable frame, and the flag of the second one makes its position not usable."""
+    readings = [encoder.decode(GOOD), NoReplyError("no reply within 50 ms"), encoder.decode(SPOILT)]
+    for name in ("log.csv", "log.jsonl", "log.parquet"):
+        assert record(encoder, tmp_path / name, *readings) == (3, 1)
+    header, *rows = csv.reader((tmp_path / "log.csv").read_text("utf-8").splitlines())
+    assert header == ["time", "position", "verdict", "reports", "error"]
+    assert [row[1:] for row in rows] == [
+        ["89902357", "usable", "", ""],
+        ["", "", "", "no reply"],
+        ["", "not_usable", "error", ""],
+    ]
+    times = [float(row[0]) for row in rows]
+    assert times == sorted(times)
+    objects = [json.loads(line) for line in (tmp_path / "log.jsonl").read_text("utf-8").splitlines()]
+    assert [reading["position"] for reading in objects] == [89902357, None, None]
+    assert [reading["error"] for reading in objects] == ["", "no reply", ""]
+    parquet = pytest.importorskip("pyarrow.parquet")
+    assert parquet.read_table(tmp_path / "log.parquet").to_pylist() == objects
+
+
+def test_an_existing_file_is_kept(encoder: Any, tmp_path: Path) -> None:
+    from codewheel_runtime.errors import UsageError
+
+    (tmp_path / "log.csv").write_text("mine")
+    with pytest.raises(UsageError, match="already exists"):
+        record(encoder, tmp_path / "log.csv", encoder.decode(GOOD))
+    assert (tmp_path / "log.csv").read_text() == "mine"
+
+
+def test_more_rows_than_one_group(encoder: Any, tmp_path: Path) -> None:
+    parquet = pytest.importorskip("pyarrow.parquet")
+    record(encoder, tmp_path / "log.parquet", *[encoder.decode(GOOD)] * 5000)
+    table = parquet.read_table(tmp_path / "log.parquet")
+    assert table["position"].to_pylist() == [89902357] * 5000
+
+
+def test_without_a_terminal_only_the_count_is_printed(encoder: Any) -> None:
+    out = io.StringIO()
+    readings = Readings(encoder.decode(GOOD), NoReplyError("no reply within 50 ms"))
     monitor.watch(readings, encoder, "a port", count=2, out=out)
-    lines = out.getvalue().splitlines()
-    assert lines[0].endswith(" 0 counts 0.00000° - usable")
-    # A quarter of a revolution in 0.25 s.
-    assert lines[1].endswith(" 524288 counts 90.00000° 60.000 rpm usable")
-    assert lines[2] == "0 of 2 readings failed"
+    assert out.getvalue() == "1 of 2 readings failed: 1 no reply; the last error: no reply within 50 ms\n"
 
 
 def test_an_encoder_that_never_answers_is_an_error(encoder: Any) -> None:

@@ -20,7 +20,7 @@ from codewheel.virtual.clocked_lines import ByLevels
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "specs"
 #: Faults that need a request and a reply as bytes, and one that needs a start bit.
-ONLY_BYTES = {"doubled", "echo", "junk"}
+ONLY_BYTES = {"doubled", "repeated", "second", "echo", "junk"}
 NOT_CLOCKED = {"biss": ONLY_BYTES, "ssi": ONLY_BYTES | {"late"}, "spi": ONLY_BYTES | {"late", "busy"}}
 CODES = {"rs485": "AMM5A23/65KJP1", "biss": "AMM5A21/65KSC1", "ssi": "AMM5A21/65KBG1", "spi": "AS5047P"}
 REPLIES = 40

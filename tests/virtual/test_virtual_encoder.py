@@ -93,7 +93,21 @@ def test_the_fields_of_a_frame_belong_to_one_moment() -> None:
         assert (number >> 16 & 0xFFFFFF == 0) == (number >> 73 & 1 == 1)
 
 
-@pytest.mark.parametrize("text", ["12x", "sine:", "sine:nan", "ramp:1Hz", "sine:1e999Hz", ""])
+@pytest.mark.parametrize(
+    "text",
+    [
+        "12x",
+        "sine:",
+        "sine:nan",
+        "ramp:1Hz",
+        "sine:1e999Hz",
+        "sine:1Hz:",
+        "sine:1Hz:1e999",
+        "sine:1Hz:1rad",
+        "ramp:1:90deg",
+        "",
+    ],
+)
 def test_positions_that_are_none(text: str) -> None:
     with pytest.raises(ValueError, match="is not a position; write"):
         motion(text, 1000)
@@ -106,6 +120,20 @@ def test_notations_of_positions() -> None:
     assert callable(ramp)
     assert [round(sine(now)) for now in (0.0, 0.5, 1.5)] == [500, 1000, 0]
     assert ramp(2) == -2000
+
+
+def test_a_sine_with_an_amplitude() -> None:
+    """Around the middle, 8000 of 0 to 16000: 90 degrees are a quarter of the 4000 counts of a turn."""
+    degrees, counts = motion("sine:0.5Hz:90deg", 16001, 0, 4000), motion("sine:0.5Hz:12.5", 1001, -500)
+    assert callable(degrees)
+    assert callable(counts)
+    assert [round(degrees(now), 6) for now in (0.0, 0.5, 1.0, 1.5)] == [8000, 9000, 8000, 7000]
+    assert [round(counts(now), 6) for now in (0.0, 0.5, 1.5)] == [0, 12.5, -12.5]
+    with pytest.raises(ValueError, match=r"^'sine:1Hz:9deg' is an angle, but this encoder has no turns; "):
+        motion("sine:1Hz:9deg", 1001)
+    for text in ("sine:1Hz:501", "sine:1Hz:-1", "sine:1Hz:46deg"):
+        with pytest.raises(ValueError, match=f"^'{text}' leaves the positions of this encoder; .* is 500 counts$"):
+            motion(text, 1001, 0, 4000)
 
 
 def test_ten_requests_reset_the_position_and_busy_follows(clock: Clock) -> None:

@@ -66,7 +66,18 @@ if TYPE_CHECKING:
     from codewheel_runtime.captures.capture import Captures
     from codewheel_runtime.errors import ErrorKind
     from codewheel_runtime.files.stream import Files
-    from codewheel_runtime.link import Link, LinkError, Ports
+    from codewheel_runtime.link import Link, Ports
+    from codewheel_runtime.link_async import AsyncLink, AsyncPorts
+    from codewheel_runtime.link_errors import (
+        BusyError,
+        DisturbedError,
+        LinkError,
+        NoReplyError,
+        NotUsableError,
+        PortError,
+        SecondDeviceError,
+        WrongEncoderError,
+    )
 
     from . import _codes, am36, amm5, asc85, biss, sma21
 
@@ -76,13 +87,17 @@ if TYPE_CHECKING:
     decode_partition = Files("lika_encoders").decode_partition
     decode_capture = Captures("lika_encoders").decode_capture
     read_capture = Captures("lika_encoders").read_capture
+    open_async = AsyncPorts(Package(__name__, {}).lookup).open_async
     open_encoder = Ports(Package(__name__, {}).lookup).open_encoder
 
 __all__ = [
+    "AsyncLink",
     "BitField",
     "Bus",
+    "BusyError",
     "ConstantError",
     "CrcError",
+    "DisturbedError",
     "Encoder",
     "ErrorKind",
     "FAMILIES",
@@ -94,16 +109,22 @@ __all__ = [
     "InterfaceError",
     "LengthError",
     "Line",
+    "Link",
+    "LinkError",
     "Modify",
     "Movement",
+    "NoReplyError",
+    "NotUsableError",
     "OrderCodeError",
     "Poll",
+    "PortError",
     "PositionFrame",
     "PositionRange",
     "RangeError",
     "Read",
     "Reading",
     "Report",
+    "SecondDeviceError",
     "Send",
     "Step",
     "StepError",
@@ -113,6 +134,7 @@ __all__ = [
     "VerifyError",
     "Wait",
     "Write",
+    "WrongEncoderError",
     "am36",
     "amm5",
     "asc85",
@@ -123,9 +145,8 @@ __all__ = [
     "decode_file",
     "decode_partition",
     "identify",
-    "Link",
-    "LinkError",
     "lookup",
+    "open_async",
     "open_encoder",
     "read_capture",
     "run",
@@ -151,11 +172,19 @@ _FAMILIES: Final = ("am36", "amm5", "asc85", "sma21")
 
 #: Names that are imported from a module of the runtime on first use.
 _LATE: Final = {
+    "AsyncLink": "link_async",
     "ErrorKind": "errors",
     "Link": "link",
-    "LinkError": "link",
     "Table": "bulk.table",
     "biss_layout": "captures.any_biss",
+    "BusyError": "link_errors",
+    "DisturbedError": "link_errors",
+    "LinkError": "link_errors",
+    "NoReplyError": "link_errors",
+    "NotUsableError": "link_errors",
+    "PortError": "link_errors",
+    "SecondDeviceError": "link_errors",
+    "WrongEncoderError": "link_errors",
 }
 
 if not TYPE_CHECKING:
@@ -165,6 +194,8 @@ if not TYPE_CHECKING:
             return tuple(import_module(f".{family}", __name__).FAMILY for family in _FAMILIES)
         if name in ("decode_file", "decode_partition"):
             return getattr(import_module("codewheel_runtime.files.stream").Files(__name__), name)
+        if name == "open_async":
+            return import_module("codewheel_runtime.link_async").AsyncPorts(_PACKAGE.lookup).open_async
         if name == "open_encoder":
             return import_module("codewheel_runtime.link").Ports(_PACKAGE.lookup).open_encoder
         if name in ("decode_capture", "read_capture"):

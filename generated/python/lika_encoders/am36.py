@@ -65,7 +65,16 @@ from codewheel_runtime.codec import (
 from codewheel_runtime.encoder import Positioned, check_encoder, fact, looked_up, wrong_encoder
 from codewheel_runtime.measures import Rotary, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
-from codewheel_runtime.frames.base import BitsOf, FixedRegister, RegisterOf, Sent, decode_many, encode_many
+from codewheel_runtime.frames.base import (
+    BitsOf,
+    FixedLimitedRegister,
+    FixedRegister,
+    LimitedRegisterOf,
+    Sent,
+    decode_many,
+    encode_many,
+    with_bytes,
+)
 from codewheel_runtime.frames.decoders import Failed, bound, decoder, raised, reported, returned
 from codewheel_runtime.registers import Held, agrees, held_bytes, held_parameters, held_text, whole
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
@@ -1022,7 +1031,7 @@ class _InformationPerRevolution(NamedTuple):
     steps: int
 
 
-class InformationPerRevolution(FixedRegister, _InformationPerRevolution):
+class InformationPerRevolution(FixedLimitedRegister, _InformationPerRevolution):
     """Information per revolution, registers 4Bh to 4Dh, read and write, over BiSS C-mode [6.5 p.27, 7 p.33].
 
     Attributes:
@@ -1048,8 +1057,6 @@ class InformationPerRevolution(FixedRegister, _InformationPerRevolution):
             access in between.
     """
 
-    __slots__ = ()
-
     @classmethod
     def decode(cls, data: Data) -> InformationPerRevolution:
         """Decode the register.
@@ -1064,7 +1071,7 @@ class InformationPerRevolution(FixedRegister, _InformationPerRevolution):
             data = as_bytes(data)
         if len(data) != 3:
             raise LengthError(3, len(data))
-        return made(cls, (data[0] << 16 | data[1] << 8 | data[2],))
+        return with_bytes(made(cls, (data[0] << 16 | data[1] << 8 | data[2],)), data)
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -1076,7 +1083,7 @@ class _NumberOfRevolutions(NamedTuple):
     revolutions: int
 
 
-class NumberOfRevolutions(FixedRegister, _NumberOfRevolutions):
+class NumberOfRevolutions(FixedLimitedRegister, _NumberOfRevolutions):
     """Number of revolutions, registers 4Eh to 4Fh, read and write, over BiSS C-mode [6.5 p.28, 7 p.33].
 
     Attributes:
@@ -1102,8 +1109,6 @@ class NumberOfRevolutions(FixedRegister, _NumberOfRevolutions):
             access in between.
     """
 
-    __slots__ = ()
-
     @classmethod
     def decode(cls, data: Data) -> NumberOfRevolutions:
         """Decode the register.
@@ -1118,7 +1123,7 @@ class NumberOfRevolutions(FixedRegister, _NumberOfRevolutions):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return made(cls, ((data[0] << 8 | data[1]) or 65_536,))
+        return with_bytes(made(cls, ((data[0] << 8 | data[1]) or 65_536,)), data)
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -1131,7 +1136,7 @@ class _Preset(NamedTuple):
     position: int
 
 
-class Preset(RegisterOf["BissEncoder"], _Preset):
+class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
     """Preset, registers 50h to 54h, read and write, over BiSS C-mode [6.5 p.29, 7 p.33].
 
     Attributes:
@@ -1161,8 +1166,6 @@ class Preset(RegisterOf["BissEncoder"], _Preset):
         zero_above_position: Always zero.
     """
 
-    __slots__ = ()
-
     @classmethod
     def decode(cls, data: Data, variant: BissEncoder) -> Preset:
         """Decode the register.
@@ -1185,7 +1188,11 @@ class Preset(RegisterOf["BissEncoder"], _Preset):
             raise LengthError(5, len(data))
         if data[0] >> 4:
             raise ConstantError("zero_above_position", data[0] >> 4, 0)
-        return made(cls, (variant, (data[0] & 0xF) << 32 | data[1] << 24 | data[2] << 16 | data[3] << 8 | data[4]))
+        values = (
+            variant,
+            (data[0] & 0xF) << 32 | data[1] << 24 | data[2] << 16 | data[3] << 8 | data[4],
+        )
+        return with_bytes(made(cls, values), data)
 
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:

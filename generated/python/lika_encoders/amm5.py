@@ -85,10 +85,11 @@ from codewheel_runtime.frames.base import (
     FixedBytes,
     FixedRegister,
     InBytes,
-    RegisterOf,
+    LimitedRegisterOf,
     Sent,
     decode_many,
     encode_many,
+    with_bytes,
 )
 from codewheel_runtime.frames.decoders import Failed, bound, decoder, raised, reported, returned
 from codewheel_runtime.frames.descriptions import needed_by, shape_of
@@ -2221,7 +2222,7 @@ class _Preset(NamedTuple):
     singleturn: int
 
 
-class Preset(RegisterOf["BissEncoder"], _Preset):
+class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
     """Preset, registers 11h to 17h, read and write, over BiSS C-mode [6.4 p.35].
 
     Attributes:
@@ -2252,8 +2253,6 @@ class Preset(RegisterOf["BissEncoder"], _Preset):
         zero_below_multiturn: Always zero.
         zero_below_singleturn: Always zero.
     """
-
-    __slots__ = ()
 
     @property
     def position(self) -> int:
@@ -2306,7 +2305,7 @@ class Preset(RegisterOf["BissEncoder"], _Preset):
             number >> (49 - variant.multiturn_bits) & ((1 << variant.multiturn_bits) - 1),
             number >> (33 - variant.singleturn_bits) & ((1 << variant.singleturn_bits) - 1),
         )
-        return made(cls, values)
+        return with_bytes(made(cls, values), data)
 
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:

@@ -79,11 +79,13 @@ from codewheel_runtime.frames.base import (
     BitsOf,
     BytesOf,
     FixedBytes,
+    FixedLimitedRegister,
     FixedRegister,
     RegisterOf,
     Sent,
     decode_many,
     encode_many,
+    with_bytes,
 )
 from codewheel_runtime.frames.decoders import Failed, bound, decoder, raised, reported, returned
 from codewheel_runtime.frames.descriptions import needed_by
@@ -1863,7 +1865,7 @@ class _PresetOffset(NamedTuple):
     preset_offset: int
 
 
-class PresetOffset(FixedRegister, _PresetOffset):
+class PresetOffset(FixedLimitedRegister, _PresetOffset):
     """Preset / Offset, registers 50h to 53h, read and write, over BiSS C-mode [6.4 p.32, 12 p.51].
 
     Attributes:
@@ -1895,8 +1897,6 @@ class PresetOffset(FixedRegister, _PresetOffset):
         offset_range (settled, wrong limit): The highest value is that sum minus 1.
     """
 
-    __slots__ = ()
-
     @classmethod
     def decode(cls, data: Data) -> PresetOffset:
         """Decode the register.
@@ -1911,7 +1911,7 @@ class PresetOffset(FixedRegister, _PresetOffset):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        return made(cls, (int.from_bytes(data, "big"),))
+        return with_bytes(made(cls, (int.from_bytes(data, "big"),)), data)
 
     @staticmethod
     def limits() -> tuple[int, int]:

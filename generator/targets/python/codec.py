@@ -12,7 +12,7 @@ from ...model.lookup import assert_never
 from ...model.record import dataclass
 from ...plan.codec import codec_of
 from ...plan.crcs import carrier_of
-from ...plan.limits import Limits, limits_of
+from ...plan.limits import Limits, limits_of, powers_of_two
 from ...plan.operations import Part, Whole
 from ...plan.values import (
     Active,
@@ -129,6 +129,11 @@ class Coder:
         return [part for part in parts if is_named(part.meaning) and not self.selects(part.field)]
 
     @property
+    def keeps_bytes(self) -> bool:
+        """True if the register can hold values that may not be written, so that a decoded one keeps its bytes."""
+        return self.register is not None and bool(self.limited or powers_of_two(self.plan))
+
+    @property
     def bases(self) -> str:
         """Bases of the class, except the NamedTuple of its fields."""
         mixin = "Sent, " if self.reports is not None else ""
@@ -136,7 +141,8 @@ class Coder:
             return f"{mixin}{'InBytes' if self.plan.in_bytes else 'InBits'}"
         kind = "Bytes" if self.plan.in_bytes else "Bits"
         if self.register is not None:
-            kind = "Register"
+            kind = "LimitedRegister" if self.keeps_bytes else "Register"
+            return f'{kind}Of["{self.encoder}"]' if self.takes_variant else f"Fixed{kind}"
         return f'{mixin}{kind}Of["{self.encoder}"]' if self.takes_variant else f"{mixin}Fixed{kind}"
 
     # -- attributes

@@ -3,27 +3,28 @@
 
 from __future__ import annotations
 
+import errno
 import os
 from collections.abc import Callable, Sequence
 from importlib import import_module
+from threading import RLock
 from time import monotonic
 from typing import Any, Protocol, TypeVar
 
 from .encoder import Encoder, Frame, PositionFrame
 from .errors import InterfaceError
-from .reports import Interface
-from .session import (
+from .link_errors import (
     BusyError,
     DisturbedError,
     LinkError,
     NoReplyError,
     NotUsableError,
     PortError,
-    Session,
-    Work,
+    SecondDeviceError,
     WrongEncoderError,
-    rs485_facts,
 )
+from .reports import Interface
+from .session import Session, Statistics, Work, rs485_facts
 from .steps import Step
 
 __all__ = [
@@ -35,7 +36,9 @@ __all__ = [
     "NotUsableError",
     "PortError",
     "Ports",
+    "SecondDeviceError",
     "SerialTransport",
+    "Statistics",
     "Transport",
     "WrongEncoderError",
     "open_encoder",
@@ -60,21 +63,41 @@ class Transport(Protocol):
 class Link:
     """Link to an encoder. Close it, or use it in a ``with`` statement.
 
-    It also serves as the line of ``codewheel_runtime.run``.
+    Several threads can use one link: their requests are sent one after the other. It also serves as the line of
+    ``codewheel_runtime.run``.
 
     Args:
         encoder: The encoder, with RS-485.
         transport: Line to the encoder.
         timeout_s: Time in seconds in which a reply must be complete.
         retries: Number of further attempts after a failure.
+        settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud rate
+            and the measured reply times. With 0, a request of another kind is sent before each request instead.
+
+    Attributes:
+        lock: Lock that is held during each request and each procedure. Hold it for requests that belong together.
 
     Raises:
         InterfaceError: The encoder has a different interface.
+        ValueError: ``settle_s`` is negative, or 0 although the encoder has too few kinds of requests.
     """
 
-    def __init__(self, encoder: Encoder, transport: Transport, *, timeout_s: float = 0.05, retries: int = 3) -> None:
-        self.encoder, self.transport = encoder, transport
-        self.session = Session(encoder, timeout_s=timeout_s, retries=retries)
+    def __init__(
+        self,
+        encoder: Encoder,
+        transport: Transport,
+        *,
+        timeout_s: float = 0.05,
+        retries: int = 3,
+        settle_s: float | None = None,
+    ) -> None:
+        self.encoder, self.transport, self.lock = encoder, transport, RLock()
+        self.session = Session(encoder, timeout_s=timeout_s, retries=retries, settle_s=settle_s)
+
+    @property
+    def statistics(self) -> Statistics:
+        """Counters of the requests, and of their replies and failures."""
+        return self.session.statistics
 
     def position(self, request: Any = None) -> int:
         """Return the position in counts.
@@ -125,19 +148,21 @@ class Link:
         self._do(self.session.run(steps))
 
     def drain(self) -> None:
-        """Discard all bytes that were received but not read."""
-        while self.transport.read(0.0):
-            pass
+        """Discard all bytes that were received but not read, until the line is quiet."""
+        with self.lock:
+            self._do(self.session.drain())
 
     def send(self, request: bytes, /) -> None:
         """Send one request."""
-        self.transport.write(request)
+        with self.lock:
+            self.transport.write(request)
 
     def receive(self, length: int, /) -> bytes:
         """Return ``length`` bytes, or fewer after a time-out."""
         data, end = b"", monotonic() + self.session.timeout_s
-        while len(data) < length and (more := self.transport.read(max(0.0, end - monotonic()))):
-            data += more
+        with self.lock:
+            while len(data) < length and (more := self.transport.read(max(0.0, end - monotonic()))):
+                data += more
         return data
 
     def close(self) -> None:
@@ -153,23 +178,26 @@ class Link:
         self.close()
 
     def _do(self, work: Work[_Result]) -> _Result:
-        try:
-            ask = next(work)
-            while True:
-                if ask.send:
-                    self.transport.write(ask.send)
-                ask = work.send(self.transport.read(ask.wait_s))
-        except StopIteration as done:
-            result: _Result = done.value
-            return result
-        except OSError as error:
-            raise PortError(f"the line to {self.encoder.code} failed: {error.strerror or error}") from error
-        finally:
-            work.close()
+        with self.lock:
+            try:
+                ask = next(work)
+                while True:
+                    if ask.send:
+                        self.transport.write(ask.send)
+                    ask = work.send(self.transport.read(ask.wait_s))
+            except StopIteration as done:
+                result: _Result = done.value
+                return result
+            except OSError as error:
+                raise PortError(f"the line to {self.encoder.code} failed: {error.strerror or error}") from error
+            finally:
+                work.close()
 
 
 class SerialTransport:
     """Serial port, or another line that pyserial can open, such as ``socket://host:port``.
+
+    The port is opened exclusively, because two programs on one port would take each other's bytes.
 
     Args:
         port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
@@ -189,7 +217,13 @@ class SerialTransport:
             raise PortError("a serial port needs pyserial: pip install pyserial") from None
         try:
             self._port = serial.serial_for_url(
-                port, baudrate=baud, timeout=0, write_timeout=1, parity=parity[0].upper(), stopbits=stop_bits
+                port,
+                baudrate=baud,
+                timeout=0,
+                write_timeout=1,
+                parity=parity[0].upper(),
+                stopbits=stop_bits,
+                exclusive=True,
             )
             if rs485:
                 self._port.rs485_mode = import_module("serial.rs485").RS485Settings()
@@ -218,7 +252,13 @@ class SerialTransport:
 
 
 def open_encoder(
-    port: str, encoder: Encoder, *, timeout_s: float = 0.05, retries: int = 3, rs485: bool = False
+    port: str,
+    encoder: Encoder,
+    *,
+    timeout_s: float = 0.05,
+    retries: int = 3,
+    settle_s: float | None = None,
+    rs485: bool = False,
 ) -> Link:
     """Open a serial port with the settings of an encoder.
 
@@ -227,6 +267,8 @@ def open_encoder(
         encoder: The encoder, with RS-485.
         timeout_s: Time in seconds in which a reply must be complete.
         retries: Number of further attempts after a failure.
+        settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud rate
+            and the measured reply times. With 0, a request of another kind is sent before each request instead.
         rs485: Let the driver of the port switch the direction of the line. Few adapters need this.
 
     Returns:
@@ -245,6 +287,7 @@ def open_encoder(
         serial_transport(port, encoder, rs485=rs485),
         timeout_s=timeout_s,
         retries=retries,
+        settle_s=settle_s,
     )
 
 
@@ -274,7 +317,14 @@ class Ports:
         self._lookup = lookup
 
     def open_encoder(
-        self, port: str, label: str | Encoder, *, timeout_s: float = 0.05, retries: int = 3, rs485: bool = False
+        self,
+        port: str,
+        label: str | Encoder,
+        *,
+        timeout_s: float = 0.05,
+        retries: int = 3,
+        settle_s: float | None = None,
+        rs485: bool = False,
     ) -> Link:
         """Open the serial port to an encoder with RS-485.
 
@@ -285,6 +335,9 @@ class Ports:
             label: Order code on the label, or the encoder.
             timeout_s: Time in seconds in which a reply must be complete.
             retries: Number of further attempts after a failure.
+            settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud
+                rate and the measured reply times. With 0, a request of another kind is sent before each request
+                instead.
             rs485: Let the driver of the port switch the direction of the line. Few adapters need this.
 
         Returns:
@@ -296,11 +349,13 @@ class Ports:
             PortError: The port cannot be opened, or pyserial is not installed.
         """
         encoder = self._lookup(label) if isinstance(label, str) else label
-        return open_encoder(port, encoder, timeout_s=timeout_s, retries=retries, rs485=rs485)
+        return open_encoder(port, encoder, timeout_s=timeout_s, retries=retries, settle_s=settle_s, rs485=rs485)
 
 
 def _cannot_open(port: str, error: Exception) -> str:
     number = getattr(error, "errno", None)
+    if number in (errno.EAGAIN, errno.EBUSY):
+        return f"cannot open {port}: another program, or another link of this program, has it open"
     reason = os.strerror(number) if number else str(error)
     try:
         comports: Any = import_module("serial.tools.list_ports").comports()

@@ -482,13 +482,15 @@ class RegisterBus:
 
     Args:
         exchange: Function that carries out one BiSS frame. It takes the CDM bit of the previous frame, whose inverse MA
-            carries during the time-out, and returns the CDS bit of this frame.
+            carries during the time-out, and returns the CDS bit of this frame, alone or as the first member of a tuple.
         slave_id: ID of the slave, 0 to 7.
         busy_limit: Maximum number of successive frames in which the slave may be busy. Choose the number that takes
             20 ms.
     """
 
-    def __init__(self, exchange: Callable[[int], int], *, slave_id: int = 0, busy_limit: int = 0) -> None:
+    def __init__(
+        self, exchange: Callable[[int], int | tuple[int, ...]], *, slave_id: int = 0, busy_limit: int = 0
+    ) -> None:
         self.slave_id, self.busy_limit = slave_id, busy_limit
         self._exchange, self._master, self._cdm = exchange, Master(), 0
 
@@ -526,7 +528,8 @@ class RegisterBus:
 
     def _finish(self, address: int) -> None:
         while self._master.outcome is Outcome.RUNNING:
-            self._cdm = self._master.next(self._exchange(self._cdm))
+            received = self._exchange(self._cdm)
+            self._cdm = self._master.next(received[0] if isinstance(received, tuple) else received)
         if self._master.outcome is not Outcome.DONE:
             raise AccessError(self._master.outcome, address)
 

@@ -5,16 +5,17 @@ from __future__ import annotations
 
 from asyncio import Lock, StreamReader, StreamWriter, to_thread, wait_for
 from asyncio import TimeoutError as Late
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from inspect import isawaitable
 from typing import Any, Protocol, TypeVar
 
 from .encoder import Encoder, Frame, PositionFrame
 from .link import Transport, serial_transport
-from .session import PortError, Session, Work
+from .link_errors import PortError
+from .session import Session, Statistics, Work
 from .steps import Step
 
-__all__ = ["AsyncLink", "AsyncTransport", "StreamTransport", "ThreadTransport", "open_async"]
+__all__ = ["AsyncLink", "AsyncPorts", "AsyncTransport", "StreamTransport", "ThreadTransport", "open_async"]
 
 _Result = TypeVar("_Result")
 
@@ -85,17 +86,31 @@ class AsyncLink:
         transport: Line to the encoder.
         timeout_s: Time in seconds in which a reply must be complete.
         retries: Number of further attempts after a failure.
+        settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud rate
+            and the measured reply times. With 0, a request of another kind is sent before each request instead.
 
     Raises:
         InterfaceError: The encoder has a different interface.
+        ValueError: ``settle_s`` is negative, or 0 although the encoder has too few kinds of requests.
     """
 
     def __init__(
-        self, encoder: Encoder, transport: AsyncTransport, *, timeout_s: float = 0.05, retries: int = 3
+        self,
+        encoder: Encoder,
+        transport: AsyncTransport,
+        *,
+        timeout_s: float = 0.05,
+        retries: int = 3,
+        settle_s: float | None = None,
     ) -> None:
         self.encoder, self.transport = encoder, transport
-        self.session = Session(encoder, timeout_s=timeout_s, retries=retries)
+        self.session = Session(encoder, timeout_s=timeout_s, retries=retries, settle_s=settle_s)
         self._lock = Lock()
+
+    @property
+    def statistics(self) -> Statistics:
+        """Counters of the requests, and of their replies and failures."""
+        return self.session.statistics
 
     async def position(self, request: Any = None) -> int:
         """Return the position in counts, requested by ``request`` or with factory defaults."""
@@ -142,7 +157,9 @@ class AsyncLink:
                 work.close()
 
 
-def open_async(port: str, encoder: Encoder, *, timeout_s: float = 0.05, retries: int = 3) -> AsyncLink:
+def open_async(
+    port: str, encoder: Encoder, *, timeout_s: float = 0.05, retries: int = 3, settle_s: float | None = None
+) -> AsyncLink:
     """Open a serial port with the settings of an encoder, for ``async with``.
 
     Args:
@@ -150,6 +167,7 @@ def open_async(port: str, encoder: Encoder, *, timeout_s: float = 0.05, retries:
         encoder: The encoder, with RS-485.
         timeout_s: Time in seconds in which a reply must be complete.
         retries: Number of further attempts after a failure.
+        settle_s: Time in seconds for which the line must be quiet after a reply, as for :class:`AsyncLink`.
 
     Returns:
         The link.
@@ -160,4 +178,48 @@ def open_async(port: str, encoder: Encoder, *, timeout_s: float = 0.05, retries:
     """
     Session(encoder)
     line = ThreadTransport(serial_transport(port, encoder))
-    return AsyncLink(encoder, line, timeout_s=timeout_s, retries=retries)
+    return AsyncLink(encoder, line, timeout_s=timeout_s, retries=retries, settle_s=settle_s)
+
+
+class AsyncPorts:
+    """Functions of a manufacturer's package that open ports for asyncio.
+
+    Args:
+        lookup: Function that returns the encoder that belongs to a label.
+    """
+
+    def __init__(self, lookup: Callable[[str], Encoder]) -> None:
+        self._lookup = lookup
+
+    def open_async(
+        self,
+        port: str,
+        label: str | Encoder,
+        *,
+        timeout_s: float = 0.05,
+        retries: int = 3,
+        settle_s: float | None = None,
+    ) -> AsyncLink:
+        """Open the serial port to an encoder with RS-485, for asyncio.
+
+        Not yet tested on hardware.
+
+        Args:
+            port: Name of the port, such as ``/dev/ttyUSB0`` or ``COM3``, or a pyserial URL.
+            label: Order code on the label, or the encoder.
+            timeout_s: Time in seconds in which a reply must be complete.
+            retries: Number of further attempts after a failure.
+            settle_s: Time in seconds for which the line must be quiet after a reply. The default depends on the baud
+                rate and the measured reply times. With 0, a request of another kind is sent before each request
+                instead.
+
+        Returns:
+            The link, for an ``async with`` statement.
+
+        Raises:
+            OrderCodeError: There is no such order code.
+            InterfaceError: The encoder has a different interface.
+            PortError: The port cannot be opened, or pyserial is not installed.
+        """
+        encoder = self._lookup(label) if isinstance(label, str) else label
+        return open_async(port, encoder, timeout_s=timeout_s, retries=retries, settle_s=settle_s)

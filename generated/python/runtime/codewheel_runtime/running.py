@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from contextlib import nullcontext
 from time import monotonic, sleep
-from typing import NamedTuple, Protocol, cast
+from typing import Any, NamedTuple, Protocol, cast
 
 from .steps import Modify, Poll, Read, Send, Step, Verify, Wait, Write
 
@@ -249,6 +250,7 @@ def run(
     Args:
         steps: Steps, as returned by a function for a procedure.
         bus: Object that reads and writes registers. For RS-485 requests, a line that sends them and receives replies.
+            The ``lock`` of a link is held until the last step.
         progress: Called before each step with its index, the number of steps, and the step.
         poll_s: Maximum time to poll a register, in seconds.
         wait: Function that waits for a number of seconds.
@@ -261,5 +263,8 @@ def run(
             value that was written.
     """
     procedure = _Procedure(bus, poll_s, wait)
-    procedure.carry_out(steps, progress)
+    # Another thread must not send requests between those of a procedure.
+    lock: Any = getattr(bus, "lock", None)
+    with lock if hasattr(lock, "__enter__") else nullcontext():
+        procedure.carry_out(steps, progress)
     return tuple(procedure.readings)

@@ -5,14 +5,17 @@ The methods of a :class:`Session` are generators that yield each action as an :c
 arrived. ``link`` carries them out with any transport, such as a serial port, and ``link_async`` does so for asyncio.
 
 A reply carries no sequence number to match it to its request, and its 8-bit CRC misses 1 in 256 corrupted frames. So
-the session accepts a reply only if it begins with the first byte of its request, is a valid frame, and is the last that
-arrived. After any failure it resynchronises: it sends a request of another kind, and discards everything before the
-reply to that. So late replies that follow a failure are not mistaken for the reply to the next request. If requests of
-other kinds get no reply either, it waits four time-outs, so only an even later reply could be mistaken.
+the session accepts a reply only if it begins with the first byte of its request and is a valid frame, and if no other
+reply to such a request arrives with it. After any failure it resynchronises: it sends a request of another kind, and
+discards everything before the reply to that. So late replies are not mistaken for the reply to the next request. If
+requests of other kinds get no reply either, it waits four time-outs, so only an even later reply could be mistaken.
 
-One reply too many is not a failure. If a second copy of a reply arrives after the session has taken the first, and the
-next request follows at once, each reply is taken for the one to the request after its own, until a failure. A pause
-between the requests that is longer than the delay of the copy avoids this.
+An extra reply, such as a second copy, must not be taken for the reply to the next request. So after each reply the line
+must be quiet for a time, ``settle_s``, before the reply is returned. If the extra reply arrives in this time, it is
+discarded. If it arrives later, it comes shortly before or after the reply to the next request. If the two differ,
+neither is used, and the request is repeated. The condition is that ``settle_s`` is not shorter than the time from a
+request to the end of its reply, as the program sees it: a serial adapter that collects bytes adds its latency. So the
+default follows the measured times.
 
 The reply to a write can be identical to the request, and therefore to its echo. Read back what you write.
 
@@ -21,19 +24,31 @@ Not yet tested on hardware.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Generator, Mapping, Sequence
+from collections import deque
+from collections.abc import Callable, Generator, Sequence
+from dataclasses import dataclass
 from enum import Enum, IntEnum
 from functools import partial
 from importlib import import_module
 from time import monotonic
-from types import MappingProxyType
 from typing import Any, NamedTuple, TypeVar, cast, get_args
 
 from .bulk.shape import holds
 from .encoder import Encoder, Exchanged, Frame, PositionFrame
-from .errors import CrcError, FrameError, InterfaceError
+from .errors import FrameError, InterfaceError
 from .frames.decoders import decoder, raised
 from .frames.descriptions import any_shape
+from .link_errors import (
+    BusyError,
+    DisturbedError,
+    LinkError,
+    NoReplyError,
+    NotUsableError,
+    PortError,
+    SecondDeviceError,
+    WrongEncoderError,
+)
+from .replies import FoundReply, PendingRequest, ReplyKind, error_in, find_reply, split_replies, xor_of
 from .reports import Interface
 from .running import StepError
 from .steps import Send, Step, Wait
@@ -46,7 +61,9 @@ __all__ = [
     "NoReplyError",
     "NotUsableError",
     "PortError",
+    "SecondDeviceError",
     "Session",
+    "Statistics",
     "Work",
     "WrongEncoderError",
     "rs485_facts",
@@ -62,53 +79,17 @@ _BUSY_S, _BUSY_PAUSE_S = 1.0, 0.001
 _LATE = 4
 #: Seconds to wait for more bytes after a reply that follows other bytes.
 _QUIET_S = 0.002
-
-
-class LinkError(RuntimeError):
-    """A link failed.
-
-    Attributes:
-        received: Bytes that arrived in the last attempt.
-    """
-
-    def __init__(self, message: str, received: bytes = b"") -> None:
-        super().__init__(message, received)
-        self.received = received
-
-    def __str__(self) -> str:
-        return str(self.args[0])
-
-
-class PortError(LinkError):
-    """The port does not exist, cannot be opened, or was closed."""
-
-
-class NoReplyError(LinkError):
-    """Nothing arrived in time, or only the echo of the request."""
-
-
-class DisturbedError(LinkError):
-    """Bytes arrived, but they are not a valid reply."""
-
-
-class WrongEncoderError(LinkError):
-    """The replies are from a different kind of encoder."""
-
-
-class BusyError(LinkError):
-    """The memory of the encoder stayed busy."""
-
-
-class NotUsableError(LinkError):
-    """The encoder reports that its position is not usable.
-
-    Attributes:
-        frame: The frame, with its ``reports``.
-    """
-
-    def __init__(self, message: str, frame: PositionFrame) -> None:
-        super().__init__(message)
-        self.frame = frame
+#: Seconds in which an encoder begins to reply, for the default of ``settle_s``. The manuals give no reply time.
+_TURNAROUND_S = 0.00025
+#: Number of kinds of requests that ``settle_s=0`` needs.
+_KINDS = 3
+#: Number of replies whose times are kept.
+_REPLY_TIMES = 16
+#: Number of extra replies with other values that show a second device. A single one can be a late copy. If they come so
+#: late that they are read before the next request, fewer are sufficient.
+_FOREIGN_REPLIES, _LATE_FOREIGN_REPLIES = 3, 2
+#: Number of requests in a row with exactly one reply that show that there is no second device.
+_SINGLE_REPLIES = 2
 
 
 class Ask(NamedTuple):
@@ -125,27 +106,25 @@ class Ask(NamedTuple):
 Work = Generator[Ask, bytes, _Result]
 
 
-class _Kind(NamedTuple):
-    """Request, by its first byte, and its reply. ``flags`` are the names of the flags in the reply."""
+@dataclass(slots=True)
+class Statistics:
+    """Counters of a session.
 
-    name: str
-    control: int
-    id: int
-    purpose: str
-    length: int
-    has_position: bool
-    flags: tuple[str, ...]
-    repeats_first: bool = True
+    Attributes:
+        requests: Requests that were sent, with those that were repeated and those of other kinds.
+        replies: Requests that got a valid reply.
+        failures: Requests that did not.
+        late_replies: Replies that arrived after their request had failed.
+        extra_replies: Replies that no request asked for, such as second copies.
+        conflicts: Requests that got two different replies. They are among the failures.
+    """
 
-
-class _PendingRequest(NamedTuple):
-    """Request, its bytes on the line, the decoder of its reply, and the answers to open questions that it needs."""
-
-    request: Any
-    data: bytes
-    kind: _Kind
-    decode: Callable[[bytes], Any]
-    answers: Mapping[str, object] = MappingProxyType({})
+    requests: int = 0
+    replies: int = 0
+    failures: int = 0
+    late_replies: int = 0
+    extra_replies: int = 0
+    conflicts: int = 0
 
 
 class Session:
@@ -156,26 +135,57 @@ class Session:
         timeout_s: Time in seconds in which a reply must be complete. The manuals give no reply time. The default allows
             for the latency of USB adapters.
         retries: Number of further attempts after a failure.
+        settle_s: Time in seconds for which the line must be quiet after a reply. The default is 0.25 ms plus the time
+            that the request and the reply take at the baud rate, or the usual time of the last replies if that is
+            longer. With 0, a request of another kind is sent before each request instead, so an extra reply can be
+            taken for the reply to at most one other request, and a second device is not detected.
         clock: Function that returns the time in seconds.
+
+    Attributes:
+        statistics: Counters, for instance of extra replies.
 
     Raises:
         InterfaceError: The encoder has a different interface.
+        ValueError: ``settle_s`` is negative, or 0 although the encoder has too few kinds of requests.
     """
 
     def __init__(
-        self, encoder: Encoder, *, timeout_s: float = 0.05, retries: int = 3, clock: Callable[[], float] = monotonic
+        self,
+        encoder: Encoder,
+        *,
+        timeout_s: float = 0.05,
+        retries: int = 3,
+        settle_s: float | None = None,
+        clock: Callable[[], float] = monotonic,
     ) -> None:
         if encoder.interface is not Interface.RS485:
             raise InterfaceError(encoder.code, encoder.interface, Interface.RS485)
         self.encoder, self.timeout_s, self.retries, self.clock = encoder, timeout_s, retries, clock
+        self.settle_s, self.statistics = settle_s, Statistics()
         self.exchanges = encoder.exchanges()
         self.kinds = {} if self.exchanges else _request_kinds(encoder)
         captures = [kind for kind in self.kinds.values() if kind.purpose == "capture"]
         self._marks = [kind.control for kind in captures]
+        if settle_s is not None and not settle_s >= 0:
+            raise ValueError(f"settle_s must be at least 0, got {settle_s}")
+        if settle_s == 0 and len(self._marks) < _KINDS:
+            raise ValueError(f"settle_s must be more than 0, because {encoder.code} has too few kinds of requests")
+        port = rs485_facts(encoder).port
+        bits_per_byte = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
+        self._byte_s = bits_per_byte / port.baud
         #: First byte of the last request, if it failed.
         self._failed = 0
         #: Number of replies in a row that look like those of another kind of encoder.
         self._odd_replies = 0
+        #: Last request, and the reply to it. Late replies are compared with it.
+        self._last_request: PendingRequest | None = None
+        self._last_reply = b""
+        #: Number of extra replies with other values, and of requests in a row since then that got exactly one reply.
+        self._foreign_replies = self._single_replies = 0
+        #: Times in seconds that the last replies took.
+        self._reply_times: deque[float] = deque(maxlen=_REPLY_TIMES)
+        #: Number of requests whose reply can still arrive.
+        self._unanswered = 0
         self._position = next((kind for kind in captures if kind.has_position), None)
 
     def position(self, request: Any = None) -> Work[int]:
@@ -223,7 +233,7 @@ class Session:
                 raise BusyError(f"the memory of {self.encoder.code} stayed busy for {_BUSY_S:g} s", reply)
             yield from self.pause(_BUSY_PAUSE_S)
 
-    def _difference(self, pending: _PendingRequest, frame: Frame) -> str:
+    def _difference(self, pending: PendingRequest, frame: Frame) -> str:
         """Return how a reply differs from the values of its request, such as an address, or an empty string."""
         fields = getattr(pending.request, "_fields", ())
         joins = any_shape(pending.request.__class__, self.encoder).joins if fields else ()
@@ -248,9 +258,14 @@ class Session:
 
     def pause(self, seconds: float) -> Work[None]:
         """Wait, and discard all bytes that arrive."""
-        end = self.clock() + seconds
+        end, discarded = self.clock() + seconds, b""
         while (remaining_s := end - self.clock()) > 0:
-            yield Ask(b"", remaining_s)
+            discarded = (discarded + (yield Ask(b"", remaining_s)))[-_MOST_BYTES:]
+        self._discard(discarded)
+
+    def drain(self) -> Work[None]:
+        """Discard all bytes that have arrived, until the line is quiet."""
+        yield from self._discard_waiting()
 
     def _send_series(self, step: Send) -> Work[None]:
         pending = self._pending(step.request)
@@ -258,7 +273,8 @@ class Session:
         done = 0
         while done < step.times:
             try:
-                yield from self._send_in_step(pending)
+                # A request of another kind would end the count of the encoder.
+                yield from self._send_in_step(pending, is_first=done == 0)
                 yield from self.pause(step.every_us / 1e6)
                 done += 1
             except LinkError:
@@ -267,90 +283,156 @@ class Session:
                 # The request of another kind that follows also ends the count of the encoder.
                 attempts_left, done = attempts_left - 1, 0
 
-    def _send_with_retries(self, pending: _PendingRequest) -> Work[bytes]:
+    def _send_with_retries(self, pending: PendingRequest) -> Work[bytes]:
         attempts_left = self.retries
         while True:
             try:
                 return (yield from self._send_in_step(pending))
+            except SecondDeviceError:
+                raise
             except LinkError:
                 if not attempts_left:
                     raise
                 attempts_left -= 1
 
-    def _send_in_step(self, pending: _PendingRequest) -> Work[bytes]:
-        """Send a request once, after resynchronisation if the previous one failed."""
+    def _send_in_step(self, pending: PendingRequest, *, is_first: bool = True) -> Work[bytes]:
+        """Send a request once, after resynchronisation if the previous one failed, or if there is no time to settle."""
+        control = pending.data[0]
         if self._failed:
             yield from self._resynchronise(self._failed)
-        self._failed = pending.data[0]
+        elif self.settle_s == 0 and is_first:
+            yield from self._resynchronise(control)
+        self._failed = control
         reply = yield from self._send_once(pending)
         self._failed = self._odd_replies = 0
         return reply
 
     def _resynchronise(self, control: int) -> Work[None]:
         """Get a reply to a request of another kind. All earlier replies come before it."""
+        # The kinds take turns, so that a late reply to an earlier request of another kind is not taken for this one.
+        self._marks = self._marks[1:] + self._marks[:1]
         for mark in self._marks:
             if mark != control:
                 try:
                     yield from self._send_once(self._pending(bytes([mark])))
                     return
+                except SecondDeviceError:
+                    raise
                 except LinkError:
                     continue
         # There are no other kinds. Wait for late replies.
         yield from self.pause(_LATE * self.timeout_s)
 
-    def _send_once(self, pending: _PendingRequest) -> Work[bytes]:
+    def _send_once(self, pending: PendingRequest) -> Work[bytes]:
         """Send a request once, and return the valid reply."""
-        for _ in range(_MOST_BYTES):
-            if not (yield Ask(b"", 0.0)):
-                break
-        end = self.clock() + self.timeout_s
+        yield from self._discard_waiting()
+        self._last_request, self._last_reply = pending, b""
+        self.statistics.requests += 1
+        try:
+            reply = yield from self._receive_reply(pending)
+        except LinkError as error:
+            self.statistics.failures += 1
+            self._unanswered += isinstance(error, NoReplyError)
+            raise
+        self.statistics.replies += 1
+        self._last_reply, self._unanswered = reply, 0
+        return reply
+
+    def _receive_reply(self, pending: PendingRequest) -> Work[bytes]:
+        """Send a request, and return the valid reply when the line is quiet."""
+        begin = self.clock()
+        end, is_measured = begin + self.timeout_s, False
         received = yield Ask(pending.data, self.timeout_s)
         while True:
-            reply = self._reply_in(received, pending)
-            if reply:
-                # After other bytes, or an echo, part of the reply could look like a reply by chance. So could other
-                # bytes before a reply that begins with any byte.
-                echo = pending.data + pending.data[: pending.kind.repeats_first]
-                is_clean = pending.kind.repeats_first and received.startswith(reply) and not received.startswith(echo)
-                more = yield Ask(b"", 0.0 if is_clean else _QUIET_S)
+            found = find_reply(received, pending, self.kinds)
+            if found is not None:
+                if not is_measured:
+                    self._reply_times.append(self.clock() - begin)
+                    is_measured = True
+                more = yield Ask(b"", self._quiet_s(received, found.reply, pending))
                 if not more:
-                    return reply
-                received += more
-                continue
-            remaining_s = end - self.clock()
-            more = b"" if remaining_s <= 0 or len(received) > _MOST_BYTES else (yield Ask(b"", remaining_s))
-            if not more:
-                raise self._failure(received, pending)
+                    return self._unambiguous(found, received, pending)
+            else:
+                remaining_s = end - self.clock()
+                more = b"" if remaining_s <= 0 else (yield Ask(b"", remaining_s))
             received += more
+            if not more or len(received) > _MOST_BYTES:
+                self._count_extra(len(split_replies(received[:_MOST_BYTES], pending, self.kinds)))
+                raise self._failure(received, pending)
 
-    def _reply_in(self, received: bytes, pending: _PendingRequest) -> bytes:
-        """Return the reply found in the received bytes, or nothing. Only repetitions of the reply may follow it."""
-        length = pending.kind.length
-        if not pending.kind.repeats_first:
-            # Nothing marks the start of the reply, so there must be no other bytes than an echo.
-            candidates = (received, received.removeprefix(pending.data))
-            for candidate in candidates:
-                if len(candidate) == length and self._error_in(candidate, pending) is None:
-                    return candidate
-            return b""
-        # The last one comes first, because an echo and a reply can look like a reply and one more byte.
-        for start in range(len(received) - length, -1, -1):
-            reply, following = received[start : start + length], received[start + length :]
-            is_last = reply * (len(following) // length) == following
-            if is_last and reply[0] == pending.kind.control and self._error_in(reply, pending) is None:
-                return reply
-        return b""
+    def _quiet_s(self, received: bytes, reply: bytes, pending: PendingRequest) -> float:
+        """Return the time for which the line must be quiet after a reply."""
+        # In this time, the reply to this request would follow if the reply were an extra one to an earlier request.
+        settle_s = self._settle_s(pending)
+        # After other bytes, or an echo, part of the reply could look like a reply by chance. So could other bytes
+        # before a reply that begins with any byte.
+        echo = pending.data + pending.data[: pending.kind.repeats_first]
+        is_clean = pending.kind.repeats_first and received.startswith(reply) and not received.startswith(echo)
+        return settle_s if is_clean else max(settle_s, _QUIET_S)
 
-    def _error_in(self, reply: bytes, pending: _PendingRequest) -> FrameError | None:
-        try:
-            pending.decode(reply)
-        except FrameError as error:
-            return error
-        except TypeError:  # Other fields need an answer. The CRC is an XOR.
-            return CrcError(reply[-1], reply[-1] ^ _xor(reply)) if _xor(reply) else None
-        return None
+    def _settle_s(self, pending: PendingRequest) -> float:
+        if self.settle_s is not None:
+            return self.settle_s
+        reply_s: float = _TURNAROUND_S + self._byte_s * (len(pending.data) + pending.kind.length)
+        # Few replies that were much slower than the others do not count.
+        times = sorted(self._reply_times)
+        return max(reply_s, times[3 * len(times) // 4]) if times else reply_s
 
-    def _failure(self, received: bytes, pending: _PendingRequest) -> LinkError:
+    def _unambiguous(self, found: FoundReply, received: bytes, pending: PendingRequest) -> bytes:
+        """Return the reply, and count other replies. Raises an error if they differ."""
+        different = [other for other in found.same_kind if other != found.reply]
+        self._count_extra(len(found.same_kind) - len(different))
+        self._count_foreign([*found.other_kinds, *different], received, _FOREIGN_REPLIES)
+        self._single_replies = 0 if found.same_kind or found.other_kinds else self._single_replies + 1
+        if not different:
+            return found.reply
+        self.statistics.conflicts += 1
+        request_text = f"the request {_hex(pending.data)} to {self.encoder.code}"
+        replies_text = f"{_hex(different[-1])} and {_hex(found.reply)}"
+        raise DisturbedError(f"two different replies to {request_text}, so neither is used: {replies_text}", received)
+
+    def _count_foreign(self, replies: Sequence[bytes], received: bytes, limit: int) -> None:
+        """Count extra replies with other values. Raises an error if they show a second device."""
+        extra = self._count_extra(len(replies))
+        self._foreign_replies += extra
+        # Without a time to settle, one copy can cause several of them.
+        if extra and self._foreign_replies >= limit and self.settle_s != 0:
+            count, code = self._foreign_replies, self.encoder.code
+            text = f"{count} extra replies with other values came from the line to {code}, the last one"
+            advice = "check whether a second device on the line answers, too"
+            raise SecondDeviceError(f"{text} {_hex(replies[-1])}; {advice}", received)
+
+    def _discard_waiting(self) -> Work[None]:
+        """Discard the bytes that have arrived since the last request. Raises an error if a second device answers."""
+        waiting, quiet_s = b"", 0.0
+        for _ in range(_MOST_BYTES):
+            more = yield Ask(b"", quiet_s)
+            if not more:
+                break
+            waiting = (waiting + more)[-_MOST_BYTES:]
+            quiet_s = self._settle_s(self._last_request) if self._last_request is not None else 0.0
+        self._discard(waiting)
+
+    def _discard(self, data: bytes) -> None:
+        """Count the replies in bytes that arrived without a request. Raises an error if a second device answers."""
+        last = self._last_request
+        replies = split_replies(data, last, self.kinds) if last is not None else []
+        self._single_replies *= not replies
+        # The reply of a second device to one request can arrive after the reply to the next one.
+        self._foreign_replies *= self._single_replies < _SINGLE_REPLIES
+        foreign = [reply for reply in replies if self._last_reply not in (b"", reply)]
+        self._count_extra(len(replies) - len(foreign))
+        self._count_foreign(foreign, data, _LATE_FOREIGN_REPLIES)
+
+    def _count_extra(self, count: int) -> int:
+        """Count replies beyond those that are used. Return their number without late replies to failed requests."""
+        late = min(count, self._unanswered)
+        self._unanswered -= late
+        self.statistics.late_replies += late
+        self.statistics.extra_replies += count - late
+        return count - late
+
+    def _failure(self, received: bytes, pending: PendingRequest) -> LinkError:
         """Return the error for bytes without a valid reply."""
         kind, request_text = pending.kind, f"the request {_hex(pending.data)} to {self.encoder.code}"
         bytes_text = _hex(received[:24]) + (" ..." if len(received) > 24 else "")
@@ -384,25 +466,25 @@ class Session:
         return DisturbedError(f"no valid reply to {request_text} in {bytes_text}", received)
 
     def _exchange_failure(
-        self, received: bytes, pending: _PendingRequest, request_text: str, bytes_text: str
+        self, received: bytes, pending: PendingRequest, request_text: str, bytes_text: str
     ) -> LinkError:
         """Return the error for bytes without a valid reply of an exchange."""
         if len(received) < pending.kind.length:
             text = f"incomplete reply to {request_text}: {len(received)} of {pending.kind.length} bytes, {bytes_text}"
             return DisturbedError(text, received)
         reply = received[-pending.kind.length :]
-        differs = self._difference(pending, pending.decode(reply)) if self._error_in(reply, pending) is None else ""
+        differs = self._difference(pending, pending.decode(reply)) if error_in(reply, pending) is None else ""
         return DisturbedError(differs or f"no valid reply to {request_text} in {bytes_text}", received)
 
-    def _sign_of_other_encoder(self, received: bytes, pending: _PendingRequest) -> str:
+    def _sign_of_other_encoder(self, received: bytes, pending: PendingRequest) -> str:
         """Return why the bytes look like a reply from another kind of encoder, or an empty string."""
-        if received[0] != pending.kind.control or len(received) < 3 or _xor(received):
+        if received[0] != pending.kind.control or len(received) < 3 or xor_of(received):
             return ""
         if len(received) != pending.kind.length:
             return f"it has a valid CRC, but {len(received)} bytes instead of {pending.kind.length}"
-        return str(self._error_in(received, pending))
+        return str(error_in(received, pending))
 
-    def _pending(self, request: Any) -> _PendingRequest:
+    def _pending(self, request: Any) -> PendingRequest:
         """Return a request: bytes, an object of the encoder's module, or a member of its ``DataId``."""
         if self.exchanges:
             return self._pending_exchange(request)
@@ -423,9 +505,9 @@ class Session:
             requests = ", ".join(f"{kind.control:02X} ({kind.name})" for kind in self.kinds.values())
             raise LinkError(f"{self.encoder.code} has no request '{_hex(data)}'; its requests are {requests}")
         decode = cast(Callable[..., Frame], self.encoder.decode)
-        return _PendingRequest(request, data, request_kind, partial(decode, **answers), answers)
+        return PendingRequest(request, data, request_kind, partial(decode, **answers), answers)
 
-    def _pending_exchange(self, object_or_bytes: Any) -> _PendingRequest:
+    def _pending_exchange(self, object_or_bytes: Any) -> PendingRequest:
         """Return a request: bytes, or an object of the encoder's module."""
         data = bytes(object_or_bytes) if isinstance(object_or_bytes, (bytes, bytearray)) else b""
         for exchange in self.exchanges:
@@ -436,7 +518,7 @@ class Session:
             if exchange.reply is None:
                 raise LinkError(f"{self.encoder.code} does not answer {name}: send its bytes with 'send'")
             shape, data = any_shape(exchange.reply, self.encoder), request.encode()
-            kind = _Kind(
+            kind = ReplyKind(
                 name=name,
                 control=data[0],
                 id=0,
@@ -446,7 +528,7 @@ class Session:
                 flags=(),
                 repeats_first=exchange.repeats_first,
             )
-            return _PendingRequest(request, data, kind, decoder(exchange.reply._decoder, self.encoder, raised))
+            return PendingRequest(request, data, kind, decoder(exchange.reply._decoder, self.encoder, raised))
         requests = ", ".join(exchange.request.__name__ for exchange in self.exchanges)
         request_text = _hex(data) or f"{object_or_bytes!r}"
         raise LinkError(f"{self.encoder.code} has no request '{request_text}'; its requests are {requests}")
@@ -459,11 +541,11 @@ def _request_in(exchange: Exchanged, data: bytes) -> Any:
         return None
 
 
-def _request_kinds(encoder: Encoder) -> dict[int, _Kind]:
+def _request_kinds(encoder: Encoder) -> dict[int, ReplyKind]:
     """Return the requests of an encoder by their first byte."""
     module: Any = import_module(type(encoder).__module__)
     replies = [(kind, any_shape(kind, encoder)) for kind in get_args(module.Reply) or (module.Reply,)]
-    kinds: dict[int, _Kind] = {}
+    kinds: dict[int, ReplyKind] = {}
     for data_id in rs485_facts(encoder).data_ids:
         for kind, shape in replies:
             # The first byte identifies a reply.
@@ -471,7 +553,7 @@ def _request_kinds(encoder: Encoder) -> dict[int, _Kind]:
             allowed_ids = (tuple(column.values) for column in shape.columns if column.low < 8 and column.values)
             is_valid = all(holds(data_id.control, check) for check in first_checks)
             if is_valid and all(data_id.id in allowed for allowed in allowed_ids):
-                kinds[data_id.control] = _Kind(
+                kinds[data_id.control] = ReplyKind(
                     name=data_id.name,
                     control=data_id.control,
                     id=data_id.id,
@@ -491,10 +573,3 @@ def rs485_facts(encoder: Encoder) -> Any:
 
 def _hex(data: bytes) -> str:
     return data.hex(" ").upper()
-
-
-def _xor(data: bytes) -> int:
-    value = 0
-    for byte in data:
-        value ^= byte
-    return value

@@ -45,14 +45,17 @@ def add_output(parser: argparse.ArgumentParser, plot: bool = False) -> None:
     add("--write", choices=("parquet", "arrow", "csv"), help="output format (default: by extension, else csv)")
     add("--columns", type=_names, default=(), metavar="NAME,...", help="columns to write, also of FILE (default: all)")
     add("--raw", action="store_true", help="write the position of every frame, even if it is not usable")
-    add(
-        "--max-errors",
-        type=_percent,
-        default=DEFAULT_MAX_ERRORS,
-        metavar="PERCENT",
-        help="exit with 1 if more frames than this have an error (default: %(default)g)",
-    )
+    _add_max_errors(add, "frames have an error")
     add("--limit", type=count, metavar="COUNT", help="decode at most this many frames")
+    add("--force", action="store_true", help="replace an existing file")
+
+
+def add_record(parser: argparse.ArgumentParser) -> None:
+    """Add the options for the file of live readings."""
+    add = parser.add_argument_group("output").add_argument
+    add("-o", "--output", default="", metavar="FILE", help="table to write, or - for standard output")
+    add("--write", choices=("csv", "jsonl", "parquet"), help="output format (default: by extension, else csv)")
+    _add_max_errors(add, "readings failed")
     add("--force", action="store_true", help="replace an existing file")
 
 
@@ -65,6 +68,16 @@ def add_input(parser: argparse.ArgumentParser) -> None:
     add("--column", default="", metavar="NAME", help="column with the frames, in CSV also its number from 1")
     _add_digits(add)
     add("--cut", action="store_true", help="ignore an incomplete frame at the end")
+
+
+def _add_max_errors(add: Callable[..., object], failure: str) -> None:
+    add(
+        "--max-errors",
+        type=_percent,
+        default=DEFAULT_MAX_ERRORS,
+        metavar="PERCENT",
+        help=f"exit with 1 if more than this share of the {failure} (default: %(default)g)",
+    )
 
 
 def _add_digits(add: Callable[..., object]) -> None:

@@ -290,6 +290,39 @@ class RegisterOf(ByEncoder[_Encoder], InBytes):
     __slots__ = ()
 
 
+class Limited(InBytes):
+    """Register with limits for the values that may be written. They apply to objects that a program creates.
+
+    A decoded register keeps its bytes, because its content can be outside these limits.
+    """
+
+    def encode(self) -> bytes:
+        """Return the bytes. A decoded register returns the bytes that were decoded.
+
+        Raises:
+            RangeError: A value does not fit its field, or may not be written.
+        """
+        data: bytes | None = self.__dict__.get("_bytes")
+        return super().encode() if data is None else data
+
+
+class FixedLimitedRegister(Limited, FixedRegister):
+    """Register with limits that is the same for every encoder."""
+
+
+class LimitedRegisterOf(Limited, RegisterOf[_Encoder]):
+    """Register with limits that depends on the encoder."""
+
+
+_Limited = TypeVar("_Limited", bound=Limited)
+
+
+def with_bytes(register: _Limited, data: bytes) -> _Limited:
+    """Return a decoded register with the bytes from which it was decoded."""
+    register.__dict__["_bytes"] = data
+    return register
+
+
 def decode_many(frames: object, kind: type, encoder: Encoder | None, *arguments: object) -> Table:
     """Decode many frames of one class. ``arguments`` are the encoder and the answers that the class needs."""
     shape = shape_of(kind, *arguments)

@@ -8,6 +8,7 @@ import json
 import os
 import re
 import sys
+from contextlib import nullcontext
 from importlib import import_module
 from typing import Any
 
@@ -105,9 +106,10 @@ def _listed_numbers(frames: Any) -> Any:
 
 
 def monitor(package: str, chosen: argparse.Namespace) -> None:
-    """Show an encoder live."""
+    """Show an encoder live, and record its readings."""
     from .. import link
     from .monitor import watch
+    from .record import recording
 
     encoder = encoder_of(package, chosen)
     if encoder.interface is not Interface.RS485:
@@ -115,12 +117,31 @@ def monitor(package: str, chosen: argparse.Namespace) -> None:
         how = "export the words that it finds, and use 'decode'" if is_spi else "use 'capture'"
         problem = f"{encoder.code} has the interface {encoder.interface.title}, and a serial port cannot send its clock"
         raise Failed(f"{problem}: record it with a logic analyser, and {how}", USAGE)
+    # On a terminal, readings are shown. In a pipe, they are written as a table.
+    target = chosen.output if chosen.output or sys.stdout.isatty() else "-"
+    out = sys.stderr if target == "-" else sys.stdout
     try:
-        # Without retries, every error is counted.
-        with link.open_encoder(chosen.port, encoder, retries=0) as opened:
-            watch(opened, encoder, chosen.port, count=chosen.count, interval_s=chosen.interval)
+        with (
+            working(package, chosen.port),
+            recording(target, chosen.write, chosen.force) if target else nullcontext() as recorder,
+            # Without retries, every error is counted.
+            link.open_encoder(chosen.port, encoder, retries=0) as opened,
+        ):
+            readings = watch(
+                opened,
+                encoder,
+                chosen.port,
+                count=chosen.count,
+                interval_s=chosen.interval,
+                out=out,
+                recorder=recorder,
+                is_shown=target != "-",
+            )
     except link.LinkError as error:
         raise Failed(error) from None
+    if 100 * readings.failures > chosen.max_errors * readings.total:
+        failures_text = f"{readings.failures} of {readings.total} readings failed"
+        raise Failed(f"{failures_text}; --max-errors is {chosen.max_errors:g}")
 
 
 def _encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLayout:

@@ -30,7 +30,7 @@ from .common import (
     missing,
     working,
 )
-from .options import add_capture, add_encoder, add_input, add_output, count, seconds
+from .options import add_capture, add_encoder, add_input, add_output, add_record, count, seconds
 
 if TYPE_CHECKING:
     from ..files.stream import Summary
@@ -88,6 +88,21 @@ exit codes:
        frame, or more cycles have an error or no frame than --max-errors allows
   2    wrong usage, or an unknown order code
   130  interrupted
+"""
+
+
+_RECORD: Final = """\
+The table has one row per reading: 'time' in seconds, 'position' in counts
+(empty if it is not usable), 'verdict', 'reports' (active alarms), and 'error',
+such as 'no reply'. Requests are not repeated, so every error is a row. Without
+-o, the table is written to standard output if that is not a terminal.
+
+exit codes:
+  0    success
+  1    the port cannot be opened, the encoder never answers, the file cannot be
+       written, or more readings failed than --max-errors allows
+  2    wrong usage, or an unknown order code
+With too many errors (--max-errors), the table is still written. Ctrl-C ends it.
 """
 
 
@@ -177,13 +192,15 @@ def _add_monitor(add_command: Callable[..., Any]) -> None:
     parser = add_command(
         "monitor",
         partial(_bench, "monitor"),
-        "show an encoder live, over RS-485",
-        description="Read an encoder over RS-485, and show its position, speed and state live.",
+        "show an encoder live, over RS-485, and record it",
+        description="Read an encoder over RS-485, and show its position, speed and state live, or write a table.",
+        epilog=_RECORD,
     )
     parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
     parser.add_argument("port", metavar="PORT", help="serial port, such as /dev/ttyUSB0, COM3 or socket://HOST:PORT")
     parser.add_argument("--count", type=count, metavar="COUNT", help="stop after this many readings")
     parser.add_argument("--interval", type=seconds, default=0.0, metavar="SECONDS", help="time between two readings")
+    add_record(parser)
     add_encoder(parser)
 
 

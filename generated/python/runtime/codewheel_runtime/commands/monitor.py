@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Shows an encoder live in a terminal: position, angle, speed, verdict, reports, rate and errors."""
+"""Shows an encoder live in a terminal, and records its readings."""
 
 from __future__ import annotations
 
@@ -7,10 +7,11 @@ import shutil
 import sys
 from collections import Counter, deque
 from time import monotonic, sleep
-from typing import Any, Protocol, TextIO
+from typing import Any, NamedTuple, Protocol, TextIO
 
 from ..codec import PositionRange
 from ..encoder import Encoder
+from .record import Reading, Recorder
 
 #: Number of updates of the screen per second.
 _RATE = 10
@@ -28,6 +29,13 @@ class Reader(Protocol):
         ...
 
 
+class Readings(NamedTuple):
+    """Number of readings, and how many of them failed."""
+
+    total: int
+    failures: int
+
+
 def watch(
     reader: Reader,
     encoder: Encoder,
@@ -36,10 +44,13 @@ def watch(
     count: int | None = None,
     interval_s: float = 0.0,
     out: TextIO | None = None,
-) -> None:
+    recorder: Recorder | None = None,
+    is_shown: bool = True,
+) -> Readings:
     """Show live readings of an encoder until the program is interrupted.
 
-    On a terminal, the screen is updated ten times per second. Elsewhere, each reading is a line.
+    On a terminal, the screen is updated ten times per second. Elsewhere, only the number of failures is written at the
+    end.
 
     Args:
         reader: The link.
@@ -48,11 +59,16 @@ def watch(
         count: Number of readings. By default, until interrupted.
         interval_s: Time in seconds between two readings.
         out: File to write to. The default is standard output.
+        recorder: Output for all readings.
+        is_shown: Show the readings if ``out`` is a terminal.
+
+    Returns:
+        The number of readings and failures.
 
     Raises:
         RuntimeError: The encoder never answered. This is the error that ``reader`` raised.
     """
-    screen = _Screen(encoder, place, out or sys.stdout)
+    screen = _Screen(encoder, place, out or sys.stdout, recorder, is_shown)
     done = 0
     try:
         while count is None or done < count:
@@ -64,14 +80,15 @@ def watch(
         pass
     finally:
         screen.end()
+    return Readings(screen.frames + screen.failures, screen.failures)
 
 
 class _Screen:
     """Last readings, and the lines that show them."""
 
-    def __init__(self, encoder: Encoder, place: str, out: TextIO) -> None:
-        self._encoder, self._place, self._out = encoder, place, out
-        self._is_live = out.isatty()
+    def __init__(self, encoder: Encoder, place: str, out: TextIO, recorder: Recorder | None, is_shown: bool) -> None:
+        self._encoder, self._place, self._out, self._recorder = encoder, place, out, recorder
+        self._is_live = is_shown and out.isatty()
         self._frame: Any = None
         self._count: int | None = None
         self._range: PositionRange | None = None
@@ -97,6 +114,9 @@ class _Screen:
         position = frame.usable_position
         if position is not None:
             self._count = self._unwrapped(frame.__class__, position)
+        if self._recorder is not None:
+            reports = " ".join(report.name for report in frame.reports)
+            self._recorder.write(Reading(now - self._began, position, frame.verdict.value, reports, ""))
         self._recent.append((now, None if position is None else self._count))
         while self._recent and now - self._recent[0][0] > _SPAN_S:
             self._recent.popleft()
@@ -105,20 +125,20 @@ class _Screen:
     def fail(self, error: RuntimeError) -> None:
         """Add a failure."""
         self.failures += 1
-        self._errors[_kind(error)] += 1
+        kind, now = _kind(error), monotonic()
+        self._errors[kind] += 1
         self._last_error = str(error)
-        if not self._is_live:
-            self._out.write(f"{monotonic() - self._began:.3f} {error}\n")
-            self._out.flush()
-        else:
-            self._update(monotonic())
+        if self._recorder is not None:
+            self._recorder.write(Reading(now - self._began, None, "", "", kind))
+        self._update(now)
 
     def end(self) -> None:
         """Show the last state."""
         if self._is_live:
             self._draw()
         elif self.frames + self.failures:
-            self._out.write(f"{self._counts()}\n")
+            last_error = f"; the last error: {self._last_error}" if self._last_error else ""
+            self._out.write(f"{self._counts()}{last_error}\n")
             self._out.flush()
 
     def _unwrapped(self, kind: type, position: int) -> int:
@@ -132,10 +152,7 @@ class _Screen:
         return valid.unwrap(position if is_first or self._count is None else self._count, position)
 
     def _update(self, now: float) -> None:
-        if not self._is_live:
-            self._out.write(f"{now - self._began:.3f} {' '.join(value for _, value in self._values()[:4])}\n")
-            self._out.flush()
-        elif now - self._drawn_at >= 1 / _RATE:
+        if self._is_live and now - self._drawn_at >= 1 / _RATE:
             self._drawn_at = now
             self._draw()
 

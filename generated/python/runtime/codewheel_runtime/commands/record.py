@@ -1,0 +1,159 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Writes live readings to CSV, JSON lines or Parquet files, one row per reading."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import sys
+from collections.abc import Callable, Generator
+from contextlib import contextmanager
+from importlib import import_module
+from pathlib import PurePath
+from typing import Any, Final, Literal, NamedTuple, Protocol
+
+from ..errors import UsageError
+from ..files.stream import written
+
+RecordKind = Literal["csv", "jsonl", "parquet"]
+#: Formats by name, for the option.
+RECORD_KINDS: Final[tuple[RecordKind, ...]] = ("csv", "jsonl", "parquet")
+_SUFFIXES: Final[dict[str, RecordKind]] = {
+    ".jsonl": "jsonl",
+    ".ndjson": "jsonl",
+    ".parquet": "parquet",
+    ".pq": "parquet",
+}
+#: Number of rows of a Parquet file that are written at once.
+_ROWS: Final = 4096
+
+
+class Reading(NamedTuple):
+    """One reading of an encoder.
+
+    Attributes:
+        time: Time of the reading in seconds, since the first one was started.
+        position: Position in counts. None if it is not usable, or if there was an error.
+        verdict: Verdict of the frame. Empty after an error.
+        reports: Names of the active reports of the encoder, with spaces between them.
+        error: Kind of the error, such as ``no reply``. Empty if there was none.
+    """
+
+    time: float
+    position: int | None
+    verdict: str
+    reports: str
+    error: str
+
+
+class Recorder(Protocol):
+    """Open output to which readings are appended."""
+
+    def write(self, reading: Reading) -> None:
+        """Append a reading."""
+        ...
+
+    def close(self) -> None:
+        """Write what is left."""
+        ...
+
+
+class _Csv:
+    """CSV with a header. Each row is written at once, so that another program can follow."""
+
+    def __init__(self, file: Any) -> None:
+        self._own = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
+        self._out = self._own or sys.stdout
+        self._row: Callable[[Any], object] = csv.writer(self._out, lineterminator="\n").writerow
+        self._row(Reading._fields)
+
+    def write(self, reading: Reading) -> None:
+        self._row(reading._replace(time=_rounded(reading.time)))
+        self._out.flush()
+
+    def close(self) -> None:
+        self._out.flush()
+        if self._own is not None:
+            self._own.detach()
+
+
+class _JsonLines:
+    """One JSON object per line."""
+
+    def __init__(self, file: Any) -> None:
+        self._own = io.TextIOWrapper(file, "utf-8", newline="") if file is not None else None
+        self._out = self._own or sys.stdout
+
+    def write(self, reading: Reading) -> None:
+        self._out.write(json.dumps(reading._replace(time=_rounded(reading.time))._asdict()) + "\n")
+        self._out.flush()
+
+    def close(self) -> None:
+        self._out.flush()
+        if self._own is not None:
+            self._own.detach()
+
+
+class _Parquet:
+    """Parquet file, written in groups of rows."""
+
+    def __init__(self, file: Any) -> None:
+        self._pa: Any = import_module("pyarrow")
+        text = self._pa.string()
+        kinds = {"time": self._pa.float64(), "position": self._pa.int64()}
+        self._schema = self._pa.schema([(name, kinds.get(name, text)) for name in Reading._fields])
+        self._writer = import_module("pyarrow.parquet").ParquetWriter(file, self._schema)
+        self._rows: list[dict[str, Any]] = []
+
+    def write(self, reading: Reading) -> None:
+        self._rows.append(reading._asdict())
+        if len(self._rows) == _ROWS:
+            self._write_rows()
+
+    def close(self) -> None:
+        self._write_rows()
+        self._writer.close()
+
+    def _write_rows(self) -> None:
+        self._writer.write_table(self._pa.Table.from_pylist(self._rows, self._schema))
+        self._rows.clear()
+
+
+_RECORDERS: Final[dict[RecordKind, Callable[[Any], Recorder]]] = {
+    "csv": _Csv,
+    "jsonl": _JsonLines,
+    "parquet": _Parquet,
+}
+
+
+def record_kind(target: str, kind: RecordKind | None) -> RecordKind:
+    """Return the format to write: the requested one, or that of the file name.
+
+    Raises:
+        UsageError: Parquet cannot be written to standard output.
+    """
+    chosen = kind or _SUFFIXES.get(PurePath(target).suffix.lower(), "csv")
+    if target == "-" and chosen == "parquet":
+        raise UsageError("Parquet cannot be written to standard output; give a file with -o")
+    return chosen
+
+
+@contextmanager
+def recording(target: str, kind: RecordKind | None, force: bool) -> Generator[Recorder, None, None]:
+    """Open a file of readings, or standard output for ``-``. After an error, no file is left.
+
+    Raises:
+        UsageError: The file exists, or the format does not fit.
+        OSError: The file cannot be written.
+    """
+    chosen = record_kind(target, kind)
+    with written(target, (), force) as file:
+        recorder = _RECORDERS[chosen](file)
+        yield recorder
+        recorder.close()
+
+
+def _rounded(seconds: float) -> float:
+    """Return a time with microseconds."""
+    return round(seconds, 6)

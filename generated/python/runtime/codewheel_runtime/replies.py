@@ -1,0 +1,127 @@
+# Licence 0BSD: you may use, change and distribute this file without any condition.
+"""Finds the replies to a request over RS-485 in the bytes that arrived."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from .errors import CrcError, FrameError
+
+__all__ = ["FoundReply", "PendingRequest", "ReplyKind", "error_in", "find_reply", "split_replies", "xor_of"]
+
+
+class ReplyKind(NamedTuple):
+    """Request, by its first byte, and its reply. ``flags`` are the names of the flags in the reply."""
+
+    name: str
+    control: int
+    id: int
+    purpose: str
+    length: int
+    has_position: bool
+    flags: tuple[str, ...]
+    repeats_first: bool = True
+
+
+class PendingRequest(NamedTuple):
+    """Request, its bytes on the line, the decoder of its reply, and the answers to open questions that it needs."""
+
+    request: Any
+    data: bytes
+    kind: ReplyKind
+    decode: Callable[[bytes], Any]
+    answers: Mapping[str, object] = MappingProxyType({})
+
+
+class FoundReply(NamedTuple):
+    """Reply to a request, and the other replies that arrived with it.
+
+    Attributes:
+        reply: Last reply to the request.
+        same_kind: Other replies to a request of the same kind.
+        other_kinds: Replies to requests of other kinds.
+    """
+
+    reply: bytes
+    same_kind: tuple[bytes, ...] = ()
+    other_kinds: tuple[bytes, ...] = ()
+
+    @property
+    def is_ambiguous(self) -> bool:
+        """True if the replies to requests of this kind differ, so that nobody knows which one is the right one."""
+        return any(other != self.reply for other in self.same_kind)
+
+
+def find_reply(received: bytes, pending: PendingRequest, kinds: Mapping[int, ReplyKind]) -> FoundReply | None:
+    """Return the reply to a request in the received bytes, or None. Only complete replies may follow it."""
+    if not pending.kind.repeats_first:
+        return _find_among_any_bytes(received, pending)
+    length = pending.kind.length
+    # The last one comes first, because an echo and a reply can look like a reply and one more byte.
+    for start in range(len(received) - length, -1, -1):
+        reply = received[start : start + length]
+        if reply[0] != pending.kind.control or error_in(reply, pending) is not None:
+            continue
+        following = received[start + length :]
+        later_replies = split_replies(following, pending, kinds)
+        if sum(map(len, later_replies)) != len(following):
+            continue
+        earlier = received[:start]
+        if len(pending.data) == length:
+            # The echo of a write can look like a reply to it.
+            earlier = earlier.removeprefix(pending.data)
+        replies = split_replies(earlier, pending, kinds) + later_replies
+        same_kind = tuple(other for other in replies if other[0] == pending.kind.control)
+        other_kinds = tuple(other for other in replies if other[0] != pending.kind.control)
+        return FoundReply(reply, same_kind, other_kinds)
+    return None
+
+
+def _find_among_any_bytes(received: bytes, pending: PendingRequest) -> FoundReply | None:
+    """Return a reply that can begin with any byte: there must be no other bytes than an echo, or the same reply."""
+    length = pending.kind.length
+    for candidate in (received, received.removeprefix(pending.data)):
+        if len(candidate) == length and error_in(candidate, pending) is None:
+            return FoundReply(candidate)
+    for candidate in (received, received.removeprefix(pending.data)):
+        replies = split_replies(candidate, pending, {})
+        if replies and len(replies) * length == len(candidate):
+            return FoundReply(replies[-1], tuple(replies[:-1]))
+    return None
+
+
+def split_replies(data: bytes, pending: PendingRequest, kinds: Mapping[int, ReplyKind]) -> list[bytes]:
+    """Return the complete replies of all kinds in bytes, in order. Bytes between them are skipped."""
+    replies: list[bytes] = []
+    start = 0
+    while start < len(data):
+        kind = kinds.get(data[start], pending.kind)
+        reply = data[start : start + kind.length]
+        fits = not kind.repeats_first or data[start] == kind.control
+        if fits and len(reply) == kind.length and error_in(reply, pending) is None:
+            replies.append(reply)
+            start += kind.length
+        else:
+            start += 1
+    return replies
+
+
+def error_in(reply: bytes, pending: PendingRequest) -> FrameError | None:
+    """Return the error of bytes as a reply, or None."""
+    try:
+        pending.decode(reply)
+    except FrameError as error:
+        return error
+    except TypeError:  # Other fields need an answer. The CRC is an XOR.
+        return CrcError(reply[-1], reply[-1] ^ xor_of(reply)) if xor_of(reply) else None
+    return None
+
+
+def xor_of(data: bytes) -> int:
+    """Return the XOR of all bytes."""
+    value = 0
+    for byte in data:
+        value ^= byte
+    return value
