@@ -69,7 +69,8 @@ def handed_over(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     completed = run("pip", *command, folder / "wheels", folder / "source", *options)
     assert completed.returncode == 0, completed.stderr
     for project in ("source", "runtime"):
-        completed = run("build", "--sdist", "--quiet", "--no-isolation", "--outdir", folder / "sdists", folder / project)
+        build_options = ["--sdist", "--quiet", "--no-isolation", "--outdir", folder / "sdists"]
+        completed = run("build", *build_options, folder / project)
         assert completed.returncode == 0, completed.stdout + completed.stderr
     (folder / "source").rename(folder / "moved source")
     (folder / "runtime").rename(folder / "moved runtime")
