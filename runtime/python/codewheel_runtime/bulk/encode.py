@@ -4,13 +4,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import Any, Final
 
 from ..codec import assert_never
 from ..errors import RangeError
 from .chunk import Chunk, crc_difference, np, parity_bits, within
 from .decode import CHUNK
 from .shape import Column, Join, Shape, scales, width_of
+
+#: Kinds of NumPy arrays for a field, as ``dtype.kind``, unless they are integers. Like ``encode``, a number is no bool.
+ARRAY_KINDS: Final[Mapping[str, str]] = {"text": "SU", "flag": "uib", "not_flag": "uib"}
 
 
 class RowError(RangeError):
@@ -75,9 +78,12 @@ def _arrays_of(columns: Mapping[str, Any], shape: Shape) -> dict[str, Any]:
     for name, array in arrays.items():
         if array.ndim > 1 or (array.ndim == 1 and len(array) != longest):
             raise ValueError(f"column {name} has the shape {array.shape}, but others have {longest} rows")
-        is_text = name in fields and fields[name].kind == "text"
-        if array.dtype.kind not in ("SU" if is_text else "uib"):
+        kind = fields[name].kind if name in fields else "number"
+        if array.dtype.kind not in ARRAY_KINDS.get(kind, "ui"):
             raise TypeError(f"column {name} has the type {array.dtype}, which does not fit the field")
+        cells = columns[name]
+        if not kind.endswith("flag") and isinstance(cells, (list, tuple)) and any(type(cell) is bool for cell in cells):
+            raise TypeError(f"column {name} contains bools, which do not fit the field")
     return {name: np.broadcast_to(array, (longest,)) for name, array in arrays.items()}
 
 
@@ -141,6 +147,8 @@ def _bits(arrays: Mapping[str, Any], column: Column, first_error: FirstError) ->
     values = arrays[names_of(column)[0]]
     match column.kind:
         case "flag" | "not_flag":
+            if values.dtype.kind != "b":
+                first_error.add((values != 0) & (values != 1), column.name, values, "True or False")
             yield column.low, column.width, ((values != 0) == (column.kind == "flag")).astype(np.uint64)
         case "digits":
             number = np.zeros(len(values), np.uint64)
