@@ -46,9 +46,9 @@ class Maker:
         """Return the number that runs of decimal digits form."""
         return joined("+", (times(self._index(run.name), run.divisor) for run in field.runs))
 
-    def whole(self, whole: Whole) -> Expr:
-        parts = [moved(self._bits(field), "<<", self.scope.of(low)) for field, low in whole.from_low]
-        return joined("|", reversed(parts))
+    def checked_bits(self, whole: Whole) -> list[tuple[str, Expr]]:
+        """Return the attributes of a joined number, most significant first, with expressions for their bits."""
+        return [(self.names.attribute(field.name), self._bits(field)) for field in whole.fields]
 
     def whole_of_numbers(self, whole: Whole, scope: Scope, expression_of: Callable[[str], str]) -> Expr:
         """Return the same expression of unsigned numbers, without a check of their types."""

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any, Final
 
 from ..codec import assert_never
@@ -11,6 +11,7 @@ from ..errors import RangeError
 from .chunk import Chunk, crc_difference, np, parity_bits, within
 from .decode import CHUNK
 from .shape import Column, Join, Shape, scales, width_of
+from .table import Table
 
 #: Kinds of NumPy arrays for a field, as ``dtype.kind``, unless they are integers. Like ``encode``, a number is no bool.
 ARRAY_KINDS: Final[Mapping[str, str]] = {"text": "SU", "flag": "uib", "not_flag": "uib"}
@@ -49,9 +50,12 @@ class FirstError:
             raise RowError(start + self.row, *self._error)
 
 
-def encode_many(columns: Mapping[str, Any], shape: Shape) -> Any:
+def encode_many(columns: Mapping[str, Any] | Table, shape: Shape) -> Any:
     """Encode the frames in ``columns``. For the arguments, see ``encode_many`` of the frame's class."""
-    arrays = _arrays_of(columns, shape)
+    other_names: Iterable[str] = ()
+    if isinstance(columns, Table):
+        other_names, columns = columns.others, columns.columns
+    arrays = _arrays_of(columns, shape, other_names)
     count = len(next(iter(arrays.values()))) if arrays else 0
     frames = np.empty((count, shape.length), np.uint8) if shape.length else np.empty(count, np.uint64)
     for start in range(0, count, CHUNK):
@@ -63,14 +67,14 @@ def encode_many(columns: Mapping[str, Any], shape: Shape) -> Any:
     return frames
 
 
-def _arrays_of(columns: Mapping[str, Any], shape: Shape) -> dict[str, Any]:
+def _arrays_of(columns: Mapping[str, Any], shape: Shape, other_names: Iterable[str]) -> dict[str, Any]:
     """Return the required columns as arrays of equal length. A single value applies to all rows."""
     if not hasattr(columns, "keys"):
         raise TypeError(f"columns must be a mapping of names to arrays, got {type(columns).__name__}")
     fields: dict[str, Column] = {}
     for column in shape.columns:
         fields |= dict.fromkeys(names_of(column), column)
-    _check_names(columns, fields, shape)
+    _check_names([*columns], fields, shape, other_names)
     joined_names = [join.name for join in shape.joins]
     needed = [name for name in (*fields, *joined_names, "unused", "fault") if name in columns]
     arrays = {name: np.asarray(columns[name]) for name in needed}
@@ -87,7 +91,9 @@ def _arrays_of(columns: Mapping[str, Any], shape: Shape) -> dict[str, Any]:
     return {name: np.broadcast_to(array, (longest,)) for name, array in arrays.items()}
 
 
-def _check_names(columns: Mapping[str, Any], fields: Mapping[str, Column], shape: Shape) -> None:
+def _check_names(
+    columns: Collection[str], fields: Mapping[str, Column], shape: Shape, other_names: Iterable[str]
+) -> None:
     """Raise TypeError if a column is missing or unknown. A joined number can replace its fields."""
     optional = {"unused"}
     for name, column in fields.items():
@@ -96,9 +102,9 @@ def _check_names(columns: Mapping[str, Any], fields: Mapping[str, Column], shape
     for join in shape.joins:
         if join.name in columns:
             optional.update(name for name, _ in join.fields)
-    missing = sorted(fields.keys() - columns.keys() - optional)
+    missing = sorted(fields.keys() - {*columns} - optional)
     joined_names = {join.name for join in shape.joins}
-    ignored = {*getattr(columns, "others", ()), *scales(shape), "unused", "fault", "verdict"}
+    ignored = {*other_names, *scales(shape), "unused", "fault", "verdict"}
     unknown = sorted({*columns} - ignored - fields.keys() - joined_names)
     if missing or unknown:
         raise TypeError(f"missing columns: {missing}; unknown columns: {unknown}")

@@ -57,7 +57,7 @@ class PartitionDecoder(NamedTuple):
             table = decode_many(frames, self.shape, self.encoder)
         except (TypeError, ValueError) as error:
             raise InputError(_NAME, f"column {column!r}", str(error)) from None
-        decoded_columns = arrow_columns(table, table, self.raw)
+        decoded_columns = arrow_columns(table, table.names, self.raw)
         kept_columns = {name: partition.column(index) for index, name in enumerate(names) if name != column}
         check_apart(kept_columns, decoded_columns, _NAME)
         columns = {**kept_columns, **decoded_columns}
@@ -71,7 +71,7 @@ class PartitionDecoder(NamedTuple):
             table = decode_many(frames, self.shape, self.encoder)
         except (TypeError, ValueError) as error:
             raise InputError(_NAME, f"column {column!r}", str(error)) from None
-        decoded_columns = pandas_columns(table, table, self.raw)
+        decoded_columns = pandas_columns(table, table.names, self.raw)
         kept_part = partition.drop(columns=[partition.columns[names.index(column)]])
         check_apart(list(map(str, kept_part.columns)), decoded_columns, _NAME)
         return kept_part.assign(**decoded_columns)
