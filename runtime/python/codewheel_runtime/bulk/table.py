@@ -6,7 +6,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from fractions import Fraction
-from importlib import import_module
 from math import tau
 from types import MappingProxyType
 from typing import Any, Final, Literal, Protocol, overload
@@ -14,6 +13,7 @@ from typing import Any, Final, Literal, Protocol, overload
 from ..codec import PositionRange
 from ..errors import ErrorKind, RangeError
 from ..facts import Scale
+from ..packages import load
 from ..reports import Movement, Verdict
 from .conversion import none_where
 from .shape import Tells
@@ -125,7 +125,7 @@ class Table:
         Raises:
             AttributeError: The frames have no position.
         """
-        np: Any = import_module("numpy")
+        np: Any = load("numpy")
         return np.ma.masked_array(self.position, ~self.usable)
 
     @property
@@ -282,7 +282,7 @@ class Table:
         return f"no column {name[:40]!r}; the columns are {', '.join(self.names)}{suggestion}"
 
     def _quantity(self, name: str, scale: Scale) -> Any:
-        np: Any = import_module("numpy")
+        np: Any = load("numpy")
         # Numbers such as temperatures repeat, so only a few conversions are needed.
         numbers, places = np.unique(self._column(name), return_inverse=True)
         quantities = np.array([scale.decimal(number) for number in numbers.tolist()], object)
@@ -329,7 +329,7 @@ class Table:
             RangeError: A position is above the highest or below the lowest that this encoder sends.
             ValueError: The manual does not say where the position of this encoder wraps around.
         """
-        np: Any = import_module("numpy")
+        np: Any = load("numpy")
         encoder: Any = self.encoder
         valid: PositionRange = encoder._range_in(self._frame)
         usable_rows = np.flatnonzero(self.usable)
@@ -366,7 +366,7 @@ class Table:
         if unit in ("degrees", "radians"):
             positions = positions % parts
         values = positions * unit_size / parts
-        np: Any = import_module("numpy")
+        np: Any = load("numpy")
         return np.where(self.usable, values, np.nan) if counts is None else values
 
     def velocity(self, seconds: Any = None, unit: SpeedUnit = "counts") -> Any:
@@ -387,7 +387,7 @@ class Table:
 
     def _speed(self, seconds: Any, unit: SpeedUnit, previous: tuple[int, float] | None) -> Any:
         """Return speeds. ``previous`` is the unwrapped position and the time of the last usable frame before these."""
-        np: Any = import_module("numpy")
+        np: Any = load("numpy")
         if seconds is None:
             if "time" not in self._others:
                 raise ValueError("the table has no column 'time'; pass the time between two frames in seconds")
@@ -480,7 +480,7 @@ class Table:
         """
         from .conversion import arrow_columns
 
-        return import_module("pyarrow").table(arrow_columns(self, self.names, raw))
+        return load("pyarrow").table(arrow_columns(self, self.names, raw))
 
     def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
         """Return the columns as an Arrow stream, for polars, DuckDB and others. Needs pyarrow."""
@@ -499,4 +499,4 @@ class Table:
         """
         from .conversion import pandas_columns
 
-        return import_module("pandas").DataFrame(pandas_columns(self, self.names, raw))
+        return load("pandas").DataFrame(pandas_columns(self, self.names, raw))

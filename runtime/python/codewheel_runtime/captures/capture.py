@@ -20,6 +20,7 @@ from ..files.inputs import Part, Source
 from ..files.layouts import layout_of, layouts_of, shape_for
 from ..files.sinks import SINKS, TargetKind
 from ..files.stream import Derived, Output, Summary, counted, decoded, plan_of, target_format, written
+from ..packages import load
 from ..reports import Interface
 from .accesses import Access, Accesses
 from .any_biss import BissLayout
@@ -30,7 +31,7 @@ from .uart import Kinds, replies
 
 __all__ = ["Access", "BissLayout", "Capture", "CaptureSummary", "Lost", "Probes"]
 
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 _NO_ANSWERS: Final[Mapping[str, Enum | str]] = MappingProxyType({})
 #: Maximum number of lost cycles and of accesses that a summary lists.

@@ -14,15 +14,15 @@ from collections.abc import Generator, Sequence
 from configparser import ConfigParser
 from configparser import Error as ConfigError
 from contextlib import ExitStack, contextmanager
-from importlib import import_module
 from typing import Any, BinaryIO, Final
 
 from ..bulk.words import listed, short
 from ..errors import InputError, UsageError
+from ..packages import load
 from .signal_text import HEADER, HINT, rate_of, size_of, table_signals, vcd_signals
 from .signals import SAMPLES, Names, Signals, merged, of_samples, packed
 
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 _SALEAE: Final = b"<SALEAE>"
 

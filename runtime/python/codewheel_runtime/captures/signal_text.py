@@ -6,14 +6,14 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Generator, Sequence
-from importlib import import_module
 from typing import Any, BinaryIO, Final, NamedTuple
 
 from ..bulk.words import short
 from ..errors import InputError
+from ..packages import load
 from .signals import Edges, Names, Signals, of_samples, packed
 
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 #: Number of bytes of text that are read at once, which is also the limit for a line.
 _BLOCK: Final = 1 << 20

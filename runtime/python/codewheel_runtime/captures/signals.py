@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Sequence
-from importlib import import_module
 from typing import Any, Final, NamedTuple
 
 from ..bulk.words import listed, short
 from ..errors import InputError, UsageError
+from ..packages import load
 
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 #: Number of samples that are read at once.
 SAMPLES: Final = 1 << 21

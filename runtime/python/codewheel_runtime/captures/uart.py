@@ -4,17 +4,17 @@
 from __future__ import annotations
 
 from collections.abc import Generator, Iterator, Mapping, Sequence
-from importlib import import_module
 from typing import Any, Final, NamedTuple
 
 from ..bulk.decode import decode_many
 from ..bulk.shape import Shape
 from ..errors import ErrorKind, InputError
 from ..files.stream import counted
+from ..packages import load
 from .clocked import CapturedFrames, Lost
 from .signals import Signals
 
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 #: A byte has a start bit, eight data bits, and a stop bit.
 _BITS: Final = 10

@@ -56,7 +56,7 @@ def plot(package: str, chosen: argparse.Namespace) -> None:
     try:
         from .plot import save
     except ImportError as error:
-        raise missing(package, error) from None
+        raise missing(error) from None
     with working(package, chosen.files[0]):
         lost: tuple[Lost, ...] = ()
         if _has_frames(chosen.files[0]):

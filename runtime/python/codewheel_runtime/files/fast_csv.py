@@ -6,13 +6,13 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from importlib import import_module
 from typing import Any, BinaryIO, Final, NamedTuple
 
 from ..bulk.shape import Shape
 from ..bulk.words import DigitKind
+from ..packages import load
 
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 #: Number of bytes that are read at once. It is also the limit for a line.
 BLOCK: Final = 1 << 21
@@ -97,9 +97,9 @@ def reader(
     The function returns None if a cell is missing, or is not a frame in the usual form.
     """
     try:
-        pa: Any = import_module("pyarrow")
-        pc: Any = import_module("pyarrow.compute")
-        csv: Any = import_module("pyarrow.csv")
+        pa: Any = load("pyarrow")
+        pc: Any = load("pyarrow.compute")
+        csv: Any = load("pyarrow.csv")
     except ImportError:
         return None
     columns = [str(at) for at in range(len(names))]

@@ -8,13 +8,13 @@ import io
 import sys
 from collections.abc import Callable, Mapping
 from functools import cached_property
-from importlib import import_module
 from pathlib import PurePath
 from types import TracebackType
 from typing import Any, Final, Literal, NamedTuple, Protocol, cast
 
 from ..bulk.conversion import WORDS, arrow_columns, texts_of
 from ..bulk.table import Table
+from ..packages import load
 
 TargetKind = Literal["parquet", "arrow", "csv"]
 _SUFFIXES: Final[dict[str, TargetKind]] = {
@@ -80,7 +80,7 @@ class Texts:
     """Converter from a text column to Arrow arrays of text, or of numbers if the first chunk has only numbers."""
 
     def __init__(self) -> None:
-        self._pa: Any = import_module("pyarrow")
+        self._pa: Any = load("pyarrow")
         self.kind: Any = None
         self.lost = 0
 
@@ -92,7 +92,7 @@ class Texts:
                     return cells.cast(self.kind)
                 except self._pa.ArrowInvalid:
                     pass  # Some cells are empty or have no number.
-            compute: Any = import_module("pyarrow.compute")
+            compute: Any = load("pyarrow.compute")
             texts = compute.utf8_trim_whitespace(cells)
             texts = compute.if_else(compute.equal(texts, ""), None, texts)
         else:
@@ -126,7 +126,7 @@ class ArrowSink:
     """Parquet or Arrow file."""
 
     def __init__(self, file: Any, plan: Plan, parquet: bool) -> None:
-        self._pa: Any = import_module("pyarrow")
+        self._pa: Any = load("pyarrow")
         self._file, self._plan, self._parquet, self._writer = file, plan, parquet, cast(Any, None)
         self._texts = {name: Texts() for name, column in plan.source_columns.items() if isinstance(column, list)}
 
@@ -166,7 +166,7 @@ class ArrowSink:
         if not self._parquet:
             return self._pa.ipc.new_file(self._file, schema)
         decoded = self._plan.decoded
-        return import_module("pyarrow.parquet").ParquetWriter(
+        return load("pyarrow.parquet").ParquetWriter(
             self._file,
             schema,
             compression="zstd",
@@ -256,8 +256,8 @@ class _ArrowFormatter:
     """Formats rows as CSV with pyarrow."""
 
     def __init__(self, plan: Plan) -> None:
-        self._pa: Any = import_module("pyarrow")
-        self._csv: Any = import_module("pyarrow.csv")
+        self._pa: Any = load("pyarrow")
+        self._csv: Any = load("pyarrow.csv")
         self._plan = plan
         self._options = self._csv.WriteOptions(include_header=False, quoting_style="none")
 

@@ -17,6 +17,7 @@ from ..bulk.table import FrameSource, Table
 from ..bulk.words import DigitKind, WordKind
 from ..encoder import Encoder
 from ..errors import ErrorKind, InputError, UsageError
+from ..packages import load
 from ..reports import Verdict
 from .inputs import FileKind, Source, Stored
 from .layouts import Layout, layout_of, layouts_of, shape_for
@@ -24,7 +25,7 @@ from .partitions import PartitionDecoder, check_apart
 from .sinks import SINKS, Plan, Sink, TargetKind, target_kind
 from .sources import opened
 
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 __all__ = [
     "Files",
