@@ -145,7 +145,7 @@ def _encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLayout:
 
 def _probes(chosen: argparse.Namespace) -> dict[str, Any]:
     """Return the arguments that both commands have."""
-    names = ("clock", "data", "rate", "rest", "baud", "layout")
+    names = ("clock", "data", "rate", "rest", "baud", "threshold", "layout")
     return {**{name: getattr(chosen, name) for name in names}, "answers": dict(chosen.choose)}
 
 
