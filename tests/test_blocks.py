@@ -148,7 +148,8 @@ EXCEPTIONS = {
     ("docs/virtual-encoders.md", "text: $ codewheel simulate AMM5A23"): "waits for Ctrl+C; test_live_links.py runs it",
     ("docs/why-a-crc-fails.md", ": mistake "): "measured over 20,000 frames; test_why.py holds a short run against it",
     ("generated/python/README.md", ": pip install"): "fetches nothing but changes the reader's own environment",
-    ("examples/rust-target/README.md", ": pip install"): "as above; test_the_readme runs the line after it",
+    ("generated/python/README.md", ": pip wheel"): "tests/python/test_wheel.py runs both lines without an index",
+    ("examples/rust-target/README.md", ": pip install"): "changes the reader's own environment; test_the_readme runs the line after it",
     ("examples/opcua-target/README.md", ": pip install"): "test_the_installed_target runs both lines",
     (
         "examples/rust-target/README.md",

@@ -444,13 +444,18 @@ def test_every_position_has_a_meaning(lika: Any, devices: Mapping[str, Device]) 
                 assert measurement.turns is not None
                 steps, turns = measurement.counts_per_turn.value(parameters), measurement.turns.value(parameters)
                 assert (encoder.counts_per_turn, encoder.modulus) == (steps, steps * turns)
-                assert (encoder.turns(steps), encoder.turns(steps // 2), encoder.turns(-steps)) == (1.0, 0.5, -1.0)
-                assert (encoder.degrees(steps // 4), encoder.degrees(steps), encoder.degrees(-steps // 4)) == (
-                    90.0,
-                    0.0,
-                    270.0,
-                )
+                assert (encoder.turns(0), encoder.turns(steps // 2)) == (0.0, 0.5)
+                assert (encoder.degrees(steps // 4), encoder.degrees(steps // 4 * 3)) == (90.0, 270.0)
                 assert encoder.degrees(steps - 1) < 360
+                if turns > 1:
+                    assert (encoder.turns(steps), encoder.degrees(steps + steps // 4)) == (1.0, 90.0)
+                for convert in (encoder.turns, encoder.degrees, encoder.radians):
+                    with pytest.raises(lika.RangeError):
+                        convert(steps * turns)
+                    with pytest.raises(lika.RangeError):
+                        convert(-1)
+                    with pytest.raises(TypeError):
+                        convert(True)
 
 
 def test_counts_go_on_where_the_position_starts_again(lika: Any, devices: Mapping[str, Device]) -> None:

@@ -23,7 +23,7 @@ def sound_columns(case: Case, source: random.Random) -> tuple[list[Any], list[An
     frames, _ = decoded_one_by_one(case, wire)
     table = case.view.decode_many(wire, *arguments_of(case))
     sound_places = [place for place, frame in enumerate(frames) if frame is not None and can_be_encoded(frame)]
-    columns = {name: table[name][sound_places] for name in table}
+    columns = {name: table[name][sound_places] for name in table.names}
     return [wire[place] for place in sound_places], [frames[place] for place in sound_places], columns
 
 

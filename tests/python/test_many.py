@@ -53,7 +53,7 @@ def check_columns(case: Case, table: Any, frames: list[Any], faults: list[int]) 
     """Compare the columns with the frames one by one."""
     assert table.fault.tolist() == faults, case.layout.name
     sound = [place for place, frame in enumerate(frames) if frame is not None]
-    for name in table:
+    for name in table.names:
         column = table[name]
         if name in ("fault", "verdict"):
             continue
@@ -341,7 +341,7 @@ def lookup_of(families: dict[str, Family], label: str) -> Any:
 
 def test_other_libraries_take_the_columns(families: dict[str, Family]) -> None:
     table = families["amm5"].module.lookup("AMM5A21/65KSC1").decode_many([0x55BCD15E2, 0x55BCD15E3])
-    assert [*table] == ["singleturn", "multiturn", "error", "warning", "position", "verdict", "fault"]
+    assert [*table.names] == ["singleturn", "multiturn", "error", "warning", "position", "verdict", "fault"]
     assert "1 with an error" in repr(table)
     pandas = pytest.importorskip("pandas", reason="pandas is not installed: to_pandas is not tried")
     column = table.to_pandas()["position"]

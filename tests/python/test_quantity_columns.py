@@ -62,7 +62,7 @@ def test_many_frames(rls: ModuleType) -> None:
     assert table["temperature"].tolist() == NUMBERS
     assert table["temperature"].dtype == numpy.int64
     assert [str(decimal) for decimal in table[COLUMN]] == [*EXPECTED.values()]
-    assert [*table][-4:] == ["temperature", COLUMN, "verdict", "fault"]
+    assert [*table.names][-4:] == ["temperature", COLUMN, "verdict", "fault"]
     assert table[2][COLUMN] == Decimal("26.9")
     assert [str(decimal) for decimal in table[1:3][COLUMN]] == ["10.0", "26.9"]
     # The quantity is not encoded.

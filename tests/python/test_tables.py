@@ -26,7 +26,7 @@ def table(lika: Any) -> Any:
 
 
 def test_rows_and_slices(lika: Any, table: Any) -> None:
-    assert [*table][:2] == ["time", "note"]
+    assert [*table.names][:2] == ["time", "note"]
     rows = [*table.rows()]
     assert [row["position"] for row in rows] == [POSITION, None, None, POSITION]
     assert [row["fault"] for row in rows] == [lika.ErrorKind(number) for number in (0, 2, 0, 0)]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 import subprocess
 import sys
 import tarfile
@@ -54,6 +55,62 @@ def test_the_runtime_is_all_that_is_needed(release: Path) -> None:
         texts = {member.name: archive.extractfile(member) for member in archive.getmembers() if member.isfile()}
         assert not [name for name in texts if "codewheel_runtime" in name]
         assert not [name for name, text in texts.items() if text is not None and b"file:///" in text.read()]
+
+
+@pytest.fixture(scope="module")
+def handed_over(source: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Folders with wheels and source archives as built by pip, after their source has moved to another place."""
+    folder = tmp_path_factory.mktemp("handed over")
+    shutil.copytree(source, folder / "source")
+    shutil.copytree(source / "runtime", folder / "runtime")
+    first, _ = colleague_commands((folder / "source" / "README.md").read_text(encoding="utf-8"))
+    command = first.replace(" dist .", "").split()[1:]
+    options = ["--no-index", "--no-build-isolation", "--quiet", "--disable-pip-version-check"]
+    completed = run("pip", *command, folder / "wheels", folder / "source", *options)
+    assert completed.returncode == 0, completed.stderr
+    for project in ("source", "runtime"):
+        build_options = ["--sdist", "--quiet", "--no-isolation", "--outdir", folder / "sdists"]
+        completed = run("build", *build_options, folder / project)
+        assert completed.returncode == 0, completed.stdout + completed.stderr
+    (folder / "source").rename(folder / "moved source")
+    (folder / "runtime").rename(folder / "moved runtime")
+    return folder
+
+
+def colleague_commands(readme: str) -> list[str]:
+    match = re.search(r"To hand the package to a colleague.*?```\n(.*?)```", readme, re.DOTALL)
+    assert match is not None
+    commands = match[1].splitlines()
+    assert commands[0] == "pip wheel -w dist ."
+    assert commands[1] == "pip install --no-index --find-links dist lika-encoders"
+    return commands
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("kind", ["wheels", "sdists"])
+def test_the_package_installs_where_its_source_is_not(handed_over: Path, tmp_path: Path, kind: str) -> None:
+    """The two commands of the README, and the same with source archives."""
+    options = ["--no-index", "--no-build-isolation", "--quiet", "--disable-pip-version-check", "--target", tmp_path]
+    completed = run("pip", "install", *options, "--find-links", handed_over / kind, "lika-encoders")
+    assert completed.returncode == 0, completed.stderr
+    path = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); "
+    program = path + "import lika_encoders; print(lika_encoders.lookup('AMM5A21/65KSC1').decode(0xF4243D3).position)"
+    command = [sys.executable, "-I", "-S", "-c", program]
+    completed = subprocess.run(command, capture_output=True, text=True, check=False, cwd=tmp_path)
+    assert (completed.stdout, completed.stderr) == ("1000003\n", "")
+
+
+@pytest.mark.slow
+def test_no_metadata_names_a_folder_of_the_builder(handed_over: Path) -> None:
+    wheels = sorted((handed_over / "wheels").iterdir())
+    assert [wheel.name.partition("-")[0] for wheel in wheels] == ["codewheel_runtime", "lika_encoders"]
+    for wheel in wheels:
+        with zipfile.ZipFile(wheel) as archive:
+            for name in archive.namelist():
+                if ".dist-info/" in name:
+                    text = archive.read(name)
+                    assert b"file:" not in text
+                    assert str(handed_over).encode() not in text
 
 
 @pytest.mark.slow

@@ -131,7 +131,7 @@ def compare(batch: Batch, codec: Codec, table: Any, answers: Any) -> None:
         if column in table and member is not None:
             assert (table[column][sound] == answers[member][sound]).all(), (codec.name, name)
             compared |= {column}
-    assert compared == {name for name in table if name not in ("fault", "verdict")}, codec.name
+    assert compared == {name for name in table.names if name not in ("fault", "verdict")}, codec.name
     verdict = answers["verdict "][sound]
     if "verdict" in table:
         assert (table.verdict[sound] == verdict).all(), codec.name

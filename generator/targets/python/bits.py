@@ -22,14 +22,16 @@ class Maker:
         self.scope, self.codec, self.names = scope, codec, names
 
     def _bits(self, field: Field) -> Expr:
-        """Return the bits of a field, without a check of its value."""
-        attribute, number = Atom(f"self.{self.names.attribute(field.name)}"), self._index(field.name)
+        """Return the bits of a field, with a check of its value like that of ``encode``."""
+        attribute = Atom(f"self.{self.names.attribute(field.name)}")
+        quoted_name, width = f'"{field.name}"', str(self.scope.of(field.width))
         match meaning_of(field):
             case Raw() | Named():
-                return number
+                return call("check_width", quoted_name, attribute, width)
             case ZeroMeans(stands_for):
-                return Atom(f"(0 if {attribute} == {stands_for} else {number})")
+                return call("zero_for", quoted_name, attribute, str(stands_for), width)
             case TwosComplement():
+                number = call("check_signed", quoted_name, attribute, width)
                 return Operation(number, "&", self.scope.ones(field.width))
             case Active(low):
                 return Not(attribute) if low else call("bool", attribute)
@@ -44,9 +46,9 @@ class Maker:
         """Return the number that runs of decimal digits form."""
         return joined("+", (times(self._index(run.name), run.divisor) for run in field.runs))
 
-    def whole(self, whole: Whole) -> Expr:
-        parts = [moved(self._bits(field), "<<", self.scope.of(low)) for field, low in whole.from_low]
-        return joined("|", reversed(parts))
+    def checked_bits(self, whole: Whole) -> list[tuple[str, Expr]]:
+        """Return the attributes of a joined number, most significant first, with expressions for their bits."""
+        return [(self.names.attribute(field.name), self._bits(field)) for field in whole.fields]
 
     def whole_of_numbers(self, whole: Whole, scope: Scope, expression_of: Callable[[str], str]) -> Expr:
         """Return the same expression of unsigned numbers, without a check of their types."""
@@ -68,19 +70,19 @@ class Maker:
     @staticmethod
     def whole_depends(whole: Whole) -> bool:
         """Return whether the expression of a joined number depends on the order code."""
-        truncated_fields = (field for field in whole.fields if _is_truncated(meaning_of(field)))
-        return whole.depends or not all(field.width.is_constant for field in truncated_fields)
+        checked_fields = (field for field in whole.fields if _has_width_check(meaning_of(field)))
+        return whole.depends or not all(field.width.is_constant for field in checked_fields)
 
     def _index(self, name: str) -> Expr:
         return call("index", f"self.{self.names.attribute(name)}")
 
 
-def _is_truncated(meaning: Meaning) -> bool:
-    """Return whether ``_bits`` truncates a number to the width of the field."""
+def _has_width_check(meaning: Meaning) -> bool:
+    """Return whether ``_bits`` compares a value with the width of the field."""
     match meaning:
-        case TwosComplement():
+        case Raw() | Named() | TwosComplement() | ZeroMeans():
             return True
-        case Raw() | ZeroMeans() | Active() | Named() | DigitRuns() | Characters():
+        case Active() | DigitRuns() | Characters():
             return False
         case _:
             assert_never(meaning)

@@ -232,6 +232,10 @@ class Coder:
         enum = self.enum(field) if is_named(meaning_of(field)) else ""
         return assigned(self.context.scope, self.names, enum, field, bits)
 
+    def whole_of_attributes(self, whole: Whole) -> Expr:
+        """Return a joined number as an expression of local variables named like the attributes."""
+        return self.make.whole_of_numbers(whole, self.make.scope, str)
+
     def whole_width(self, whole: Whole) -> Expr:
         return self.number(sum((field.width for field in reversed(whole.fields)), Expression(0)))
 

@@ -66,8 +66,10 @@ def _runtime_modules(names: Mapping[str, str]) -> Mapping[str, tuple[str, ...]]:
 
 PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
     {
-        "codec": """BitField Data PositionRange Rows Word Words as_bytes as_word check_kind check_limits check_width
-            choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed text_number too_long""",
+        "codec": """BitField Data PositionRange Rows Word Words as_bytes as_word check_kind check_limits check_signed
+            check_width
+            choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed text_number
+            too_long zero_for""",
         "encoder": "Encoder Exchanged Positioned check_encoder fact looked_up wrong_encoder",
         "measures": "FineLinear Linear Rotary Wrapping",
         "errors": "ConstantError CrcError FrameError LengthError RangeError",
