@@ -11,7 +11,7 @@ import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Fault, Piece, Rs485
 from codewheel.plan.codec import Codec, ShiftedBits, codec_of, moved_bits
-from codewheel.plan.frames import Reply, answer, dispatches, received, reply_to
+from codewheel.plan.frames import Reply, answer, dispatches, exchanges, received, reply_to
 from codewheel.plan.limits import limits_of, outside, powers_of_two, refusals
 from codewheel.plan.operations import (
     AlwaysIs,
@@ -211,6 +211,39 @@ def test_replies_to_requests(by_hand: Device) -> None:
     replies = [reply_to(by_hand, "rs485", name) for name in ("first", "second", "third")]
     assert replies == [Reply(4, True), Reply(4, True), Reply(4, False)]
     assert reply_to(by_hand, "ssi", "first") is None
+
+
+def test_requests_with_their_replies(by_hand: Device) -> None:
+    """The reply of the spare encoder begins with the byte 42h of its request. Over SPI, the first 16 bits are zero."""
+    valid_specs = TESTS / "check" / "ok_model"
+    spare, _ = load_library([valid_specs / "spare.yaml", valid_specs / "manufacturer.yaml"])
+    low_first, _ = load_library([TESTS / "specs" / "lowfirst.yaml", TESTS / "specs" / "manufacturer.yaml"])
+    (asked,) = exchanges(spare[0].interface("rs485"))
+    assert asked.reply is not None
+    assert (asked.request.name, asked.reply.name, asked.repeats_first) == ("ask", "answer", True)
+    assert asked.defaults == {}
+    (over_spi,) = exchanges(low_first[0].interface("spi"))
+    assert over_spi.reply is not None
+    assert (over_spi.request.name, over_spi.reply.name, over_spi.repeats_first) == ("ask", "position", False)
+    assert exchanges(by_hand.interface("rs485")) == ()
+    assert exchanges(by_hand.interface("ssi")) == ()
+
+
+def test_unused_bits_of_bytes() -> None:
+    """Bytes with unused bits are 3, 4 and 5 of the reply, so they are bytes 0 to 2 of the number."""
+    valid_specs = TESTS / "check" / "ok_model"
+    devices, _ = load_library([valid_specs / "spare.yaml", valid_specs / "manufacturer.yaml"])
+    codec = plan(devices[0], "answer")
+    assert [(op.field.name, op.place, op.mask) for op in codec.reserved] == [
+        ("rest", 0, 0xFF),
+        ("more", 8, 0xFF00),
+        ("odd", 16, 0xF0000),
+    ]
+    assert moved_bits(codec) == (
+        ShiftedBits(3, 0, 0xFF, 0),
+        ShiftedBits(4, -8, 0xFF00, 0x1200),
+        ShiftedBits(5, -16, 0xF0000, 0),
+    )
 
 
 # -- layouts
