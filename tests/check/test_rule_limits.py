@@ -81,6 +81,22 @@ def register(address: int, length: int, access: str = "read_write") -> Change:
     return BANK, BANK + REGISTER.format(f"{address:#04x}", length, access)
 
 
+def noted(text: str) -> Change:
+    return BANK, BANK.replace("source:", f"note: {text}, source:")
+
+
+def steps(limit: str) -> Change:
+    field = "fields: [{name: steps, at: 7:0, zero_means: 256}]"
+    return (
+        BANK,
+        f'{BANK}  - {{name: steps, address: 0x50, length: 1, access: read_write, {limit}, source: "6", {field}}}\n',
+    )
+
+
+def bytes_in_order(length: str) -> Change:
+    return BANK, f'{BANK}  - {{name: number, address: 0x50, {length}, access: read_write, source: "6.3"}}\n'
+
+
 def speed(field: str) -> Change:
     return BANK, BANK + SPEED.format(field)
 
@@ -308,6 +324,38 @@ LIMITS: dict[str, tuple[list[list[Change]], list[list[Change]], str, str]] = {
         "the value 'fast' is 0x10, which does not fit into 4 bits",
     ),
     "constant of 4 bits": ([], [[speed("constant: 0x10")]], "value-too-wide", "'constant' is 0x10, which does not fit"),
+    # 100 mm are 3.937 in. A repetition may differ by a hundredth, or by its last digit.
+    "length in inches": (
+        [[noted("100 mm is 3.90 in")], [noted("100 mm is 3.9 in")], [noted("100 mm is 3.97 in")]],
+        [[noted("100 mm is 3.89 in")], [noted("100 mm is 3.98 in")]],
+        "quantity-text",
+        "100 mm is 3.937 in, not 3.",
+    ),
+    # 20 degrees Celsius are 68 degrees Fahrenheit, or 36 as a difference.
+    "temperature in Fahrenheit": (
+        [[noted("20 °C is 68 °F")], [noted("20 °C is 36 °F")], [noted("20 °C is 36.5 °F")]],
+        [[noted("20 °C is 36.6 °F")], [noted("20 °C is 66 °F")]],
+        "quantity-text",
+        "20 °C is 68 °F, not ",
+    ),
+    "number for which zero stands": (
+        [[steps("max: 255")], [steps("max: 256")]],
+        [[steps("max: 254")]],
+        "limit-does-not-fit",
+        "zero stands for 256, which is above 'max' (254)",
+    ),
+    "overlapping registers": (
+        [[register(0x3E, 2)], [register(0x41, 1)]],
+        [[register(0x3E, 3)], [register(0x40, 1)]],
+        "duplicate-address",
+        "",
+    ),
+    "registers of several bytes": (
+        [[register(0x50, 1, "read_write, note: x")], [bytes_in_order("length: 1")]],
+        [[bytes_in_order("length: 2")]],
+        "byte-order-missing",
+        "",
+    ),
     "bit of a master's request": (
         [[serial_bit("master")]],
         [[serial_bit("encoder")]],
