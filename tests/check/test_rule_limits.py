@@ -85,6 +85,10 @@ def noted(text: str) -> Change:
     return BANK, BANK.replace("source:", f"note: {text}, source:")
 
 
+def note_of_crc(text: str) -> Change:
+    return "xorout: 0x3F,", f"xorout: 0x3F, note: The manual prints {text}.,"
+
+
 def steps(limit: str) -> Change:
     field = "fields: [{name: steps, at: 7:0, zero_means: 256}]"
     return (
@@ -337,6 +341,13 @@ LIMITS: dict[str, tuple[list[list[Change]], list[list[Change]], str, str]] = {
         [[noted("20 °C is 36.6 °F")], [noted("20 °C is 66 °F")]],
         "quantity-text",
         "20 °C is 68 °F, not ",
+    ),
+    # A CRC of 6 bits has a polynomial of 7 bits, 40h to 7Fh, that ends in + 1.
+    "polynomial in a note": (
+        [[note_of_crc(text)] for text in ("x^6 + x + 1", "x^8 + x^2 + 1", "x^6 + x^2", "0x43", "0x44", "0x81", "0x3F")],
+        [[note_of_crc(text)] for text in ("x^6 + x^2 + 1", "0x45", "0x7F", "0x41")],
+        "printed-number",
+        "but 'poly' is 0x3, or 0x43 with its top bit",
     ),
     "number for which zero stands": (
         [[steps("max: 255")], [steps("max: 256")]],
