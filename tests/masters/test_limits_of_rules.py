@@ -18,7 +18,8 @@ devices: [{name: One, channels: [a, b]}, {name: Two}]
 limits: [{item: data_bits, LIMIT, reason: A reason., source: manual}]
 settings:
   - {name: Bits, value: data_bits, source: manual, places: [{PLACE, unit: none, default: 0, source: manual}]}
-  - {name: Clock, any_clock: {unit: Hz, CLOCK}, source: manual, places: [{PLACE, unit: none, default: 0, source: manual}]}
+  - {name: Clock, any_clock: {unit: Hz, CLOCK}, source: manual,
+     places: [{PLACE, unit: none, default: 0, source: manual}]}
 writing: [{of: [Bits], WRITING, source: manual}]
 """
 VALID = {

@@ -138,6 +138,7 @@ def test_which_procedure_changes_frames(small: Device, run: Run) -> None:
         ("steps", "steps", False, (True, False), 256, ["NotZeroFor"], []),
         # -128 is the lowest signed byte, and 127 the highest.
         ("offset", "offset", True, (False, True), 0, ["NotSigned"], ["max"]),
+        ("trim", "trim", True, (True, False), 0, ["NotSigned"], ["min"]),
         ("alarm", "alarm", False, (False, False), 0, ["TooWide"], []),
         ("level", "", False, (False, False), 0, ["TooWide", "TooWide"], []),
     ],

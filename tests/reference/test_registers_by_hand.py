@@ -209,7 +209,7 @@ def test_a_preset_is_open_while_the_key_is_in_its_register() -> None:
         assert memory.writable(0x50) == is_open
     assert (memory.writable(0x53), memory.readable(0x53)) == (False, True)
     assert (memory.writable(0x54), memory.readable(0x54)) == (True, False)
-    assert (memory.readable(0x4F), memory.readable(0x59)) == (False, False)
+    assert (memory.readable(0x4F), memory.readable(0x5A)) == (False, False)
 
 
 def test_a_number_above_its_limit_becomes_the_default() -> None:
