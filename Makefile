@@ -41,9 +41,17 @@ quick-tests: .venv/.tested
 test: .venv/.tested tools
 	@$(PY) -m pytest -rs -n auto --dist worksteal $(TESTS)
 
-# The longer evidence on the C headers. make verify-proof, for example, runs only tests/verify/test_proof.py.
+# The longer evidence, and the cases that make test leaves out. make verify-proof, for example, runs only
+# tests/verify/test_proof.py, and make verify-cases_c the further cases about C.
 verify: .venv/.tested tools bench-packages engines axe
-	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q tests/verify
+	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q -m exhaustive tests
+
+CASES_c = tests/c tests/browser tests/rust
+CASES_python = tests/python tests/virtual
+CASES_tool = tests $(addprefix --ignore=,tests/verify $(CASES_c) $(CASES_python))
+
+verify-cases_%: .venv/.tested tools
+	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q -m exhaustive $(CASES_$*)
 
 verify-%: .venv/.tested tools
 	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q tests/verify/test_$*.py

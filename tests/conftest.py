@@ -45,10 +45,13 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     return "\npytestmark = pytest.mark.slow\n" in collection_path.read_text(encoding="utf-8") or None
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: Sequence[pytest.Item]) -> None:
-    """A test that needs a shared artefact is slow, because one of them must build it. So is the longer evidence."""
+    """A test that needs a shared artefact is slow, because one of them must build it. So are exhaustive tests."""
     for test in items:
-        if "made_once" in getattr(test, "fixturenames", ()) or ROOT / "tests" / "verify" in test.path.parents:
+        if ROOT / "tests" / "verify" in test.path.parents:
+            test.add_marker(pytest.mark.exhaustive)
+        if "made_once" in getattr(test, "fixturenames", ()) or test.get_closest_marker("exhaustive"):
             test.add_marker(pytest.mark.slow)
 
 

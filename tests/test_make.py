@@ -37,6 +37,22 @@ def test_quick_leaves_out_slow_tests_and_test_none() -> None:
 
 
 @pytest.mark.slow
+def test_what_make_test_leaves_out_is_run_by_make_verify() -> None:
+    """Each folder of tests belongs to one part."""
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    parts = {part: commands(f"verify-cases_{part}") for part in re.findall(r"^CASES_(\w+) =", makefile, re.MULTILINE)}
+    assert all("-m exhaustive tests" in command for command in parts.values())
+    named_folders = {part: re.findall(r" (tests/\w+)\b", command) for part, command in parts.items()}
+    assert " -m exhaustive tests --ignore=" in parts.pop("tool")
+    del named_folders["tool"]
+    folders = [folder for part_folders in named_folders.values() for folder in part_folders]
+    ignored = re.findall(r"--ignore=(\S+)", commands("verify-cases_tool"))
+    assert sorted(ignored) == sorted(["tests/verify", *folders])
+    assert "-m exhaustive tests\n" in commands("verify")
+    assert "-m 'not exhaustive'" in (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("target", ["generate", "check", "test", "lint", "verify", "site"])
 def test_only_targets_that_test_install_the_packages_for_tests(target: str) -> None:
     """Users of the outputs need four packages."""
