@@ -40,10 +40,10 @@ def run_arguments(arguments: Device, made_once: MadeOnce) -> Run:
     return program_over(arguments, made_once, "arguments")
 
 
-@pytest.mark.slow
 COMPILERS = [["clang", "-std=c99"], ["g++", "-x", "c++", "-std=c++11"]]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", mostly_exhaustive(COMPILERS, COMPILERS[0]), ids=" ".join)
 def test_no_warning(command: list[str], arguments: Device, tmp_path: Path) -> None:
     """There is none even if an encoder is identified by a byte called ``variant_id``."""
