@@ -73,12 +73,13 @@ def pytest_sessionfinish() -> None:
 
 @pytest.fixture(autouse=True)
 def _quick_tests_are_quick(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Only tests that are marked as slow may start processes."""
+    """Only tests that are marked as slow may start processes, apart from the few with a mark for this."""
 
     def refuse_to_start(self: Any, command: Any, *more: Any, **named: Any) -> None:
         raise AssertionError(f"this test runs {command}: mark it with pytest.mark.slow")
 
-    if request.node.get_closest_marker("slow") is None:
+    marks = {mark.name for mark in request.node.iter_markers()}
+    if marks.isdisjoint({"slow", "starts_process"}):
         monkeypatch.setattr(subprocess.Popen, "__init__", refuse_to_start)
 
 

@@ -30,9 +30,7 @@ NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "name", mostly_exhaustive([*FAMILIES, "bits22", "reserved", "tv62", "words"], "amm5", "words")
-)
+@pytest.mark.parametrize("name", mostly_exhaustive([*FAMILIES, "bits22", "reserved", "tv62", "words"], "amm5", "words"))
 def test_every_name_is_given_out_once(name: str, every_device: Mapping[str, Device]) -> None:
     """The declarations in the text are the listed ones, so no clash is overlooked."""
     device = every_device[name]
