@@ -35,7 +35,9 @@ settings.load_profile("codewheel")
 ROOT = Path(__file__).resolve().parent.parent
 MadeOnce = Callable[[str, Callable[[Path], object]], Path]
 #: Folders of specs that no test changes.
-_OURS = {ROOT / "specs", ROOT / "docs" / "example", ROOT / "tests" / "specs", ROOT / "tests" / "c" / "specs"}
+_TESTS = ROOT / "tests"
+_OURS = {ROOT / "specs", ROOT / "docs" / "example", ROOT / "examples" / "encoders"}
+_OURS |= {_TESTS / "specs", _TESTS / "c" / "specs", _TESTS / "python" / "specs", _TESTS / "browser" / "specs"}
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
@@ -151,9 +153,14 @@ def amm5(devices: Mapping[str, Device]) -> Device:
 
 
 @pytest.fixture(scope="session")
-def pages(library: Library) -> dict[str, str]:
-    """The documentation of the library, by path."""
-    return generate_docs(library)
+def pages(library: Library, filled_once: MadeOnce) -> dict[str, str]:
+    """The documentation of the library, by path, which the workers of a run share."""
+
+    def fill(folder: Path) -> None:
+        (folder / "pages.json").write_text(json.dumps(generate_docs(library)), encoding="utf-8")
+
+    texts: dict[str, str] = json.loads((filled_once("pages", fill) / "pages.json").read_text(encoding="utf-8"))
+    return texts
 
 
 @pytest.fixture(scope="session")
@@ -164,7 +171,13 @@ def hostile(library: Library) -> Library:
 
 
 @pytest.fixture(scope="session")
-def made_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory) -> MadeOnce:
+def made_once(filled_once: MadeOnce) -> MadeOnce:
+    """Fill a folder once for all workers of a run, with something that takes long. Tests that use this are slow."""
+    return filled_once
+
+
+@pytest.fixture(scope="session")
+def filled_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory) -> MadeOnce:
     """Fill a folder once for all workers of a run. The first one does the work, and the others wait for it."""
     base_folder = tmp_path_factory.getbasetemp()
     shared = base_folder.parent if hasattr(pytestconfig, "workerinput") else base_folder

@@ -108,7 +108,7 @@ def included(device: Device) -> str:
 
 
 def devices_of(*paths: Path) -> tuple[Device, ...]:
-    devices, report = load_library(paths or None)
+    devices, report = load_library(paths or [_HERE.parents[1] / "specs"])
     assert not len(report)
     return devices
 

@@ -1,9 +1,10 @@
 """One frame of each interface in C, compiled without optimisation: what ``make quick`` sees of the compiled headers.
 
 BiSS: the word in the README, and the same position with the bits nE = 0 and nW = 1. The CRC is computed here: its
-polynomial is x^6 + x + 1, and it is sent inverted (AMM5 6.2.1). SSI: position 100,003 in Gray code, which is the number and the half of it
-under exclusive or (AM36 5.2). RS-485: request 02 of data ID 0 (AMM5 7.4.2), and a public reply, whose bytes are
-little-endian, so 7,000,519 = 6AD1C7h. SPI: words of public drivers of the AS5047P (simplefoc, AS5047.cpp).
+polynomial is x^6 + x + 1, and it is sent inverted (AMM5 6.2.1). SSI: position 100,003 in Gray code, which is the
+number and the half of it under exclusive or (AM36 5.2). RS-485: request 02 of data ID 0 (AMM5 7.4.2), and a public
+reply, whose bytes are little-endian, so 7,000,519 = 6AD1C7h. SPI: words of public drivers of the AS5047P (simplefoc,
+AS5047.cpp).
 """
 
 from __future__ import annotations

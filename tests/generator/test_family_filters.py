@@ -101,6 +101,7 @@ def test_a_comparison_reports_families_that_are_not_selected(capsys: pytest.Capt
     assert err.endswith(" out of date; run: codewheel generate --target biss\n")
 
 
+@pytest.mark.slow
 def test_only_the_folder_of_the_settings_is_limited(capsys: pytest.CaptureFixture[str], project: Path) -> None:
     write_settings(project, "output: tracked\nonly: {biss: {families: [tv62]}}\n")
     assert run(capsys, "generate", *BISS, "-o", "out")[0] == 0
@@ -163,6 +164,7 @@ def test_an_order_code_narrows_c_to_the_families_that_it_writes(
 # ------------------------------------------------------------------------------------------------------ earlier outputs
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_recorded", [True, False])
 def test_outputs_of_a_family_that_is_no_longer_selected_are_removed(
     capsys: pytest.CaptureFixture[str], project: Path, is_recorded: bool
@@ -196,6 +198,7 @@ def test_outputs_of_a_family_that_was_not_read_are_kept(capsys: pytest.CaptureFi
     assert run(capsys, "generate", "specs/tolvarn", *BISS)[0] == 0
 
 
+@pytest.mark.slow
 def test_a_stored_result_belongs_to_its_condition(
     capsys: pytest.CaptureFixture[str], project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -1,7 +1,7 @@
 """Registers over SPI in Python: the words that are sent, and the bytes of the value. ``make quick`` runs this.
 
-The words are those of public drivers of the AS5047P (simplefoc, AS5047.cpp). Bit 15 makes the number of ones even, and a
-reply comes with the next word. DIAAGC has the gain in bits 7:0 and LF in bit 8. SETTINGS1 has 8 bits.
+The words are those of public drivers of the AS5047P (simplefoc, AS5047.cpp). Bit 15 makes the number of ones even, and
+a reply comes with the next word. DIAAGC has the gain in bits 7:0 and LF in bit 8. SETTINGS1 has 8 bits.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def test_a_register_of_two_bytes_is_read(as5047p: tuple[Any, Any]) -> None:
 
 
 def test_a_bus_reads_and_writes_the_most_significant_byte_first(as5047p: tuple[Any, Any]) -> None:
-    encoder, module = as5047p
+    encoder, _ = as5047p
     words: list[int] = []
 
     def exchange(word: int) -> int:
