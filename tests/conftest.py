@@ -73,16 +73,18 @@ def pytest_sessionfinish() -> None:
     gc.freeze()
 
 
-@pytest.fixture(autouse=True)
-def _quick_tests_are_quick(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+_start_process = subprocess.Popen.__init__
+
+
+def _refuse_to_start(self: Any, command: Any, *more: Any, **named: Any) -> None:
+    raise AssertionError(f"this test runs {command}: mark it with pytest.mark.slow")
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
     """Only tests that are marked as slow may start processes, apart from the few with a mark for this."""
-
-    def refuse_to_start(self: Any, command: Any, *more: Any, **named: Any) -> None:
-        raise AssertionError(f"this test runs {command}: mark it with pytest.mark.slow")
-
-    marks = {mark.name for mark in request.node.iter_markers()}
-    if marks.isdisjoint({"slow", "starts_process"}):
-        monkeypatch.setattr(subprocess.Popen, "__init__", refuse_to_start)
+    marks = {mark.name for mark in item.iter_markers()}
+    may_start = not marks.isdisjoint({"slow", "starts_process"})
+    subprocess.Popen.__init__ = _start_process if may_start else _refuse_to_start  # type: ignore[method-assign]
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -31,8 +31,18 @@ def test_lint_looks_at_format_and_rules() -> None:
 @pytest.mark.slow
 def test_quick_leaves_out_slow_tests_and_test_none() -> None:
     quick = commands("quick")
-    assert re.findall(r"-m (ruff|mypy|codewheel|pytest)\b", quick) == ["ruff", "ruff", "mypy", "codewheel", "pytest"]
-    assert "-m 'not slow'" in quick
+    assert re.findall(r"-m (ruff|mypy|codewheel|pytest)\b", quick) == [
+        "ruff",
+        "ruff",
+        "mypy",
+        "codewheel",
+        "pytest",
+        "pytest",
+    ]
+    folders = "tests/generator tests/docs tests/masters"
+    assert f"-m pytest -m 'not slow' {folders}\n" in quick
+    others = " ".join(f"--ignore={folder}" for folder in folders.split())
+    assert f"-m pytest -m 'not slow' tests {others}\n" in quick
     assert "slow" not in commands("test")
 
 

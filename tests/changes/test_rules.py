@@ -22,7 +22,8 @@ from codewheel.targets.registry import files_of, load_target
 from pair import Case, devices, diff_text, sides
 
 _WITHOUT = {"before": [], "edits": [], "backwards": False}
-_LISTED = yaml.safe_load((Path(__file__).parent / "cases.yaml").read_text(encoding="utf-8"))
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # The former is ten times as fast.
+_LISTED = yaml.load((Path(__file__).parent / "cases.yaml").read_text(encoding="utf-8"), _LOADER)
 CASES: list[Case] = [{**_WITHOUT, **case} for case in _LISTED]  # type: ignore[typeddict-item]
 #: Rules with tests of their own, since they need two families or a member of the model that no rule covers.
 _ELSEWHERE = {"family-gone", "family-new", "unforeseen"}

@@ -25,6 +25,7 @@ def test_the_grade_decides_the_folder() -> None:
     assert {device.evidence.grade for device in public}.isdisjoint({"manual", "quoted"})
 
 
+@pytest.mark.slow
 def test_the_index_lists_each_encoder_with_its_grade() -> None:
     page = (ROOT / "docs" / "encoders.md").read_text(encoding="utf-8")
     devices, report = load_library([ROOT / "specs", ENCODERS])

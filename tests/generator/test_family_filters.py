@@ -55,12 +55,14 @@ def families(project: Path, folder: str = "generated", target: str = "biss") -> 
     [
         ("", {"my_encoder", "tv62"}),
         ("only: {biss: {families: [tv62]}}\n", {"tv62"}),
-        ("only: {biss: {families: [my_encoder]}}\n", {"my_encoder"}),
-        ("only: {biss: {families: [my_encoder, tv62]}}\n", {"my_encoder", "tv62"}),
-        ("only: {biss: {grades: [manual, quoted]}}\n", {"tv62"}),
-        ("only: {biss: {grades: [uncorroborated]}}\n", {"my_encoder"}),
-        ("only: {biss: {families: [my_encoder, tv62], grades: [manual]}}\n", {"tv62"}),
-        ("only: {docs: {families: [my_encoder]}}\n", {"my_encoder", "tv62"}),
+        pytest.param("only: {biss: {families: [my_encoder]}}\n", {"my_encoder"}, marks=pytest.mark.slow),
+        pytest.param("only: {biss: {families: [my_encoder, tv62]}}\n", {"my_encoder", "tv62"}, marks=pytest.mark.slow),
+        pytest.param("only: {biss: {grades: [manual, quoted]}}\n", {"tv62"}, marks=pytest.mark.slow),
+        pytest.param("only: {biss: {grades: [uncorroborated]}}\n", {"my_encoder"}, marks=pytest.mark.slow),
+        pytest.param(
+            "only: {biss: {families: [my_encoder, tv62], grades: [manual]}}\n", {"tv62"}, marks=pytest.mark.slow
+        ),
+        pytest.param("only: {docs: {families: [my_encoder]}}\n", {"my_encoder", "tv62"}, marks=pytest.mark.slow),
     ],
 )
 def test_a_target_writes_the_families_of_its_condition(
