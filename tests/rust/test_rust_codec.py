@@ -21,7 +21,7 @@ pytestmark = pytest.mark.slow
 FRAMES = 1000
 
 
-@pytest.fixture(scope="module", params=mostly_exhaustive(SPECS, "specs/lika/amm5", "tests/c/specs/shapes"))
+@pytest.fixture(scope="module", params=mostly_exhaustive(SPECS, "specs/lika/amm5.yaml", "tests/c/specs/shapes.yaml"))
 def program(request: pytest.FixtureRequest, workshop: Workshop) -> Program:
     return workshop.program(request.param)
 
