@@ -12,7 +12,7 @@ endif
 AXE = axe-playwright-python==0.1.8
 export CC CXX
 
-.PHONY: generate lint quick quick-outputs quick-tests test verify bench bench-python bench-tool mutants check spec-page rules-page site release clean
+.PHONY: generate lint quick quick-outputs quick-tests-1 quick-tests-2 test verify bench bench-python bench-tool mutants check spec-page rules-page site release clean
 
 generate: .venv/.installed
 	@$(PY) -m codewheel generate
@@ -28,22 +28,36 @@ lint: .venv/.tested
 # Compiled tests are kept even if the environment forbids it, because compiling takes a third of the time.
 quick: export PYTHONDONTWRITEBYTECODE =
 quick: lint
-	@$(MAKE) --no-print-directory --jobs=2 quick-outputs quick-tests
+	@$(MAKE) --no-print-directory --jobs=3 quick-outputs quick-tests-1 quick-tests-2
 
 quick-outputs: .venv/.tested
 	@$(PY) -m mypy --no-error-summary generator runtime/python/codewheel_runtime
 	@said=$$($(PY) -m codewheel generate --check) || { echo "$$said"; exit 1; }
 
-quick-tests: .venv/.tested
-	@$(PY) -m pytest -n auto --dist worksteal -m 'not slow'
+# Two processes, each of which collects only its own tests, take less time than the workers of one.
+QUICK_1 = tests/generator tests/docs tests/masters
+
+quick-tests-1: .venv/.tested
+	@$(PY) -m pytest -m 'not slow' $(QUICK_1)
+
+quick-tests-2: .venv/.tested
+	@$(PY) -m pytest -m 'not slow' tests $(addprefix --ignore=,$(QUICK_1))
 
 # TESTS selects files.
 test: .venv/.tested tools
 	@$(PY) -m pytest -rs -n auto --dist worksteal $(TESTS)
 
-# The longer evidence on the C headers. make verify-proof, for example, runs only tests/verify/test_proof.py.
+# The longer evidence, and the cases that make test leaves out. make verify-proof, for example, runs only
+# tests/verify/test_proof.py, and make verify-cases_c the further cases about C.
 verify: .venv/.tested tools bench-packages engines axe
-	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q tests/verify
+	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q -m exhaustive tests
+
+CASES_c = tests/c tests/browser tests/rust
+CASES_python = tests/python tests/virtual
+CASES_tool = tests $(addprefix --ignore=,tests/verify $(CASES_c) $(CASES_python))
+
+verify-cases_%: .venv/.tested tools
+	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q -m exhaustive $(CASES_$*)
 
 verify-%: .venv/.tested tools
 	@$(PY) -m pytest -rs -n auto --dist worksteal -o addopts=-q tests/verify/test_$*.py

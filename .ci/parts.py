@@ -112,10 +112,18 @@ def run(command: str, seconds: float, lines: list[str], folder: str = ".") -> in
         reader.join(10)  # A program that left the group may keep the pipe open.
 
 
+def case_parts() -> set[str]:
+    """Return the parts without a file of their own: the cases that ``make test`` leaves out, by subject."""
+    makefile = Path("Makefile")
+    text = makefile.read_text(encoding="utf-8") if makefile.exists() else ""
+    return {f"cases_{subject}" for subject in re.findall(r"^CASES_(\w+) =", text, re.MULTILINE)}
+
+
 def parts() -> list[str]:
     """List the parts of ``make verify``. Each commit starts with another one, so that none is always the last."""
     files = Path("tests/verify").glob("test_*.py")
-    names = sorted({re.sub("python_.*", "python", path.stem.removeprefix("test_")) for path in files})
+    file_parts = {re.sub("python_.*", "python", path.stem.removeprefix("test_")) for path in files}
+    names = sorted(file_parts | case_parts())
     completed = subprocess.run(["git", "rev-list", "--count", "HEAD"], capture_output=True, text=True)
     first = int(completed.stdout or 0) % len(names)
     return [f"make verify-{name}" for name in names[first:] + names[:first]]

@@ -37,7 +37,9 @@ MadeOnce = Callable[[str, Callable[[Path], object]], Path]
 #: Grades of the encoders whose code and pages are in ``generated/``.
 TRACKED_GRADES = ("manual", "quoted")
 #: Folders of specs that no test changes.
-_OURS = {ROOT / "specs", ROOT / "docs" / "example", ROOT / "tests" / "specs", ROOT / "tests" / "c" / "specs"}
+_TESTS = ROOT / "tests"
+_OURS = {ROOT / "specs", ROOT / "docs" / "example"}
+_OURS |= {_TESTS / "specs", _TESTS / "c" / "specs", _TESTS / "python" / "specs", _TESTS / "browser" / "specs"}
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
@@ -47,10 +49,13 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     return "\npytestmark = pytest.mark.slow\n" in collection_path.read_text(encoding="utf-8") or None
 
 
+@pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: Sequence[pytest.Item]) -> None:
-    """A test that needs a shared artefact is slow, because one of them must build it. So is the longer evidence."""
+    """A test that needs a shared artefact is slow, because one of them must build it. So are exhaustive tests."""
     for test in items:
-        if "made_once" in getattr(test, "fixturenames", ()) or ROOT / "tests" / "verify" in test.path.parents:
+        if ROOT / "tests" / "verify" in test.path.parents:
+            test.add_marker(pytest.mark.exhaustive)
+        if "made_once" in getattr(test, "fixturenames", ()) or test.get_closest_marker("exhaustive"):
             test.add_marker(pytest.mark.slow)
 
 
@@ -70,15 +75,18 @@ def pytest_sessionfinish() -> None:
     gc.freeze()
 
 
-@pytest.fixture(autouse=True)
-def _quick_tests_are_quick(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Only tests that are marked as slow may start processes."""
+_start_process = subprocess.Popen.__init__
 
-    def refuse_to_start(self: Any, command: Any, *more: Any, **named: Any) -> None:
-        raise AssertionError(f"this test runs {command}: mark it with pytest.mark.slow")
 
-    if request.node.get_closest_marker("slow") is None:
-        monkeypatch.setattr(subprocess.Popen, "__init__", refuse_to_start)
+def _refuse_to_start(self: Any, command: Any, *more: Any, **named: Any) -> None:
+    raise AssertionError(f"this test runs {command}: mark it with pytest.mark.slow")
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Only tests that are marked as slow may start processes, apart from the few with a mark for this."""
+    marks = {mark.name for mark in item.iter_markers()}
+    may_start = not marks.isdisjoint({"slow", "starts_process"})
+    subprocess.Popen.__init__ = _start_process if may_start else _refuse_to_start  # type: ignore[method-assign]
 
 
 @pytest.fixture(scope="session", autouse=True)
@@ -155,9 +163,14 @@ def amm5(devices: Mapping[str, Device]) -> Device:
 
 
 @pytest.fixture(scope="session")
-def pages(library: Library) -> dict[str, str]:
-    """The documentation of the library, by path."""
-    return generate_docs(library)
+def pages(library: Library, filled_once: MadeOnce) -> dict[str, str]:
+    """The documentation of the library, by path, which the workers of a run share."""
+
+    def fill(folder: Path) -> None:
+        (folder / "pages.json").write_text(json.dumps(generate_docs(library)), encoding="utf-8")
+
+    texts: dict[str, str] = json.loads((filled_once("pages", fill) / "pages.json").read_text(encoding="utf-8"))
+    return texts
 
 
 @pytest.fixture(scope="session")
@@ -168,7 +181,13 @@ def hostile(library: Library) -> Library:
 
 
 @pytest.fixture(scope="session")
-def made_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory) -> MadeOnce:
+def made_once(filled_once: MadeOnce) -> MadeOnce:
+    """Fill a folder once for all workers of a run, with something that takes long. Tests that use this are slow."""
+    return filled_once
+
+
+@pytest.fixture(scope="session")
+def filled_once(pytestconfig: pytest.Config, tmp_path_factory: pytest.TempPathFactory) -> MadeOnce:
     """Fill a folder once for all workers of a run. The first one does the work, and the others wait for it."""
     base_folder = tmp_path_factory.getbasetemp()
     shared = base_folder.parent if hasattr(pytestconfig, "workerinput") else base_folder

@@ -14,6 +14,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+from exhaustive import mostly_exhaustive
 from lines import Biss
 from python_path import python_path
 
@@ -149,7 +150,10 @@ EXCEPTIONS = {
     ("docs/why-a-crc-fails.md", ": mistake "): "measured over 20,000 frames; test_why.py holds a short run against it",
     ("generated/python/README.md", ": pip install"): "fetches nothing but changes the reader's own environment",
     ("generated/python/README.md", ": pip wheel"): "tests/python/test_wheel.py runs both lines without an index",
-    ("examples/rust-target/README.md", ": pip install"): "changes the reader's own environment; test_the_readme runs the line after it",
+    (
+        "examples/rust-target/README.md",
+        ": pip install",
+    ): "changes the reader's own environment; test_the_readme runs the line after it",
     ("examples/opcua-target/README.md", ": pip install"): "test_the_installed_target runs both lines",
     (
         "examples/rust-target/README.md",
@@ -190,6 +194,7 @@ def blocks() -> Iterator[Block]:
 
 EVERY = list(blocks())
 HERE = [block for block in EVERY if block.is_run_here and not block.elsewhere]
+FIRST_OF_PAGES = {block.page: block for block in reversed(HERE)}.values()
 
 
 def test_every_block_is_accounted_for() -> None:
@@ -211,7 +216,9 @@ def test_the_tests_that_are_named_are_there() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("block", HERE, ids=lambda block: f"{block.page}: {block.lines[0][:50]}")
+@pytest.mark.parametrize(
+    "block", mostly_exhaustive(HERE, *FIRST_OF_PAGES), ids=lambda block: f"{block.page}: {block.lines[0][:50]}"
+)
 def test_its_commands_run(block: Block, tmp_path: Path, generated_python: tuple[Path, ModuleType]) -> None:
     """Run in a folder with their input: a spec under version control, a document type, captured frames."""
     _prepare(tmp_path)

@@ -68,6 +68,11 @@ def test_the_readme_prints_the_commands(module: ModuleType, monkeypatch: pytest.
     assert module.readme_commands() == ["make generate", "make test"]
 
 
+def test_the_parts_include_the_cases_that_are_left_out(module: ModuleType, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(CI.parent)
+    assert {"make verify-cases_c", "make verify-cases_python", "make verify-cases_tool"} <= {*module.parts()}
+
+
 def test_the_clone_is_a_real_one(module: ModuleType, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It has the files of the last commit, and no environment."""
     monkeypatch.chdir(CI.parent)

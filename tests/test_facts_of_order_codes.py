@@ -77,7 +77,10 @@ def readers() -> dict[str, set[str]]:
     """Return the restricted members that each module reads."""
     readers_by_module: dict[str, set[str]] = {}
     for path in sorted(GENERATOR.rglob("*.py")):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
+        text = path.read_text(encoding="utf-8")
+        if not any(f".{name}" in text for name in RESTRICTED):
+            continue
+        tree = ast.parse(text)
         names = {node.attr for node in ast.walk(tree) if isinstance(node, ast.Attribute)} & RESTRICTED
         if names:
             readers_by_module[str(path.relative_to(GENERATOR))] = names

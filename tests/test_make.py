@@ -31,9 +31,35 @@ def test_lint_looks_at_format_and_rules() -> None:
 @pytest.mark.slow
 def test_quick_leaves_out_slow_tests_and_test_none() -> None:
     quick = commands("quick")
-    assert re.findall(r"-m (ruff|mypy|codewheel|pytest)\b", quick) == ["ruff", "ruff", "mypy", "codewheel", "pytest"]
-    assert "-m 'not slow'" in quick
+    assert re.findall(r"-m (ruff|mypy|codewheel|pytest)\b", quick) == [
+        "ruff",
+        "ruff",
+        "mypy",
+        "codewheel",
+        "pytest",
+        "pytest",
+    ]
+    folders = "tests/generator tests/docs tests/masters"
+    assert f"-m pytest -m 'not slow' {folders}\n" in quick
+    others = " ".join(f"--ignore={folder}" for folder in folders.split())
+    assert f"-m pytest -m 'not slow' tests {others}\n" in quick
     assert "slow" not in commands("test")
+
+
+@pytest.mark.slow
+def test_what_make_test_leaves_out_is_run_by_make_verify() -> None:
+    """Each folder of tests belongs to one part."""
+    makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
+    parts = {part: commands(f"verify-cases_{part}") for part in re.findall(r"^CASES_(\w+) =", makefile, re.MULTILINE)}
+    assert all("-m exhaustive tests" in command for command in parts.values())
+    named_folders = {part: re.findall(r" (tests/\w+)\b", command) for part, command in parts.items()}
+    assert " -m exhaustive tests --ignore=" in parts.pop("tool")
+    del named_folders["tool"]
+    folders = [folder for part_folders in named_folders.values() for folder in part_folders]
+    ignored = re.findall(r"--ignore=(\S+)", commands("verify-cases_tool"))
+    assert sorted(ignored) == sorted(["tests/verify", *folders])
+    assert "-m exhaustive tests\n" in commands("verify")
+    assert "-m 'not exhaustive'" in (ROOT / "pyproject.toml").read_text(encoding="utf-8")
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ from codewheel.commands.find_encoder import find_among
 from codewheel.commands.terminal import Stop
 from codewheel.loading.library import load_library
 from codewheel.targets import Library
+from exhaustive import mostly_exhaustive
 
 LABELS = (
     "AMM5A21/65KSC1",
@@ -72,12 +73,13 @@ def test_labels_of_people(node: Asker, library: Library) -> None:
 
 
 @pytest.mark.slow
-def test_labels_with_mistakes(node: Asker, library: Library) -> None:
+@pytest.mark.parametrize("count", mostly_exhaustive([60, 600], 60))
+def test_labels_with_mistakes(count: int, node: Asker, library: Library) -> None:
     """One character of a listed code is omitted, changed, or written twice."""
     random_ = random.Random(5)
     codes = [variant.code for device in library.devices for variant in device.variants]
     texts = []
-    for _ in range(600):
+    for _ in range(count):
         code = random_.choice(codes)
         place = random_.randrange(len(code))
         middle = random_.choice(["", random_.choice("0123456789ABSKJPCG/-"), 2 * code[place]])

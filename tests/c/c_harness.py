@@ -44,6 +44,7 @@ from working_tools import require
 WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wcast-qual -Wshadow -Werror".split()
 SPECS = Path(__file__).resolve().parents[1] / "specs"
 _HERE = Path(__file__).resolve().parent
+_SPECS = _HERE.parents[1] / "specs"
 #: Specs with features that no family of the library has, by the name of their device.
 MADE_UP = {
     "banks": SPECS / "banks.yaml",
@@ -108,9 +109,9 @@ def included(device: Device) -> str:
 
 def devices_of(*paths: Path) -> tuple[Device, ...]:
     """Return the devices of specs, or else those of ``FAMILIES``."""
-    devices, report = load_library(paths or None)
+    devices, report = load_library(paths or [_SPECS / maker / f"{name}.yaml" for name, maker in FAMILIES.items()])
     assert not len(report)
-    return devices if paths else tuple(device for device in devices if device.name in FAMILIES)
+    return devices
 
 
 def write(folder: Path, devices: tuple[Device, ...]) -> Path:

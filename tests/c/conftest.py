@@ -18,6 +18,7 @@ from c_harness import (
     write,
 )
 from codewheel.model import Device
+from exhaustive import mostly_exhaustive
 from transport_harness import Machine, compile_machine, machine_of
 
 
@@ -110,7 +111,7 @@ def run_words(programs: Mapping[str, Run]) -> Run:
     return programs["words"]
 
 
-@pytest.fixture(params=[*FAMILIES, *MADE_UP])
+@pytest.fixture(params=mostly_exhaustive([*FAMILIES, *MADE_UP], "amm5", "long_crc", "shapes", "words"))
 def machine(
     request: pytest.FixtureRequest, every_device: Mapping[str, Device], programs: Mapping[str, Run]
 ) -> tuple[Device, Run]:
@@ -118,7 +119,7 @@ def machine(
     return every_device[request.param], programs[request.param]
 
 
-@pytest.fixture(params=FAMILIES)
+@pytest.fixture(params=mostly_exhaustive(FAMILIES, "amm5"))
 def family(
     request: pytest.FixtureRequest, every_device: Mapping[str, Device], programs: Mapping[str, Run]
 ) -> tuple[Device, Run]:

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.model import Device
+from exhaustive import mostly_exhaustive
 from test_c_package import crc_of, written
 from working_tools import require
 
@@ -78,7 +79,7 @@ def compiled(command: list[str], sketch: Path, library: Path, *more: str) -> Non
     assert completed.returncode == 0, completed.stderr
 
 
-@pytest.mark.parametrize("family", FAMILIES)
+@pytest.mark.parametrize("family", mostly_exhaustive(FAMILIES, "amm5"))
 def test_a_sketch_compiles_for_avr(family: str, library: Path) -> None:
     name = f"{family}_biss_arduino"
     command = ["avr-g++", "-mmcu=atmega328p", "-std=gnu++11", "-Os", "-fno-exceptions"]

@@ -10,6 +10,7 @@ from c_harness import MadeOnce, Run, compile_programs, devices_of, program_over,
 from codewheel.model import Device, Procedure, Variant
 from codewheel.reference.codec import EncodeError
 from codewheel.reference.registers import register_writes
+from exhaustive import mostly_exhaustive
 from test_c_families import steps_text
 from working_tools import require
 
@@ -39,8 +40,11 @@ def run_arguments(arguments: Device, made_once: MadeOnce) -> Run:
     return program_over(arguments, made_once, "arguments")
 
 
+COMPILERS = [["clang", "-std=c99"], ["g++", "-x", "c++", "-std=c++11"]]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("command", [["clang", "-std=c99"], ["g++", "-x", "c++", "-std=c++11"]], ids=" ".join)
+@pytest.mark.parametrize("command", mostly_exhaustive(COMPILERS, COMPILERS[0]), ids=" ".join)
 def test_no_warning(command: list[str], arguments: Device, tmp_path: Path) -> None:
     """There is none even if an encoder is identified by a byte called ``variant_id``."""
     require(command)

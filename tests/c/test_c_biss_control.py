@@ -11,6 +11,7 @@ from typing import Any
 import pytest
 from biss_line import Line, Memory, PythonMaster, PythonSlave
 from c_harness import GCC, SANITIZED, MadeOnce, compile_c
+from exhaustive import mostly_exhaustive
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from working_tools import require
@@ -487,7 +488,11 @@ def test_whatever_is_written_is_read_again(build: Build, data: st.DataObject) ->
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "command", ["gcc -std=c99", "gcc -std=c17", "g++ -x c++ -std=c++11", "clang -std=c99", "clang -x c++ -std=c++17"]
+    "command",
+    mostly_exhaustive(
+        ["gcc -std=c99", "gcc -std=c17", "g++ -x c++ -std=c++11", "clang -std=c99", "clang -x c++ -std=c++17"],
+        "gcc -std=c99",
+    ),
 )
 def test_no_warning(command: str, include: Path, tmp_path: Path) -> None:
     require(command.split())

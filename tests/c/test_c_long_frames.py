@@ -13,6 +13,7 @@ from pathlib import Path
 
 import pytest
 from c_harness import SANITIZED, SPECS, WARNINGS, devices_of, write
+from exhaustive import mostly_exhaustive
 from working_tools import require
 
 pytestmark = pytest.mark.slow
@@ -161,7 +162,9 @@ def include(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(
     scope="module",
-    params=["gcc -std=c99", "clang -std=c99", "g++ -x c++ -std=c++11", "clang++ -x c++ -std=c++17"],
+    params=mostly_exhaustive(
+        ["gcc -std=c99", "clang -std=c99", "g++ -x c++ -std=c++11", "clang++ -x c++ -std=c++17"], "gcc -std=c99"
+    ),
 )
 def program(request: pytest.FixtureRequest, include: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("program")

@@ -12,6 +12,7 @@ from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.c.comments import in_comment
 from codewheel.targets.c.files import generate
+from exhaustive import mostly_exhaustive
 
 #: Maximum distance of a value from the manual's name, in lines. It is one screen.
 _NEAR = 20
@@ -121,7 +122,7 @@ def test_the_manuals_own_name_leads_to_the_value(family: str, include: Path) -> 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [*FAMILIES, "words", "bits22", "tv62"])
+@pytest.mark.parametrize("name", mostly_exhaustive([*FAMILIES, "words", "bits22", "tv62"], "amm5", "words"))
 def test_bodies_are_indented(name: str, every_device: Mapping[str, Device], tmp_path: Path) -> None:
     for path in write(tmp_path, (every_device[name],)).rglob("*.h"):
         inside = False
@@ -133,7 +134,7 @@ def test_bodies_are_indented(name: str, every_device: Mapping[str, Device], tmp_
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [*FAMILIES, "words", "bits22", "tv62"])
+@pytest.mark.parametrize("name", mostly_exhaustive([*FAMILIES, "words", "bits22", "tv62"], "amm5", "words"))
 def test_nothing_is_shifted_by_nothing_octal_or_left_to_precedence(
     name: str, every_device: Mapping[str, Device], tmp_path: Path
 ) -> None:

@@ -18,10 +18,12 @@ from codewheel.model import Device
 from codewheel.model.members import PARTS_BY_CLASS, Part
 from codewheel.targets import Library
 from codewheel.targets.registry import files_of, load_target
+from exhaustive import mostly_exhaustive
 from pair import Case, devices, diff_text, sides
 
 _WITHOUT = {"before": [], "edits": [], "backwards": False}
-_LISTED = yaml.safe_load((Path(__file__).parent / "cases.yaml").read_text(encoding="utf-8"))
+_LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)  # The former is ten times as fast.
+_LISTED = yaml.load((Path(__file__).parent / "cases.yaml").read_text(encoding="utf-8"), _LOADER)
 CASES: list[Case] = [{**_WITHOUT, **case} for case in _LISTED]  # type: ignore[typeddict-item]
 #: Rules with tests of their own, since they need two families or a member of the model that no rule covers.
 _ELSEWHERE = {"family-gone", "family-new", "unforeseen"}
@@ -46,7 +48,7 @@ def test_what_is_printed(case: Case) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case["rule"])
+@pytest.mark.parametrize("case", mostly_exhaustive(CASES, *CASES[::10]), ids=lambda case: case["rule"])
 def test_the_way_back(case: Case) -> None:
     """A new thing is gone in the opposite direction, and every change is noticed."""
     old, new = sides(case)
@@ -154,7 +156,7 @@ def _python_code(text: str) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("case", CASES, ids=lambda case: case["rule"])
+@pytest.mark.parametrize("case", mostly_exhaustive(CASES, *CASES[::10]), ids=lambda case: case["rule"])
 def test_its_impact_is_true(case: Case) -> None:
     """Wording changes no statement, compatible changes keep every name, and reported names are those of the code."""
     old, new = sides(case)

@@ -7,7 +7,7 @@ import re
 
 import pytest
 from codewheel.language.check import check_document
-from codewheel.language.problems import Report
+from codewheel.language.problems import Problem, Report
 from codewheel.language.read import read_document
 
 HERE = pathlib.Path(__file__).parent
@@ -56,18 +56,18 @@ def test_broken_spec_is_refused_in_the_words_expected(path: pathlib.Path) -> Non
     assert expected, "say in the first lines what is expected: # expect: line:column: rule: message"
     assert problem_lines == expected
     for problem in report.problems:
-        for line in problem.format().splitlines()[1:]:
-            assert len(line) <= 80
+        check_caret(problem)
 
 
-@pytest.mark.parametrize("path", BROKEN, ids=lambda path: path.stem)
-def test_caret_stands_under_the_fault(path: pathlib.Path) -> None:
-    for problem in problems_of(path)[1].problems:
-        *_, source_line, caret = problem.format().splitlines()
-        assert caret.strip() == "^"
-        fault = problem.text[problem.column - 1 : problem.column]
-        if fault.isprintable() and fault:
-            assert source_line[caret.index("^")] == fault
+def check_caret(problem: Problem) -> None:
+    """The caret is under the first character of the fault, and the lines fit a terminal."""
+    _, *lines = problem.format().splitlines()
+    assert max(map(len, lines)) <= 80
+    source_line, caret = lines[-2:]
+    assert caret.strip() == "^"
+    fault = problem.text[problem.column - 1 : problem.column]
+    if fault.isprintable() and fault:
+        assert source_line[caret.index("^")] == fault
 
 
 def test_every_rule_has_a_broken_spec() -> None:

@@ -24,8 +24,8 @@ PLACES = {
     "schemas": ["generator/**/*.json"],
     "tests": ["tests/**/*.py"],
 }
-#: Those that are made from the others, or are not read by users. They take most of the time.
-LAST = {"generated pages", "C", "generated Python", "tests"}
+#: Those that are made from the others, or whose texts are mostly for contributors. They take most of the time.
+LAST = {"generated pages", "C", "generated Python", "generator", "tests"}
 #: Files whose messages are of commands. The others are counted like any prose.
 MESSAGES_IN = {"generator", "rules.md"}
 #: With fewer words, a density means little.

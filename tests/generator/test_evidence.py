@@ -37,6 +37,7 @@ def test_the_grade_decides_whose_files_are_tracked() -> None:
     assert families_in(ROOT / "generated" / "masters") == ["lika/amm5"]
 
 
+@pytest.mark.slow
 def test_the_index_lists_each_encoder_with_its_grade() -> None:
     page = (ROOT / "docs" / "encoders.md").read_text(encoding="utf-8")
     devices, report = load_library([ENCODERS])

@@ -54,12 +54,14 @@ def families(project: Path, folder: str = "generated", target: str = "biss") -> 
     [
         ("", {"my_encoder", "tv62"}),
         ("only: {biss: {families: [tv62]}}\n", {"tv62"}),
-        ("only: {biss: {families: [my_encoder]}}\n", {"my_encoder"}),
-        ("only: {biss: {families: [my_encoder, tv62]}}\n", {"my_encoder", "tv62"}),
-        ("only: {biss: {grades: [manual, quoted]}}\n", {"tv62"}),
-        ("only: {biss: {grades: [uncorroborated]}}\n", {"my_encoder"}),
-        ("only: {biss: {families: [my_encoder, tv62], grades: [manual]}}\n", {"tv62"}),
-        ("only: {docs: {families: [my_encoder]}}\n", {"my_encoder", "tv62"}),
+        pytest.param("only: {biss: {families: [my_encoder]}}\n", {"my_encoder"}, marks=pytest.mark.slow),
+        pytest.param("only: {biss: {families: [my_encoder, tv62]}}\n", {"my_encoder", "tv62"}, marks=pytest.mark.slow),
+        pytest.param("only: {biss: {grades: [manual, quoted]}}\n", {"tv62"}, marks=pytest.mark.slow),
+        pytest.param("only: {biss: {grades: [uncorroborated]}}\n", {"my_encoder"}, marks=pytest.mark.slow),
+        pytest.param(
+            "only: {biss: {families: [my_encoder, tv62], grades: [manual]}}\n", {"tv62"}, marks=pytest.mark.slow
+        ),
+        pytest.param("only: {docs: {families: [my_encoder]}}\n", {"my_encoder", "tv62"}, marks=pytest.mark.slow),
     ],
 )
 def test_a_target_writes_the_families_of_its_condition(
@@ -100,6 +102,7 @@ def test_a_comparison_reports_families_that_are_not_selected(capsys: pytest.Capt
     assert err.endswith(" out of date; run: codewheel generate --target biss\n")
 
 
+@pytest.mark.slow
 def test_only_the_folder_of_the_settings_is_limited(capsys: pytest.CaptureFixture[str], project: Path) -> None:
     write_settings(project, "output: tracked\nonly: {biss: {families: [tv62]}}\n")
     assert run(capsys, "generate", *BISS, "-o", "out")[0] == 0
@@ -162,6 +165,7 @@ def test_an_order_code_narrows_c_to_the_families_that_it_writes(
 # ------------------------------------------------------------------------------------------------------ earlier outputs
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_recorded", [True, False])
 def test_outputs_of_a_family_that_is_no_longer_selected_are_removed(
     capsys: pytest.CaptureFixture[str], project: Path, is_recorded: bool
@@ -195,6 +199,7 @@ def test_outputs_of_a_family_that_was_not_read_are_kept(capsys: pytest.CaptureFi
     assert run(capsys, "generate", "specs/tolvarn", *BISS)[0] == 0
 
 
+@pytest.mark.slow
 def test_a_stored_result_belongs_to_its_condition(
     capsys: pytest.CaptureFixture[str], project: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

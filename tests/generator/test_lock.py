@@ -21,7 +21,7 @@ TARGETS = ("c", "docs", "python")
 HEAD = """
 import ctypes, sys, time
 from pathlib import Path
-from codewheel import stage, write
+from codewheel import output_folder, write
 out, here = Path(sys.argv[1]), Path(sys.argv[2])
 def files(text):
     return {name: {f"{name}/{n}/x": f"{text} {n}" for n in range(20)} for name in ("c", "docs", "python")}
@@ -30,13 +30,13 @@ def waiting():
 """
 #: Waits after the first target until the file ``go`` exists.
 SLOW = """
-real = stage._exchange
+real = output_folder._exchange
 def slow(new, target_folder):
     real(new, target_folder)
     (here / "begun").touch()
     while not (here / "go").exists():
         time.sleep(0.01)
-stage._exchange = slow
+output_folder._exchange = slow
 """
 WRITE = "write.write(out, files(sys.argv[3]), waiting=waiting)"
 
@@ -64,15 +64,16 @@ def started(program: str, tmp_path: Path, text: str = "") -> Iterator[subprocess
             running.kill()
 
 
-def wait_for(file: Path) -> None:
+def wait_for(file: Path, process: subprocess.Popen[str]) -> None:
     while not file.exists():
+        assert process.poll() is None, "the run has ended"
         time.sleep(0.01)
 
 
 @pytest.mark.slow
 def test_the_second_run_waits_for_the_first(tmp_path: Path) -> None:
     with started(SLOW + WRITE, tmp_path, "first") as first:
-        wait_for(tmp_path / "begun")
+        wait_for(tmp_path / "begun", first)
         with started(WRITE, tmp_path, "second") as second:
             assert second.stdout is not None
             assert second.stdout.readline() == "waiting\n"
@@ -85,7 +86,7 @@ def test_the_second_run_waits_for_the_first(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_lock_of_a_killed_run_is_gone(tmp_path: Path) -> None:
     with started(SLOW + WRITE, tmp_path, "first") as first:
-        wait_for(tmp_path / "begun")
+        wait_for(tmp_path / "begun", first)
         first.kill()
         first.wait()
     waited: list[bool] = []

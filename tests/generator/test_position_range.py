@@ -216,6 +216,7 @@ def _in_folder(folder: Path, *changes: tuple[str, str]) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_diff_reports_another_range(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     no_wrap = "position_range: {wraps: false}"
     before = _in_folder(tmp_path / "before", (no_wrap, "position_range: {modulus: 2^48}"))
@@ -225,6 +226,7 @@ def test_diff_reports_another_range(tmp_path: Path, capsys: pytest.CaptureFixtur
     assert "frame wide_position_reply: position range: wraps yes → no" in printed
 
 
+@pytest.mark.slow
 def test_diff_reports_a_new_range(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     """The functions of C for the interface are replaced by functions for each reply, so the change is breaking."""
     layout = "        when: {data_id: [4, 11, 15]}\n"

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 from codewheel.commands.terminal import _replace_in_text
 from codewheel.say.plain_text import STAND_INS
+from exhaustive import mostly_exhaustive
 
 COMMAND = [sys.executable, "-m", "codewheel"]
 DECODE = ["decode", "AMM5A23/65KJP1", "02 00 C7 D1 6A 7E"]
@@ -89,7 +90,7 @@ NO_ROOM = "ulimit -f 0;"
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("arguments", [["list"], ["check"], ["check", "--json"], DECODE])
+@pytest.mark.parametrize("arguments", mostly_exhaustive([["list"], ["check"], ["check", "--json"], DECODE], ["list"]))
 def test_full_standard_output(arguments: list[str], tmp_path: Path) -> None:
     done = run(*arguments, redirect=f"> '{tmp_path}/full'", before=NO_ROOM, PYTHONUNBUFFERED="")
     assert (done.returncode, done.stderr) == (1, b"codewheel: cannot write the output: File too large\n")

@@ -28,7 +28,6 @@ from codewheel.reference.findings import findings
 from codewheel.targets import Library
 from codewheel.targets.browser.files import generate as browser_files
 from codewheel.targets.c.files import generate as c_files
-from codewheel.targets.docs.files import generate as pages
 from working_tools import require
 
 MULTITURN, SINGLETURN = "AMM5A21/65KSC1", "AMM5A21/1SC1"
@@ -216,9 +215,8 @@ def test_the_browser(amm5: Device, tmp_path: Path) -> None:
     assert verdicts == [WANTED[levels][EITHER] for levels, _ in CASES]
 
 
-def test_the_pages_state_the_question_and_both_answers(library: Library) -> None:
-    files = pages(library)
-    page = files["docs/amm5/AMM5A21-65KSC1.md"]
+def test_the_pages_state_the_question_and_both_answers(pages: dict[str, str]) -> None:
+    page = pages["docs/amm5/AMM5A21-65KSC1.md"]
     lines = page.splitlines()
     position = lines.index(
         "- Position: ✕ **not usable** if `error` or `warning` is 0; otherwise, if the CRC is correct, ✓ usable."
@@ -227,13 +225,14 @@ def test_the_pages_state_the_question_and_both_answers(library: Library) -> None
         "- [With `low_battery`](#alternative-warning_cause): ▲ usable with a warning if `warning` is 0."
     )
     assert '<a id="alternative-warning_cause"></a>' in page
-    assert "warning_cause" not in files["docs/amm5/AMM5A21-1SC1.md"]
-    usable = files["docs/usable-or-not.md"].splitlines()
+    assert "warning_cause" not in pages["docs/amm5/AMM5A21-1SC1.md"]
+    usable = pages["docs/usable-or-not.md"].splitlines()
     deciding = [line for line in usable if "#alternative-warning_cause" in line]
     assert ["`either_cause`, the default | `not_usable`" in line for line in deciding] == [True, False]
     assert ["`low_battery` | `usable_with_warning`" in line for line in deciding] == [False, True]
 
 
+@pytest.mark.slow
 def test_a_second_reading_with_the_verdicts_exchanged_is_reported(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

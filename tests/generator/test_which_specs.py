@@ -114,6 +114,7 @@ def test_commands_that_read_know_both(capsys: pytest.CaptureFixture[str], two: P
     assert err.endswith("; the packaged specs have it, so leave out the names of specs\n")
 
 
+@pytest.mark.slow
 def test_a_spec_of_the_user_comes_before_a_packaged_one(capsys: pytest.CaptureFixture[str], here: Path) -> None:
     shutil.copytree(ROOT / "specs/lika", here / "lika")
     for path in (here / "lika").glob("amm5.*"):
@@ -143,6 +144,7 @@ def test_in_this_repository_the_edited_files_are_read(
     assert run(capsys, "list")[2] == "", "the packaged specs are the same files"
 
 
+@pytest.mark.slow
 def test_an_overlay_alone_reads_only_the_family_that_it_changes(capsys: pytest.CaptureFixture[str], here: Path) -> None:
     change = "set: alarms.low_amplitude_error.meaning, to: Mine, why: A test, source: 6.4 p.33, severity: wording"
     overlay = "codewheel: 1\noverlay: mine\ntitle: Mine\nof: {}\nchanges:\n  - {{" + change + "}}\n"

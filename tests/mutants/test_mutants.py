@@ -28,7 +28,7 @@ def trial() -> Trial:
     return Trial()
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 def test_no_wrong_value_passes_where_it_moves_a_position_or_breaks_an_access(trial: Trial) -> None:
     """Run a small campaign, the same each time, with mistakes of several kinds in each class."""
     strict = [mutant for mutant in trial.mutants(SPECS) if mutant.fact in STRICT and not mutant.is_left_out]

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy
 import pytest
-from test_agreement import ALL, FAMILIES, Family, arguments_of, cases, families, family
+from test_agreement import CASES_OF_FAMILIES, FAMILIES, Family, arguments_of, cases, families, family
 from test_many import numbers
 
 #: Result of `try_decode`. Each package has its own FrameError.
@@ -28,7 +28,7 @@ def frame_or_error(decode: Any, frame: object, **more: object) -> object:
         return type(error), str(error), getattr(error, "frame", None), getattr(error, "order_code", "")
 
 
-@pytest.mark.parametrize("family", ALL, indirect=True)
+@pytest.mark.parametrize("family", CASES_OF_FAMILIES, indirect=True)
 def test_it_says_the_same(family: Family) -> None:
     """The method that raises, the one that returns errors and the one of the class share their code."""
     source = random.Random(family.device.name)

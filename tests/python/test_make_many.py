@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy
 import pytest
-from test_agreement import ALL, Case, Family, arguments_of, families, family
+from test_agreement import CASES_OF_FAMILIES, Case, Family, arguments_of, families, family
 from test_many import by_layout, decoded_one_by_one, numbers
 
 __all__ = ["families", "family"]
@@ -41,7 +41,7 @@ def frames_as_list(frames: Any) -> list[Any]:
     return [bytes(row) for row in frames] if frames.ndim == 2 else frames.tolist()
 
 
-@pytest.mark.parametrize("family", ALL, indirect=True)
+@pytest.mark.parametrize("family", CASES_OF_FAMILIES, indirect=True)
 def test_columns_make_the_frames_they_come_from(family: Family) -> None:
     source = random.Random(family.device.name)
     for name, layout_cases in by_layout(family).items():
@@ -56,7 +56,7 @@ def test_columns_make_the_frames_they_come_from(family: Family) -> None:
                 assert frames_as_list(case.view.encode_many(less, *arguments_of(case))) == wire, (name, join.name)
 
 
-@pytest.mark.parametrize("family", ALL, indirect=True)
+@pytest.mark.parametrize("family", CASES_OF_FAMILIES, indirect=True)
 def test_what_one_frame_refuses_columns_refuse(family: Family) -> None:
     source = random.Random(f"refusals {family.device.name}")
     refused = 0

@@ -206,6 +206,7 @@ def test_examples_of_every_readme_pass_mypy(package: Path) -> None:
     assert strict(package, *programs(package, texts)) == ""
 
 
+@pytest.mark.exhaustive
 def test_the_package_itself_passes_pyright(package: Path) -> None:
     modules = [*(package / "lika_encoders").rglob("*.py"), *(package / "codewheel_runtime").rglob("*.py")]
     assert pyright(package, *modules, setting=INSIDE) == []
@@ -230,6 +231,7 @@ def test_mypy_finds_mistakes(package: Path) -> None:
     check_mistakes(lines, lambda mistake: mistake.mypy)
 
 
+@pytest.mark.exhaustive
 def test_pyright_finds_mistakes(package: Path) -> None:
     lines: dict[str, list[str]] = defaultdict(list)
     for file, message in pyright(package, *wrong_programs(package)):

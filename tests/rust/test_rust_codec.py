@@ -12,6 +12,7 @@ from codewheel.plan.crcs import Carrier, Form
 from codewheel.plan.frames import HoldingRegister
 from codewheel.reference import codec
 from codewheel.reference.bits import compute_bits, compute_bytes
+from exhaustive import mostly_exhaustive
 from rust_frames import Case, cases, check, decoding, first_fault, numbers
 from rust_harness import SPECS, Program, Workshop, masks
 
@@ -20,7 +21,7 @@ pytestmark = pytest.mark.slow
 FRAMES = 1000
 
 
-@pytest.fixture(scope="module", params=SPECS)
+@pytest.fixture(scope="module", params=mostly_exhaustive(SPECS, "specs/lika/amm5.yaml", "tests/c/specs/shapes.yaml"))
 def program(request: pytest.FixtureRequest, workshop: Workshop) -> Program:
     return workshop.program(request.param)
 
