@@ -44,7 +44,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from enum import IntEnum
-from operator import index
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, overload
 
@@ -593,7 +592,9 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         variant = self.variant
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
-        return index(self.multiturn) << variant.singleturn_bits | index(self.singleturn)
+        multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
+        singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
+        return multiturn << variant.singleturn_bits | singleturn
 
     @classmethod
     def from_position(cls, variant: SsiEncoder, position: int) -> SsiWord:
@@ -725,7 +726,9 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         variant = self.variant
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
-        return index(self.multiturn) << variant.used_singleturn_bits | index(self.singleturn)
+        multiturn = check_width("multiturn", self.multiturn, variant.used_multiturn_bits)
+        singleturn = check_width("singleturn", self.singleturn, variant.used_singleturn_bits)
+        return multiturn << variant.used_singleturn_bits | singleturn
 
     @classmethod
     def from_position(cls, variant: BissEncoder, position: int, unused: int = 0) -> SingleCycleData:

@@ -728,7 +728,9 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         variant = self.variant
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
-        return index(self.multiturn) << variant.singleturn_bits | index(self.singleturn)
+        multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
+        singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
+        return multiturn << variant.singleturn_bits | singleturn
 
     @classmethod
     def from_position(cls, variant: SsiEncoder, position: int) -> SsiWord:
@@ -862,7 +864,9 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         variant = self.variant
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
-        return index(self.multiturn) << variant.singleturn_bits | index(self.singleturn)
+        multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
+        singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
+        return multiturn << variant.singleturn_bits | singleturn
 
     @classmethod
     def from_position(
@@ -1711,7 +1715,9 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
         variant = self.variant
         if not isinstance(variant, Rs485Encoder):
             raise wrong_encoder(variant, Variant, _RS485)
-        return index(self.multiturn) << variant.singleturn_bits | index(self.singleturn)
+        multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
+        singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
+        return multiturn << variant.singleturn_bits | singleturn
 
     @classmethod
     def from_position(
@@ -2260,7 +2266,9 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
         variant = self.variant
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
-        return index(self.multiturn) << variant.singleturn_bits | index(self.singleturn)
+        multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
+        singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
+        return multiturn << variant.singleturn_bits | singleturn
 
     @classmethod
     def from_position(cls, variant: BissEncoder, position: int) -> Preset:

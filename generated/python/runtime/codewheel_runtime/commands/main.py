@@ -222,7 +222,7 @@ def _bench(name: str, package: str, chosen: argparse.Namespace) -> int | None:
     try:
         from . import bench
     except ImportError as error:
-        raise missing(package, error) from None
+        raise missing(error) from None
     run: Callable[[str, argparse.Namespace], int | None] = getattr(bench, name)
     return run(package, chosen)
 
@@ -337,7 +337,7 @@ def _decode_file(package: str, encoder: Encoder, chosen: argparse.Namespace) -> 
     try:
         from ..files.stream import Files
     except ImportError as error:
-        raise missing(package, error) from None
+        raise missing(error) from None
     with working(package, chosen.file) as progress:
         summary = Files(package).decode_file(
             encoder,
