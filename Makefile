@@ -24,7 +24,7 @@ lint: .venv/.tested
 	@$(PY) -m ruff check --quiet --output-format concise .
 	@report=$$(PYTHONPATH=runtime/python $(dir $(PY))lint-imports --no-cache) || { echo "$$report" | sed -n '/^Broken/,$$p'; exit 1; }
 
-# Everything that a change of wording or of a rule needs, in half a minute: all tests except the slow ones.
+# Everything that a change of wording or of a rule needs, in less than a minute: all tests except the slow ones.
 # Compiled tests are kept even if the environment forbids it, because compiling takes a third of the time.
 quick: export PYTHONDONTWRITEBYTECODE =
 quick: lint

@@ -112,13 +112,19 @@ class Case:
         return number
 
 
+#: Filled once in a process. Each module that imports the fixture has a fixture of its own.
+_FAMILIES_BY_NAME: dict[str, Family] = {}
+
+
 @pytest.fixture(scope="session")
 def families(
     packages: Mapping[str, ModuleType],
     library: Library,
     import_generated: Callable[[Library, str], tuple[Path, ModuleType]],
 ) -> dict[str, Family]:
-    families_by_name: dict[str, Family] = {}
+    families_by_name = _FAMILIES_BY_NAME
+    if families_by_name:
+        return families_by_name
     for device in library.devices:
         families_by_name[device.name] = Family(device, getattr(packages[device.name], device.name))
     for name, folder in MADE_UP.items():
