@@ -35,6 +35,7 @@ PAGES = (
     "generated/*/*.md",
     "generated/python/*/*.md",
     "examples/*/README.md",
+    "specs/README.md",
 )
 #: The script of the decode box, if it has been generated.
 DECODER = Path("generated/browser/decode.js")

@@ -14,6 +14,7 @@ from typing import Any, ClassVar, Protocol
 
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Field, Layout
+from codewheel.say.evidence import GRADES
 from codewheel.say.names_and_places import addresses, hexadecimal, title, words
 from codewheel.targets.docs.order_code_page import OrderCodes
 from sphinx.application import Sphinx
@@ -111,6 +112,11 @@ def _entries_of(owner: _Nameable, description: str, anchor: str, interface: str 
     yield SearchEntry(owner.name, description, anchor, interface, _SECOND)
 
 
+def _rank(device: Device) -> int:
+    """Return 0 for a family whose facts are the manufacturer's, and more for other grades."""
+    return max(GRADES.index(device.evidence.grade) - GRADES.index("quoted"), 0)
+
+
 class Encoders(Domain):
     """The Sphinx domain for encoders."""
 
@@ -120,10 +126,11 @@ class Encoders(Domain):
 
     @cached_property
     def _families(self) -> tuple[Device, ...]:
+        """Return all families, those of the highest grade first: they are found before others with the same words."""
         families, report = load_library()
         if report.problems:
             raise ValueError(report.problems[0].format())
-        return families
+        return tuple(sorted(families, key=_rank))
 
     @cached_property
     def _entries(self) -> dict[str, list[SearchEntry]]:
@@ -144,6 +151,10 @@ class Encoders(Domain):
         for device in self._families:
             pages |= {f"{_PAGES}/{device.name}/{group.name}": tuple(group.codes) for group in OrderCodes(device).groups}
         return pages
+
+    def rank_of(self, page: str) -> int:
+        """Return the rank of a page in the search: first those of no family and of families with the highest grade."""
+        return next((_rank(device) for device in self._families if device.name == self.family_of(page)), 0)
 
     def code_of(self, page: str) -> str:
         """Return the first order code described by a page, or an empty string if there is none."""

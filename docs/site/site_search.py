@@ -101,7 +101,8 @@ class Index:
 
     def data(self, encoders: Any) -> dict[str, Any]:
         """Return the index with the names, addresses and order codes of ``encoders``, the domain."""
-        places = {page: place for place, page in enumerate(sorted(self._found))}
+        ranked_pages = sorted(self._found, key=lambda page: (encoders.rank_of(page), page))
+        places = {page: place for place, page in enumerate(ranked_pages)}
         texts: dict[str, int] = {}
         rows = []
         for page, place in places.items():
