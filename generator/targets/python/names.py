@@ -68,7 +68,7 @@ PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
         "errors": "ConstantError CrcError FrameError LengthError RangeError",
         "frames.base": """BitsOf BytesOf FixedBits FixedBytes FixedRegister InBits InBytes RegisterOf Sent decode_many
             encode_many""",
-        "frames.decoders": "Failed bound decoder raised reported returned",
+        "frames.decoders": "Failed decoder raised reported returned",
         "frames.descriptions": "needed_by shape_of",
         "registers": "Held agrees held_bytes held_parameters held_text whole",
         "reports": "Family Interface Movement Report Verdict",
