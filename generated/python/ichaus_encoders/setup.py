@@ -1,5 +1,5 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Add the runtime to the requirements. If its folder is found nearby, it is installed from there."""
+"""Add the runtime to the requirements. If its folder is found nearby, pip installs it from there."""
 
 import sys
 from pathlib import Path
@@ -14,9 +14,15 @@ folder = Path(__file__).resolve().parent
 # The second place is for a folder with the packages of several manufacturers.
 places = (folder / "runtime", folder.parent / "runtime")
 runtimes = [place for place in places if (place / "codewheel_runtime").is_dir()]
-requirement = FITTING
-# A source archive is for other machines, so it does not refer to a folder of this one.
-if runtimes and "sdist" not in sys.argv:
+if runtimes:
     run_path(str(runtimes[0] / "codewheel_runtime" / "version.py"))["require"]("this package", NEEDED)
-    requirement = f"codewheel-runtime @ {runtimes[0].as_uri()}"
+
+# Archives and wheels are for other machines, so they do not refer to a folder of this one. pip reads the requirements
+# before it builds the wheel that it installs, and finds the runtime in its folder.
+is_distribution = "sdist" in sys.argv or "bdist_wheel" in sys.argv
+requirement = f"codewheel-runtime @ {runtimes[0].as_uri()}" if runtimes and not is_distribution else FITTING
+if "bdist_wheel" in sys.argv and "--dist-info-dir" in sys.argv:
+    # This option is for a copy of the metadata that pip has read.
+    option = sys.argv.index("--dist-info-dir")
+    del sys.argv[option : option + 2]
 setup(install_requires=[requirement])

@@ -44,7 +44,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from enum import IntEnum
-from operator import index
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, TypeAlias, TypeVar, Union, overload
 
@@ -66,7 +65,7 @@ from codewheel_runtime.encoder import Positioned, check_encoder, fact, looked_up
 from codewheel_runtime.measures import Rotary, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
 from codewheel_runtime.frames.base import BitsOf, FixedRegister, RegisterOf, Sent, decode_many, encode_many
-from codewheel_runtime.frames.decoders import Failed, bound, decoder, raised, reported, returned
+from codewheel_runtime.frames.decoders import Failed, decoder, raised, reported, returned
 from codewheel_runtime.registers import Held, agrees, held_bytes, held_parameters, held_text, whole
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 from codewheel_runtime.steps import Modify, Read, Step, Verify, Wait, writes
@@ -279,13 +278,6 @@ class Variant(Rotary, Wrapping):
             return (1 << self.singleturn_bits) * (1 << self.multiturn_bits)
         return (1 << self.used_singleturn_bits) * self.used_revolutions
 
-    @property
-    def frame_bits(self) -> int:
-        """Number of bits in a frame, including the CRC if it has one."""
-        if self.interface is _SSI:
-            return self.singleturn_bits + self.multiturn_bits
-        return self.used_singleturn_bits + self.used_multiturn_bits + 8
-
     def __repr__(self) -> str:
         return f"<{self.code}{self.special_code}{held_text(_HELD, self)}>"
 
@@ -294,6 +286,11 @@ class SsiEncoder(Variant):
     """Encoder with SSI. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _SSI
+
+    @property
+    def frame_bits(self) -> int:
+        """Number of bits in a frame, including the CRC if it has one."""
+        return self.singleturn_bits + self.multiturn_bits
 
     def decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
         """Decode a frame that the encoder sent.
@@ -310,7 +307,7 @@ class SsiEncoder(Variant):
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
 
-        return bound(self, "decode", SsiWord._decoder, reported)(frame, bits)
+        return self._decoder(reported)(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -327,7 +324,11 @@ class SsiEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return bound(self, "try_decode", SsiWord._decoder, returned)(frame, bits)
+        return self._decoder(returned)(frame, bits)
+
+    def _decoder(self, failed: Failed) -> Callable[..., SsiWord]:
+        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
+        return decoder(SsiWord._decoder, self, failed)
 
     def decode_many(self, frames: Words) -> Table:
         """Decode many frames into columns. Needs NumPy.
@@ -361,6 +362,11 @@ class BissEncoder(Variant):
 
     interface: ClassVar[Interface] = _BISS
 
+    @property
+    def frame_bits(self) -> int:
+        """Number of bits in a frame, including the CRC if it has one."""
+        return self.used_singleturn_bits + self.used_multiturn_bits + 8
+
     def decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
         """Decode a frame that the encoder sent.
 
@@ -376,7 +382,7 @@ class BissEncoder(Variant):
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
 
-        return bound(self, "decode", SingleCycleData._decoder, reported)(frame, bits)
+        return self._decoder(reported)(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -393,7 +399,11 @@ class BissEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return bound(self, "try_decode", SingleCycleData._decoder, returned)(frame, bits)
+        return self._decoder(returned)(frame, bits)
+
+    def _decoder(self, failed: Failed) -> Callable[..., SingleCycleData]:
+        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
+        return decoder(SingleCycleData._decoder, self, failed)
 
     def decode_many(self, frames: Words) -> Table:
         """Decode many frames into columns. Needs NumPy.
@@ -584,7 +594,9 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         variant = self.variant
         if not isinstance(variant, SsiEncoder):
             raise wrong_encoder(variant, Variant, _SSI)
-        return index(self.multiturn) << variant.singleturn_bits | index(self.singleturn)
+        multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
+        singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
+        return multiturn << variant.singleturn_bits | singleturn
 
     @classmethod
     def from_position(cls, variant: SsiEncoder, position: int) -> SsiWord:
@@ -716,7 +728,9 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         variant = self.variant
         if not isinstance(variant, BissEncoder):
             raise wrong_encoder(variant, Variant, _BISS)
-        return index(self.multiturn) << variant.used_singleturn_bits | index(self.singleturn)
+        multiturn = check_width("multiturn", self.multiturn, variant.used_multiturn_bits)
+        singleturn = check_width("singleturn", self.singleturn, variant.used_singleturn_bits)
+        return multiturn << variant.used_singleturn_bits | singleturn
 
     @classmethod
     def from_position(cls, variant: BissEncoder, position: int, unused: int = 0) -> SingleCycleData:

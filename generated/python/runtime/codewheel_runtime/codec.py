@@ -180,6 +180,21 @@ def check_width(field: str, value: SupportsIndex, bits: int) -> int:
     return number
 
 
+def check_flag(field: str, value: object) -> bool:
+    """Return ``value`` as a bool. The numbers 0 and 1 are accepted, and so are the bools of NumPy."""
+    if type(value) is bool:
+        return value
+    if getattr(getattr(value, "dtype", None), "kind", "") == "b":
+        return bool(value)
+    try:
+        number = index(cast(SupportsIndex, value))
+    except TypeError:
+        raise TypeError(f"{field} must be True or False, got {shortened(value)}") from None
+    if number not in (0, 1):
+        raise RangeError(field, number, "True or False")
+    return number == 1
+
+
 def check_bits(field: str, value: SupportsIndex, bits: int) -> int:
     """Return ``value`` as an int. Raises RangeError if it has bits outside the mask ``bits``."""
     number = value if type(value) is int else whole_number(field, value)

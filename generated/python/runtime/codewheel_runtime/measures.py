@@ -5,9 +5,8 @@ from __future__ import annotations
 
 from fractions import Fraction
 from math import tau
-from operator import index
 
-from .codec import PositionRange, unwrap
+from .codec import PositionRange, check_limits, unwrap, whole_number
 from .encoder import Encoder
 
 
@@ -20,18 +19,41 @@ class Rotary(Encoder):
         raise NotImplementedError
 
     def turns(self, position: int) -> float:
-        """Convert ``position`` from counts to revolutions."""
-        return index(position) / self.counts_per_turn
+        """Convert ``position`` from counts to revolutions. See ``degrees`` for the errors.
+
+        For counts of ``unwrap``, which continue outside the range of positions, divide by ``counts_per_turn``.
+        """
+        return self._checked(position) / self.counts_per_turn
 
     def degrees(self, position: int) -> float:
-        """Convert ``position`` from counts to degrees within one revolution."""
+        """Convert ``position`` from counts to degrees within one revolution.
+
+        Raises:
+            RangeError: The encoder does not send such a position.
+            TypeError: ``position`` is not an integer.
+        """
         per_turn = self.counts_per_turn
-        return index(position) % per_turn * 360 / per_turn
+        return self._checked(position) % per_turn * 360 / per_turn
 
     def radians(self, position: int) -> float:
-        """Convert ``position`` from counts to radians within one revolution."""
+        """Convert ``position`` from counts to radians within one revolution. See ``degrees`` for the errors."""
         per_turn = self.counts_per_turn
-        return index(position) % per_turn * tau / per_turn
+        return self._checked(position) % per_turn * tau / per_turn
+
+    def _checked(self, position: int) -> int:
+        """Return a position as an int, after a check that it is within the range of positions, if that is known."""
+        number = whole_number("position", position)
+        limits = self._limits()
+        return number if limits is None else check_limits("position", number, limits)
+
+    def _limits(self) -> tuple[int, int] | None:
+        """Return the lowest and the highest position in any frame, or None if the manual does not give them."""
+        try:
+            ranges = [*self._ranges().values()] or [self._range_in("")]
+        except ValueError:
+            return None
+        lowest = min(position_range.lowest for position_range in ranges)
+        return lowest, max(position_range.highest for position_range in ranges)
 
     def from_turns(self, turns: float) -> int:
         """Return the count nearest to ``turns`` revolutions."""
@@ -76,7 +98,7 @@ class Linear(Length):
 
     def micrometres(self, position: int) -> int:
         """Convert ``position`` from counts to micrometres."""
-        return index(position) * self.step_um
+        return whole_number("position", position) * self.step_um
 
 
 class FineLinear(Length):
@@ -94,7 +116,7 @@ class FineLinear(Length):
 
     def nanometres(self, position: int) -> Fraction:
         """Convert ``position`` from counts to nanometres, without rounding."""
-        return Fraction(index(position) * self.step_nm, self.per_counts)
+        return Fraction(whole_number("position", position) * self.step_nm, self.per_counts)
 
     def micrometres(self, position: int) -> Fraction:
         """Convert ``position`` from counts to micrometres, without rounding."""

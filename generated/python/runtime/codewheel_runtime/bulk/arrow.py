@@ -4,15 +4,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from importlib import import_module
 from typing import Any
 
 from ..errors import InputError
+from ..packages import load
 from .cells import Cells
 from .shape import Shape
 from .words import DigitKind, numbers, of_floats
 
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 
 class NoFrame(ValueError):
@@ -25,7 +25,7 @@ class NoFrame(ValueError):
 
 def of_column(column: Any, shape: Shape) -> Any:
     """Convert a column of any library with Arrow's C interface to the form that ``decode_many`` expects."""
-    pa: Any = import_module("pyarrow")
+    pa: Any = load("pyarrow")
     if not isinstance(column, (pa.Array, pa.ChunkedArray)):
         column = pa.chunked_array(column) if hasattr(column, "__arrow_c_stream__") else pa.array(column)
     try:
@@ -40,7 +40,7 @@ def of_arrow(array: Any, shape: Shape, digits: DigitKind | None = None, done: in
 
     ``done`` is the number of earlier rows of a file. Most of its first frames must be readable.
     """
-    pa: Any = import_module("pyarrow")
+    pa: Any = load("pyarrow")
     kinds = pa.types
     if isinstance(array, pa.ChunkedArray):
         array = array.combine_chunks()
@@ -84,12 +84,12 @@ def _rows_of(array: Any, length: int) -> Any:
     if not count:
         return np.zeros((0, length), np.uint8)
     buffers = array.buffers()
-    if import_module("pyarrow").types.is_fixed_size_binary(kind):
+    if load("pyarrow").types.is_fixed_size_binary(kind):
         if kind.byte_width != length:
             return None
         start, data = array.offset * length, buffers[1]
     else:
-        wide = import_module("pyarrow").types.is_large_binary(kind)
+        wide = load("pyarrow").types.is_large_binary(kind)
         offsets = np.frombuffer(buffers[1], np.int64 if wide else np.int32)[array.offset : array.offset + count + 1]
         if (np.diff(offsets) != length).any():
             return None

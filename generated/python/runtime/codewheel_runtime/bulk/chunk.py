@@ -5,13 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache, reduce
-from importlib import import_module
 from typing import Any
 
+from ..packages import load
 from .shape import Check, CrcOf, Shape
 
 #: NumPy, untyped so that type checkers accept all its versions.
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 
 class Chunk:

@@ -4,11 +4,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from importlib import import_module
 from typing import Any, Final, Protocol
 
 from ..errors import ErrorKind
 from ..facts import Scale
+from ..packages import load
 from ..reports import Verdict
 
 #: Words that replace the numbers of a column, because readers of a file may not have this package.
@@ -46,7 +46,7 @@ def texts_of(column: Any) -> list[str]:
 
 def arrow_columns(table: Columns, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
     """Return columns as Arrow arrays, ``fault`` and ``verdict`` as strings. Positions can be null unless ``raw``."""
-    pa: Any = import_module("pyarrow")
+    pa: Any = load("pyarrow")
     arrays: dict[str, Any] = {}
     for name in names:
         column, hidden = table[name], None if raw else table.hidden(name)
@@ -69,7 +69,7 @@ def _arrow_array(pa: Any, column: Any, hidden: Any) -> Any:
 
 def pandas_columns(table: Columns, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
     """Return columns for pandas, with ``fault`` and ``verdict`` as categories. Positions can be null unless ``raw``."""
-    pd: Any = import_module("pandas")
+    pd: Any = load("pandas")
     columns: dict[str, Any] = {}
     for name in names:
         column, hidden = table[name], None if raw else table.hidden(name)

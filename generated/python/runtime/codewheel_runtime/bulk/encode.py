@@ -3,14 +3,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from typing import Any, Final
 
 from ..codec import assert_never
 from ..errors import RangeError
 from .chunk import Chunk, crc_difference, np, parity_bits, within
 from .decode import CHUNK
 from .shape import Column, Join, Shape, scales, width_of
+from .table import Table
+
+#: Kinds of NumPy arrays for a field, as ``dtype.kind``, unless they are integers. Like ``encode``, a number is no bool.
+ARRAY_KINDS: Final[Mapping[str, str]] = {"text": "SU", "flag": "uib", "not_flag": "uib"}
 
 
 class RowError(RangeError):
@@ -46,9 +50,12 @@ class FirstError:
             raise RowError(start + self.row, *self._error)
 
 
-def encode_many(columns: Mapping[str, Any], shape: Shape) -> Any:
+def encode_many(columns: Mapping[str, Any] | Table, shape: Shape) -> Any:
     """Encode the frames in ``columns``. For the arguments, see ``encode_many`` of the frame's class."""
-    arrays = _arrays_of(columns, shape)
+    other_names: Iterable[str] = ()
+    if isinstance(columns, Table):
+        other_names, columns = columns.others, columns.columns
+    arrays = _arrays_of(columns, shape, other_names)
     count = len(next(iter(arrays.values()))) if arrays else 0
     frames = np.empty((count, shape.length), np.uint8) if shape.length else np.empty(count, np.uint64)
     for start in range(0, count, CHUNK):
@@ -60,14 +67,14 @@ def encode_many(columns: Mapping[str, Any], shape: Shape) -> Any:
     return frames
 
 
-def _arrays_of(columns: Mapping[str, Any], shape: Shape) -> dict[str, Any]:
+def _arrays_of(columns: Mapping[str, Any], shape: Shape, other_names: Iterable[str]) -> dict[str, Any]:
     """Return the required columns as arrays of equal length. A single value applies to all rows."""
     if not hasattr(columns, "keys"):
         raise TypeError(f"columns must be a mapping of names to arrays, got {type(columns).__name__}")
     fields: dict[str, Column] = {}
     for column in shape.columns:
         fields |= dict.fromkeys(names_of(column), column)
-    _check_names(columns, fields, shape)
+    _check_names([*columns], fields, shape, other_names)
     joined_names = [join.name for join in shape.joins]
     needed = [name for name in (*fields, *joined_names, "unused", "fault") if name in columns]
     arrays = {name: np.asarray(columns[name]) for name in needed}
@@ -75,13 +82,18 @@ def _arrays_of(columns: Mapping[str, Any], shape: Shape) -> dict[str, Any]:
     for name, array in arrays.items():
         if array.ndim > 1 or (array.ndim == 1 and len(array) != longest):
             raise ValueError(f"column {name} has the shape {array.shape}, but others have {longest} rows")
-        is_text = name in fields and fields[name].kind == "text"
-        if array.dtype.kind not in ("SU" if is_text else "uib"):
+        kind = fields[name].kind if name in fields else "number"
+        if array.dtype.kind not in ARRAY_KINDS.get(kind, "ui"):
             raise TypeError(f"column {name} has the type {array.dtype}, which does not fit the field")
+        cells = columns[name]
+        if not kind.endswith("flag") and isinstance(cells, (list, tuple)) and any(type(cell) is bool for cell in cells):
+            raise TypeError(f"column {name} contains bools, which do not fit the field")
     return {name: np.broadcast_to(array, (longest,)) for name, array in arrays.items()}
 
 
-def _check_names(columns: Mapping[str, Any], fields: Mapping[str, Column], shape: Shape) -> None:
+def _check_names(
+    columns: Collection[str], fields: Mapping[str, Column], shape: Shape, other_names: Iterable[str]
+) -> None:
     """Raise TypeError if a column is missing or unknown. A joined number can replace its fields."""
     optional = {"unused"}
     for name, column in fields.items():
@@ -90,9 +102,9 @@ def _check_names(columns: Mapping[str, Any], fields: Mapping[str, Column], shape
     for join in shape.joins:
         if join.name in columns:
             optional.update(name for name, _ in join.fields)
-    missing = sorted(fields.keys() - columns.keys() - optional)
+    missing = sorted(fields.keys() - {*columns} - optional)
     joined_names = {join.name for join in shape.joins}
-    ignored = {*getattr(columns, "others", ()), *scales(shape), "unused", "fault", "verdict"}
+    ignored = {*other_names, *scales(shape), "unused", "fault", "verdict"}
     unknown = sorted({*columns} - ignored - fields.keys() - joined_names)
     if missing or unknown:
         raise TypeError(f"missing columns: {missing}; unknown columns: {unknown}")
@@ -141,6 +153,8 @@ def _bits(arrays: Mapping[str, Any], column: Column, first_error: FirstError) ->
     values = arrays[names_of(column)[0]]
     match column.kind:
         case "flag" | "not_flag":
+            if values.dtype.kind != "b":
+                first_error.add((values != 0) & (values != 1), column.name, values, "True or False")
             yield column.low, column.width, ((values != 0) == (column.kind == "flag")).astype(np.uint64)
         case "digits":
             number = np.zeros(len(values), np.uint64)

@@ -4,15 +4,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from difflib import get_close_matches
 from fractions import Fraction
-from importlib import import_module
 from math import tau
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, Final, Literal, Protocol, overload
+from typing import Any, Final, Literal, Protocol, overload
 
 from ..codec import PositionRange
 from ..errors import ErrorKind, RangeError
 from ..facts import Scale
+from ..packages import load
 from ..reports import Movement, Verdict
 from .conversion import none_where
 from .shape import Tells
@@ -42,15 +43,8 @@ _ROWS: Final = 1 << 14
 _NOTHING: Final[Mapping[str, Any]] = MappingProxyType({})
 
 
-if TYPE_CHECKING:
-    _Columns = Mapping[str, Any]
-else:
-
-    class _Columns:
-        """Methods of a mapping. With a real mapping, polars would read the raw columns, not the Arrow stream."""
-
-        __contains__, get, items = Mapping.__contains__, Mapping.get, Mapping.items
-        keys, values = Mapping.keys, Mapping.values
+class UnitError(ValueError, AttributeError):
+    """The encoder does not measure in this unit. The message lists the units that it measures in."""
 
 
 class FrameSource(Protocol):
@@ -64,7 +58,7 @@ class FrameSource(Protocol):
     def _range_in(self, frame: str, /) -> PositionRange: ...
 
 
-class Table(_Columns):
+class Table:
     """Columns of many frames: a NumPy array for each field, and ``fault`` with the error of each frame.
 
     The arrays hold the raw bits of every frame, including invalid ones. Use ``usable_position`` for positions: it is
@@ -76,8 +70,11 @@ class Table(_Columns):
     A number with a scale also has a column of its quantity, such as ``temperature (°C)``, with a
     :class:`decimal.Decimal` for each frame.
 
-    A table can also have other columns, such as ``time``. ``table[10:20]`` is a table of some frames, and ``table[7]``
-    a dictionary with the values of one.
+    A table can also have other columns, such as ``time``.
+
+    A table is a sequence of frames: ``len(table)`` is their number, ``table[10:20]`` a table of some, and ``table[7]``
+    a dictionary with the values of one. Iteration gives such a dictionary for each frame. ``table["singleturn"]`` is a
+    column, and ``columns`` has all of them.
     """
 
     def __init__(
@@ -128,7 +125,7 @@ class Table(_Columns):
         Raises:
             AttributeError: The frames have no position.
         """
-        np: Any = import_module("numpy")
+        np: Any = load("numpy")
         return np.ma.masked_array(self.position, ~self.usable)
 
     @property
@@ -172,8 +169,18 @@ class Table(_Columns):
 
     @property
     def count(self) -> int:
-        """Number of frames."""
+        """Number of frames, like ``len(table)``."""
         return len(self._fault)
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the columns, in order."""
+        return tuple(dict.fromkeys(self._names))
+
+    @property
+    def columns(self) -> dict[str, Any]:
+        """Columns by name, as ``table[name]`` returns them. ``fault`` and ``verdict`` are numbers."""
+        return {name: self._column(name) for name in self.names}
 
     def with_columns(self, **columns: Any) -> Table:
         """Return a table that also has other columns, which come first.
@@ -239,7 +246,7 @@ class Table(_Columns):
         for start in range(0, self.count, _ROWS):
             rows = slice(start, start + _ROWS)
             columns: list[list[Any]] = []
-            for name in self:
+            for name in self.names:
                 hidden, column = self.hidden(name), self._column(name)[rows]
                 cells: list[Any] = column.tolist() if hasattr(column, "tolist") else list(column)
                 if name == "fault":
@@ -249,9 +256,8 @@ class Table(_Columns):
                 elif hidden is not None:
                     cells = none_where(hidden[rows].tolist(), cells)
                 columns.append([cell.decode("latin-1") if isinstance(cell, bytes) else cell for cell in cells])
-            names = [*self]
             for row in zip(*columns, strict=True):
-                yield dict(zip(names, row, strict=True))
+                yield dict(zip(self.names, row, strict=True))
 
     def _column(self, name: str) -> Any:
         if name in self._others:
@@ -265,10 +271,18 @@ class Table(_Columns):
         if name in self._parts and name not in self._columns:
             whole, low, width = self._parts[name]
             self._columns[name] = self._columns[whole] >> low & ((1 << width) - 1)
+        if name not in self._columns:
+            raise KeyError(self._unknown_column(name))
         return self._columns[name]
 
+    def _unknown_column(self, name: str) -> str:
+        """Return the message for a column that the table does not have."""
+        nearest = get_close_matches(name, self.names, n=1)
+        suggestion = f"; did you mean {nearest[0]!r}?" if nearest else ""
+        return f"no column {name[:40]!r}; the columns are {', '.join(self.names)}{suggestion}"
+
     def _quantity(self, name: str, scale: Scale) -> Any:
-        np: Any = import_module("numpy")
+        np: Any = load("numpy")
         # Numbers such as temperatures repeat, so only a few conversions are needed.
         numbers, places = np.unique(self._column(name), return_inverse=True)
         quantities = np.array([scale.decimal(number) for number in numbers.tolist()], object)
@@ -278,16 +292,20 @@ class Table(_Columns):
         """Return the scale of a column of quantities, or None for other columns."""
         return self._scales[name][1] if name in self._scales else None
 
-    def __iter__(self) -> Iterator[str]:
-        return iter(dict.fromkeys(self._names))
+    def __contains__(self, name: object) -> bool:
+        """Return whether the table has a column of this name."""
+        return name in self._names
+
+    def __iter__(self) -> Iterator[dict[str, Any]]:
+        return self.rows()
 
     def __len__(self) -> int:
-        return len(dict.fromkeys(self._names))
+        return self.count
 
     def __repr__(self) -> str:
         error_count = int((self._fault != 0).sum())
         encoder_text = f" of {self.encoder.code}" if self.encoder is not None else ""
-        return f"<{len(self._fault)} frames{encoder_text}, {error_count} with an error: {', '.join(self)}>"
+        return f"<{len(self._fault)} frames{encoder_text}, {error_count} with an error: {', '.join(self.names)}>"
 
     def faults(self) -> dict[ErrorKind, int]:
         """Return the number of valid frames and the number of frames with each error."""
@@ -311,7 +329,7 @@ class Table(_Columns):
             RangeError: A position is above the highest or below the lowest that this encoder sends.
             ValueError: The manual does not say where the position of this encoder wraps around.
         """
-        np: Any = import_module("numpy")
+        np: Any = load("numpy")
         encoder: Any = self.encoder
         valid: PositionRange = encoder._range_in(self._frame)
         usable_rows = np.flatnonzero(self.usable)
@@ -340,15 +358,15 @@ class Table(_Columns):
             An array of values. Without ``counts``, it is NaN if the position is not usable.
 
         Raises:
-            AttributeError: The encoder does not measure in this unit.
-            ValueError: The manual does not give the size of a count.
+            AttributeError: The frames have no position.
+            ValueError: The encoder does not measure in this unit, or the manual does not give the size of a count.
         """
         positions = self.position if counts is None else counts
         unit_size, parts = self._unit(unit)
         if unit in ("degrees", "radians"):
             positions = positions % parts
         values = positions * unit_size / parts
-        np: Any = import_module("numpy")
+        np: Any = load("numpy")
         return np.where(self.usable, values, np.nan) if counts is None else values
 
     def velocity(self, seconds: Any = None, unit: SpeedUnit = "counts") -> Any:
@@ -369,7 +387,7 @@ class Table(_Columns):
 
     def _speed(self, seconds: Any, unit: SpeedUnit, previous: tuple[int, float] | None) -> Any:
         """Return speeds. ``previous`` is the unwrapped position and the time of the last usable frame before these."""
-        np: Any = import_module("numpy")
+        np: Any = load("numpy")
         if seconds is None:
             if "time" not in self._others:
                 raise ValueError("the table has no column 'time'; pass the time between two frames in seconds")
@@ -419,11 +437,22 @@ class Table(_Columns):
         if unit not in _OF_A_TURN and unit not in _OF_A_LENGTH:
             speed = "; it is a unit of speed" if unit == "rpm" else ""
             raise ValueError(f"'{unit[:40]}' is not a unit of positions{speed}: use {', '.join(_UNITS)}")
+        kind_of_unit = _OF_A_TURN if unit in _OF_A_TURN else _OF_A_LENGTH
+        if not hasattr(encoder, "from_turns" if unit in _OF_A_TURN else "micrometres"):
+            raise UnitError(self._wrong_unit(unit, kind_of_unit))
         if unit in _OF_A_TURN:
             per_turn: int = encoder.from_turns(1)
             return _OF_A_TURN[unit], per_turn
         micrometres = Fraction(encoder.micrometres(1))
         return micrometres.numerator, micrometres.denominator * _OF_A_LENGTH[unit]
+
+    def _wrong_unit(self, unit: str, kind_of_unit: Mapping[str, float]) -> str:
+        """Return the message for a unit that the encoder does not measure in."""
+        if self.encoder is None:
+            return f"these frames belong to no encoder, so they have no {unit}: use counts"
+        measured = "angles, not lengths" if kind_of_unit is _OF_A_LENGTH else "lengths, not angles"
+        units = _OF_A_TURN if kind_of_unit is _OF_A_LENGTH else _OF_A_LENGTH
+        return f"{self.encoder.code} measures {measured}: use {', '.join(('counts', *units))} instead of {unit}"
 
     def hidden(self, name: str) -> Any:
         """Return a mask of the rows in which a column has no meaning, or None if it always has one.
@@ -451,7 +480,7 @@ class Table(_Columns):
         """
         from .conversion import arrow_columns
 
-        return import_module("pyarrow").table(arrow_columns(self, self, raw))
+        return load("pyarrow").table(arrow_columns(self, self.names, raw))
 
     def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
         """Return the columns as an Arrow stream, for polars, DuckDB and others. Needs pyarrow."""
@@ -470,4 +499,4 @@ class Table(_Columns):
         """
         from .conversion import pandas_columns
 
-        return import_module("pandas").DataFrame(pandas_columns(self, self, raw))
+        return load("pandas").DataFrame(pandas_columns(self, self.names, raw))

@@ -4,11 +4,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from importlib import import_module
 from types import MappingProxyType
 from typing import Any, Final, Literal
 
-np: Any = import_module("numpy")
+from ..packages import load
+
+np: Any = load("numpy")
 
 WordKind = Literal["packed", "little", "big", "little32", "big32"]
 DigitKind = Literal["hex", "decimal"]

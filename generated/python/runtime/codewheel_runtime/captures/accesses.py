@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from importlib import import_module
 from typing import Any, NamedTuple
 
 from ..biss import ZEROS, Outcome, Request, crc, decode_byte
 from ..errors import CrcError
+from ..packages import load
 
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 _LOST = "a cycle of the access was lost"
 _ENDED = "the capture ends within the access"

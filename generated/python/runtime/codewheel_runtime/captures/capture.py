@@ -5,8 +5,9 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Generator, Mapping, Sequence
-from contextlib import AbstractContextManager, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext, suppress
 from enum import Enum
+from functools import partial
 from importlib import import_module
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple
@@ -20,17 +21,18 @@ from ..files.inputs import Part, Source
 from ..files.layouts import layout_of, layouts_of, shape_for
 from ..files.sinks import SINKS, TargetKind
 from ..files.stream import Derived, Output, Summary, counted, decoded, plan_of, target_format, written
+from ..packages import load
 from ..reports import Interface
 from .accesses import Access, Accesses
 from .any_biss import BissLayout
 from .clocked import CapturedFrames, Lost, clocked
 from .signal_files import opened_signals
 from .signals import Names, Signals, of_array
-from .uart import Kinds, replies
+from .uart import Kinds, exported_bytes, exported_columns, replies, serial_bytes
 
 __all__ = ["Access", "BissLayout", "Capture", "CaptureSummary", "Lost", "Probes"]
 
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 _NO_ANSWERS: Final[Mapping[str, Enum | str]] = MappingProxyType({})
 #: Maximum number of lost cycles and of accesses that a summary lists.
@@ -49,13 +51,23 @@ class Probes(NamedTuple):
         rest: Shortest pause of the clock between two cycles, in seconds. The default is 1.4 periods. Use a longer one
         if the master pauses within a frame.
         baud: Bits per second on a serial line, if they differ from the manual.
+        threshold: Voltage above which the level is 1, for a table of voltages. The default is the middle of their
+            range.
     """
 
-    clock: str = ""
-    data: str = ""
+    clock: str | int = ""
+    data: str | int = ""
     rate: float | None = None
     rest: float | None = None
     baud: float | None = None
+    threshold: float | None = None
+
+    def names(self, is_serial: bool) -> Names:
+        """Return the channels by their names or numbers."""
+        for channel in (self.clock, self.data):
+            if not isinstance(channel, (str, int)) or isinstance(channel, bool):
+                raise UsageError(f"a channel is a name or a number from 1, got {channel!r}")
+        return Names(None if is_serial else str(self.clock), str(self.data))
 
 
 class Capture(NamedTuple):
@@ -162,7 +174,12 @@ class _Opened(NamedTuple):
 
 @contextmanager
 def _open_capture(
-    encoder: Encoder | BissLayout, source: Captured, probes: Probes, layout: str, answers: Mapping[str, Any]
+    encoder: Encoder | BissLayout,
+    source: Captured,
+    probes: Probes,
+    layout: str,
+    answers: Mapping[str, Any],
+    exchanged: bool = False,
 ) -> Generator[_Opened, None, None]:
     if isinstance(encoder, Encoder) and encoder.interface is Interface.SPI:
         how = "let the analyser's own SPI decoder export the words, and decode them as a file of frames"
@@ -171,16 +188,42 @@ def _open_capture(
         how = "let the analyser's own serial decoder export the bytes, and decode the replies as a file of frames"
         raise UsageError(f"the replies of {encoder.code} have no data ID, so they are not found in captures: {how}")
     is_serial = isinstance(encoder, Encoder) and encoder.interface is Interface.RS485
-    names = Names(None if is_serial else probes.clock, probes.data)
+    names = probes.names(is_serial)._replace(exchanged=exchanged)
     name = "the array"
     if hasattr(source, "dtype"):
         opening: Any = nullcontext(of_array(source, names, probes.rate))
     else:
         paths = _paths(source)
         name = paths[0] if paths else "the capture"
-        opening = opened_signals(paths, names, probes.rate)
+        columns = _exported_columns(paths) if is_serial else None
+        if isinstance(encoder, Encoder) and columns is not None:
+            with open(name, "rb") as file:
+                line = exported_bytes(file, name, columns)
+                yield _find_replies(encoder, line, name, probes, layout, answers)
+            return
+        opening = opened_signals(paths, names, probes.rate, probes.threshold)
     with opening as signals:
         yield _find_frames(encoder, signals, name, probes, layout, answers)
+
+
+def _exported_columns(paths: Sequence[str]) -> tuple[int, int] | None:
+    """Return the columns of the times and of the bytes if the capture is an export of serial bytes, or None."""
+    if len(paths) != 1:
+        return None
+    with open(paths[0], "rb") as file:
+        return exported_columns(file.read(1000))
+
+
+def _find_replies(
+    encoder: Encoder, line: Any, name: str, probes: Probes, layout: str, answers: Mapping[str, Any]
+) -> _Opened:
+    """Return the replies among the bytes on a serial line."""
+    kinds = _frame_kinds(encoder, layout, answers)
+    stretches = replies(line, name, _baud(encoder, probes), kinds)
+    first = next(stretches)
+    if not first.kind:
+        raise InputError(name, "", f"no valid reply of {encoder.code}: check the channel, the baud rate and the code")
+    return _Opened(_chained(first, stretches), kinds.replies[first.kind], "time", None)
 
 
 def _find_frames(
@@ -193,14 +236,9 @@ def _find_frames(
 ) -> _Opened:
     time = "sample" if signals.seconds is None else "time"
     if isinstance(encoder, Encoder) and encoder.interface is Interface.RS485:
-        kinds = _frame_kinds(encoder, layout, answers)
-        stretches = replies(signals, name, _baud(encoder, probes), kinds)
-        first = next(stretches)
-        if not first.kind:
-            raise InputError(
-                name, "", f"no valid reply of {encoder.code}: check the channel, the baud rate and the code"
-            )
-        return _Opened(_chained(first, stretches), kinds.replies[first.kind], time, signals.total)
+        line = serial_bytes(signals, _baud(encoder, probes))
+        opened = _find_replies(encoder, line, name, probes, layout, answers)
+        return opened._replace(time=time, total=signals.total)
     if isinstance(encoder, Encoder):
         shape, is_biss = shape_for(encoder, layout, answers), encoder.interface is Interface.BISS
     else:
@@ -248,18 +286,20 @@ class Captures(NamedTuple):
         encoder: Encoder | BissLayout | str,
         source: Captured,
         *,
-        clock: str = "",
-        data: str = "",
+        clock: str | int = "",
+        data: str | int = "",
         rate: float | None = None,
         rest: float | None = None,
         baud: float | None = None,
+        threshold: float | None = None,
         layout: str = "",
         answers: Mapping[str, Enum | str] = _NO_ANSWERS,
     ) -> Capture:
         """Decode a capture of a logic analyser. Needs NumPy.
 
-        Formats are sigrok sessions, CSV from sigrok and Saleae, Saleae binary files, VCD, NumPy files and tables of 0
-        and 1. They are recognised by their contents.
+        Formats are sigrok sessions, CSV from sigrok and Saleae, Saleae binary files, the bytes that Saleae's serial
+        analyser exports, VCD, NumPy files (``.npy``, ``.npz``), and tables of 0 and 1 or of voltages. They are
+        recognised by their contents. Times of time stamps are in seconds from the first one.
 
         Args:
             encoder: The encoder, its label, or a layout of BiSS frames (``biss_layout``).
@@ -271,6 +311,8 @@ class Captures(NamedTuple):
             rate: Sample rate in Hz, needed if the source does not specify it.
             rest: Shortest pause of the clock between two cycles, in seconds. The default is 1.4 periods of the clock.
             baud: Bits per second on a serial line, if they differ from the manual.
+            threshold: Voltage above which the level is 1, for a table of voltages. The default is the middle of their
+                range.
             layout: Kind of the replies, if there are several. The default is the most frequent one with a position.
             answers: Answers to the questions that the manual leaves open, by name.
 
@@ -282,7 +324,9 @@ class Captures(NamedTuple):
             UsageError: The arguments are wrong or incompatible with each other.
             OSError: A file cannot be read.
         """
-        return _read_capture(self._encoder(encoder), source, Probes(clock, data, rate, rest, baud), layout, answers)
+        return _read_capture(
+            self._encoder(encoder), source, Probes(clock, data, rate, rest, baud, threshold), layout, answers
+        )
 
     def decode_capture(
         self,
@@ -290,11 +334,12 @@ class Captures(NamedTuple):
         source: str | os.PathLike[str] | Sequence[str],
         target: str | os.PathLike[str],
         *,
-        clock: str = "",
-        data: str = "",
+        clock: str | int = "",
+        data: str | int = "",
         rate: float | None = None,
         rest: float | None = None,
         baud: float | None = None,
+        threshold: float | None = None,
         layout: str = "",
         answers: Mapping[str, Enum | str] = _NO_ANSWERS,
         si: bool = False,
@@ -308,7 +353,7 @@ class Captures(NamedTuple):
         """Decode a capture of a logic analyser into a file of columns, in bounded memory.
 
         Args:
-            encoder, source, clock, data, rate, rest, baud, layout, answers: See ``read_capture``.
+            encoder, source, clock, data, rate, rest, baud, threshold, layout, answers: See ``read_capture``.
             target: The file to write, or ``-`` for CSV on standard output.
             si: Also write the position and the speed in SI units.
             to, columns, limit, raw, force, progress: See ``decode_file``.
@@ -322,8 +367,10 @@ class Captures(NamedTuple):
         chosen = self._encoder(encoder)
         output = Output(os.fspath(target), target_format(target, to), columns, raw, force, si)
         sources = _paths(source)
-        opening = _open_capture(chosen, source, Probes(clock, data, rate, rest, baud), layout, answers)
-        return _decode_capture(opening, chosen, sources, output, limit, progress)
+        probes = Probes(clock, data, rate, rest, baud, threshold)
+        opening = _open_capture(chosen, source, probes, layout, answers)
+        report = partial(_report_exchanged_lines, chosen, source, probes, layout, answers)
+        return _decode_capture(opening, chosen, sources, output, limit, progress, report)
 
     def _encoder(self, encoder: Encoder | BissLayout | str) -> Encoder | BissLayout:
         if not isinstance(encoder, str):
@@ -339,14 +386,41 @@ def _read_capture(
     frames: list[Any] = []
     times: list[Any] = []
     with _open_capture(encoder, source, probes, layout, answers) as opened:
-        for stretch in opened.stretches:
-            log.add(stretch)
-            frames.append(stretch.frames)
-            times.append(stretch.times)
+        try:
+            for stretch in opened.stretches:
+                log.add(stretch)
+                frames.append(stretch.frames)
+                times.append(stretch.times)
+        except InputError:
+            _report_exchanged_lines(encoder, source, probes, layout, answers)
+            raise
     log.finish()
     table = decode_many(np.concatenate(frames), opened.shape, encoder)
+    if not table.ok.any():
+        _report_exchanged_lines(encoder, source, probes, layout, answers)
     table = table.with_columns(**{opened.time: np.concatenate(times)})
     return Capture(table, tuple(log.lost), tuple(log.accesses), log.others)
+
+
+def _report_exchanged_lines(
+    encoder: Encoder | BissLayout, source: Captured, probes: Probes, layout: str, answers: Mapping[str, Enum | str]
+) -> None:
+    """Raise InputError if a capture has valid frames only if the clock and the data line are exchanged."""
+    if isinstance(encoder, Encoder) and encoder.interface not in (Interface.BISS, Interface.SSI):
+        return
+    frame_count = valid_count = lost_count = 0
+    with suppress(InputError), _open_capture(encoder, source, probes, layout, answers, exchanged=True) as opened:
+        for stretch in opened.stretches:
+            valid_count += int(decode_many(stretch.frames, opened.shape, encoder).ok.sum())
+            frame_count += len(stretch.frames)
+            lost_count += len(stretch.lost)
+            if frame_count > _SHOWN:
+                break
+    # One frame can be valid by chance.
+    if valid_count > 1 and valid_count > 9 * (frame_count - valid_count + lost_count):
+        name = "the array" if hasattr(source, "dtype") else _paths(source)[0]
+        reason = "the clock and the data line are exchanged: no frame is valid"
+        raise InputError(name, "", f"{reason}, but {valid_count} are if you exchange the two channels")
 
 
 def _decode_capture(
@@ -356,6 +430,7 @@ def _decode_capture(
     output: Output,
     limit: int | None,
     progress: Callable[[int, int | None, int], None] | None,
+    report_exchanged_lines: Callable[[], None],
 ) -> CaptureSummary:
     log = _Log(_SHOWN)
     with opening as opened, written(output.target, sources, output.force) as file:
@@ -371,7 +446,13 @@ def _decode_capture(
         read = Source(_parts(opened, log), opened.total, (time,), time_columns)
         plan = plan_of(empty, read, output.columns, sources[0], output.raw)
         with SINKS[output.kind](file, plan) as sink:
-            frames = decoded(read, opened.shape, encoder, sink, limit, progress, derived)
+            try:
+                frames = decoded(read, opened.shape, encoder, sink, limit, progress, derived)
+            except InputError:
+                report_exchanged_lines()
+                raise
+        if frames.frames == sum(frames.faults.values()):
+            report_exchanged_lines()
     log.finish()
     return CaptureSummary(
         frames=frames,

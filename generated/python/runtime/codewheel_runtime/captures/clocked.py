@@ -12,14 +12,14 @@ over SSI the first change of the data line.
 from __future__ import annotations
 
 from collections.abc import Generator, Mapping
-from importlib import import_module
 from types import MappingProxyType
 from typing import Any, Final, Literal, NamedTuple
 
 from ..errors import InputError
+from ..packages import load
 from .signals import Edges, Signals
 
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 #: Number of periods without an edge after which the clock is idle. BiSS slaves end a cycle after 1.5 or more.
 _REST: Final = 1.4

@@ -6,6 +6,7 @@ Files are recognised by their contents and read in chunks, so memory use does no
 
 from __future__ import annotations
 
+import io
 import re
 import struct
 import zipfile
@@ -14,27 +15,30 @@ from collections.abc import Generator, Sequence
 from configparser import ConfigParser
 from configparser import Error as ConfigError
 from contextlib import ExitStack, contextmanager
-from importlib import import_module
 from typing import Any, BinaryIO, Final
 
 from ..bulk.words import listed, short
 from ..errors import InputError, UsageError
+from ..packages import load
 from .signal_text import HEADER, HINT, rate_of, size_of, table_signals, vcd_signals
-from .signals import SAMPLES, Names, Signals, merged, of_samples, packed
+from .signals import SAMPLES, Names, Signals, merged, of_array, of_samples, packed
 
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 _SALEAE: Final = b"<SALEAE>"
 
 
 @contextmanager
-def opened_signals(paths: Sequence[str], names: Names, rate: float | None = None) -> Generator[Signals, None, None]:
+def opened_signals(
+    paths: Sequence[str], names: Names, rate: float | None = None, threshold: float | None = None
+) -> Generator[Signals, None, None]:
     """Open a capture.
 
     Args:
         paths: The file. Saleae's binary files have one signal each: the clock, then the data line.
         names: The channels of the signals.
         rate: Sample rate in Hz, needed if the file does not specify it.
+        threshold: Voltage above which the level is 1, for a table of voltages.
 
     Raises:
         InputError: The file is not a capture, or does not have these channels.
@@ -54,18 +58,22 @@ def opened_signals(paths: Sequence[str], names: Names, rate: float | None = None
                     "the file of the data line" if wanted == 1 else "two files, that of the clock and of the data line"
                 )
                 raise UsageError(f"each binary file of Saleae has one signal: give {lines}")
-            signals = _saleae(files, paths)
+            signals = _saleae(files[::-1], paths[::-1]) if names.exchanged else _saleae(files, paths)
         elif len(files) != 1:
             raise UsageError("give one file: only binary files of Saleae have one signal each")
         else:
-            signals = _single_file(stack, files[0], paths[0], heads[0], names, rate)
+            signals = _single_file(stack, files[0], paths[0], names, rate, threshold)
         try:
             yield signals
         finally:
             signals.edges.close()
 
 
-def _single_file(stack: ExitStack, file: BinaryIO, path: str, head: bytes, names: Names, rate: float | None) -> Signals:
+def _single_file(
+    stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: float | None, threshold: float | None
+) -> Signals:
+    head = file.read(HEADER)
+    file.seek(0)
     if head.startswith(b"PK"):
         return _session(stack, file, path, names, rate)
     if head.startswith(b"\x93NUMPY"):
@@ -76,7 +84,7 @@ def _single_file(stack: ExitStack, file: BinaryIO, path: str, head: bytes, names
         raise InputError(path, "", f"this is not a capture: {HINT}")
     if head.lstrip().startswith(b"$"):
         return vcd_signals(file, path, names)
-    return table_signals(file, path, head, names, rate)
+    return table_signals(file, path, head, names, rate, threshold)
 
 
 # sigrok sessions
@@ -91,6 +99,8 @@ def _session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: fl
     """Return the signals of a session: a ZIP file with metadata, and samples in files of a few megabytes."""
     try:
         archive = stack.enter_context(zipfile.ZipFile(file))
+        if "metadata" not in archive.namelist() and any(name.endswith(".npy") for name in archive.namelist()):
+            return _array_archive(archive, path, names, rate)
         with archive.open("metadata") as metadata:
             text = metadata.read(HEADER).decode("utf-8", "replace")
         config = ConfigParser(interpolation=None, strict=False)
@@ -109,7 +119,9 @@ def _session(stack: ExitStack, file: BinaryIO, path: str, names: Names, rate: fl
     numbers = [number for number in sorted(probes) if 1 <= number <= 8 * size]
     channels = [probes[number] for number in numbers]
     # The number of a probe is also accepted, although only probes in use have names.
-    numbered_names = Names(*(_numbered(name, probes, numbers, path) for name in names))
+    numbered_names = names._replace(
+        clock=_numbered(names.clock, probes, numbers, path), data=_numbered(names.data, probes, numbers, path)
+    )
     masks = tuple(1 << numbers[place] - 1 for place in numbered_names.places(channels, path))
     entries = _entries(archive, stem)
     if not entries:
@@ -201,6 +213,39 @@ def _array(file: BinaryIO, path: str, names: Names, rate: float | None) -> Signa
             yield part, done, None
 
     return Signals(of_samples(parts(), masks), 1 / rate if rate else None, True)
+
+
+def _array_archive(archive: zipfile.ZipFile, path: str, names: Names, rate: float | None) -> Signals:
+    """Return the signals of an ``.npz`` file: one array of samples, or an array of 0 and 1 for each channel."""
+    total = sum(info.file_size for info in archive.infolist())
+    if total > _MOST_UNPACKED:
+        raise InputError(path, "", f"the samples have {total / 1e9:.1f} GB unpacked: save a shorter capture")
+    arrays: dict[str, Any] = {}
+    for name in archive.namelist():
+        try:
+            array = np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False)
+        except Exception:  # The parser of the header raises many types.
+            raise InputError(path, "", f"{short(name)} is not a valid NumPy array") from None
+        if array.ndim:
+            arrays[name.removesuffix(".npy")] = array
+        elif name.removesuffix(".npy").lower() in _RATES and array.dtype.kind in "uif" and array > 0:
+            rate = rate or float(array)
+    if len(arrays) == 1 and (only := next(iter(arrays.values()))).dtype.kind in "uib":
+        return of_array(only, names, rate)
+    lengths = {array.shape for array in arrays.values()}
+    if len(lengths) != 1 or any(array.dtype.kind not in "uib" or array.ndim != 1 for array in arrays.values()):
+        raise InputError(
+            path, "", "expected one array of samples, or an array of 0 and 1 of the same length per channel"
+        )
+    places = names.places([*arrays], path)
+    columns = [[*arrays.values()][place] for place in places]
+    samples = packed(np.stack(columns, 1))
+    masks = tuple(1 << bit for bit in range(len(places)))
+    return Signals(of_samples([(samples, len(samples), None)], masks), 1 / rate if rate else None, True, len(samples))
+
+
+#: Names of a sample rate in Hz next to the arrays of a file.
+_RATES: Final = ("rate", "samplerate", "sample_rate", "fs")
 
 
 # Saleae's binary files

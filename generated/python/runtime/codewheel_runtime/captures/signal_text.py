@@ -6,20 +6,23 @@ from __future__ import annotations
 import io
 import re
 from collections.abc import Generator, Sequence
-from importlib import import_module
 from typing import Any, BinaryIO, Final, NamedTuple
 
 from ..bulk.words import short
 from ..errors import InputError
+from ..packages import load
 from .signals import Edges, Names, Signals, of_samples, packed
 
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 #: Number of bytes of text that are read at once, which is also the limit for a line.
 _BLOCK: Final = 1 << 20
 #: Limit for the size of a header.
 HEADER: Final = 1 << 16
-HINT: Final = "expected a sigrok session or CSV, a Saleae CSV or binary file, VCD, a table of 0 and 1, or a NumPy file"
+HINT: Final = (
+    "expected a sigrok session or CSV, a Saleae CSV or binary file, VCD, a table of 0 and 1 or of voltages, "
+    "or a NumPy file"
+)
 
 _RATE: Final = re.compile(r"\s*([0-9]{1,12}(?:\.[0-9]{1,9})?)\s*([kKMG]?)(?:Hz|S/s|Sa/s)?\s*")
 _PREFIXES: Final = {"": 1.0, "k": 1e3, "K": 1e3, "M": 1e6, "G": 1e9}
@@ -61,17 +64,27 @@ def _blocks(file: BinaryIO, path: str, kind: str) -> Generator[tuple[bytes, int]
 
 
 _UNITS: Final = {
-    "s": 1.0, "seconds": 1.0, "ms": 1e-3, "milliseconds": 1e-3, "us": 1e-6, "µs": 1e-6, "microseconds": 1e-6,
+    "s": 1.0, "second": 1.0, "seconds": 1.0, "ms": 1e-3, "milliseconds": 1e-3,
+    "us": 1e-6, "µs": 1e-6, "microseconds": 1e-6,
     "ns": 1e-9, "nanoseconds": 1e-9, "ps": 1e-12, "picoseconds": 1e-12, "fs": 1e-15, "femtoseconds": 1e-15,
 }  # fmt: skip
 _TIME: Final = re.compile(r"(?:time\s*)?[\[(]?(?P<unit>[a-zµ]*)[\])]?", re.IGNORECASE)
+
+
+#: Names of a column with the number of the sample.
+_NUMBERS: Final = ("sample", "samples", "sample number", "index", "no", "no.", "nr", "#")
+#: Time stamp of ISO 8601, as in CSV files of Saleae, without its time zone.
+_STAMP: Final = re.compile(rb"\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d(?:\.\d{1,12})?")
+#: Part of the range of a voltage by which it must pass the threshold.
+_HYSTERESIS: Final = 0.1
 
 
 class _TableForm(NamedTuple):
     """Form of a table.
 
     ``unit`` is the unit of the time column in seconds. It is None if there is no such column, and 0 if its times are
-    not used. ``skipped`` is the number of lines before the first row.
+    not used. ``skipped`` is the number of lines before the first row. ``is_stamped`` is True if times are time stamps,
+    which are converted to seconds from the first one.
     """
 
     between: str | None
@@ -79,14 +92,20 @@ class _TableForm(NamedTuple):
     unit: float | None
     rate: float | None
     skipped: int
+    is_stamped: bool = False
 
 
-def table_signals(file: BinaryIO, path: str, head: bytes, names: Names, rate: float | None) -> Signals:
-    """Return the signals of a table: columns of 0 and 1, with one row per sample or a time in the first column."""
+def table_signals(
+    file: BinaryIO, path: str, head: bytes, names: Names, rate: float | None, threshold: float | None = None
+) -> Signals:
+    """Return the signals of a table: columns of 0 and 1, with one row per sample or a time in the first column.
+
+    Columns can also have voltages. Those above ``threshold`` are 1. By default, it is in the middle of their range.
+    """
     form = _table_form(path, head)
     places = names.places(form.channels, path)
     offset = int(form.unit is not None)
-    parts = _table_parts(file, path, form, [offset + place for place in places])
+    parts = _table_parts(file, path, form, [offset + place for place in places], threshold)
     edges = of_samples(parts, tuple(1 << index for index in range(len(places))))
     total = size_of(file)
     if form.unit:
@@ -106,12 +125,23 @@ def _table_form(path: str, head: bytes) -> _TableForm:
         raise InputError(path, "", f"this is not a capture: {HINT}")
     between = max(",;\t", key=rows[0].count) if re.search("[,;\t]", rows[0]) else None
     cells = _cells(rows[0], between)
-    has_header = not all(_is_number(cell) for cell in cells)
-    if has_header and len(rows) > 1 and not all(_is_number(cell) or cell == "X" for cell in _cells(rows[1], between)):
+    has_header = not _is_row(cells)
+    # An oscilloscope has a second header, with units.
+    unit_cells = _cells(rows[1], between) if has_header and len(rows) > 2 else []
+    has_units = bool(unit_cells) and not _is_row(unit_cells) and _is_row(_cells(rows[2], between))
+    header_count = has_header + has_units
+    if has_header and len(rows) > header_count and not _is_row(_cells(rows[header_count], between)):
         raise InputError(path, "", f"this is not a capture: {HINT}")
-    unit = _unit_of(cells[0]) if has_header else None
+    first_rows = [_cells(row, between) for row in rows[header_count : header_count + 4]]
+    is_stamped = bool(first_rows) and bool(first_rows[0]) and _is_stamp(first_rows[0][0])
+    unit = _unit_of(unit_cells[0].lower() if has_units else cells[0]) if has_header else None
+    if is_stamped:
+        unit = 1.0
+    elif unit is None and _are_numbered(first_rows):
+        unit = 0.0
     if not has_header:
-        cells = [str(number) for number in range(1, len(cells) + 1)]
+        # The column of times or of numbers is not a channel.
+        cells = [str(number) for number in range(int(unit is None), len(cells) + int(unit is None))]
     channels = cells[unit is not None :]
     labels = [label.strip() for label in _comment(comments, "Channels").split(",") if label.strip()]
     return _TableForm(
@@ -119,8 +149,27 @@ def _table_form(path: str, head: bytes) -> _TableForm:
         channels=labels if len(labels) == len(channels) else channels,
         unit=unit,
         rate=rate_of(_comment(comments, "Samplerate")),
-        skipped=head.count(b"\n", 0, _start(head, has_header)),
+        skipped=head.count(b"\n", 0, _start(head, header_count)),
+        is_stamped=is_stamped,
     )
+
+
+def _is_row(cells: list[str]) -> bool:
+    """Return whether all cells can be those of a row: numbers, a time stamp, or X for a channel that was off."""
+    return all(_is_number(cell) or cell == "X" or (not place and _is_stamp(cell)) for place, cell in enumerate(cells))
+
+
+def _is_stamp(cell: str) -> bool:
+    return _STAMP.match(cell.encode()) is not None
+
+
+def _are_numbered(rows: list[list[str]]) -> bool:
+    """Return whether the first cells of some rows are the numbers of samples."""
+    first_cells = [row[0] for row in rows if len(row) > 1]
+    if len(first_cells) < 4 or not all(cell.isascii() and cell.isdigit() for cell in first_cells):
+        return False
+    first = int(first_cells[0])
+    return [int(cell) for cell in first_cells] == [*range(first, first + len(first_cells))]
 
 
 def _comment(comments: list[str], name: str) -> str:
@@ -129,19 +178,14 @@ def _comment(comments: list[str], name: str) -> str:
 
 
 def _table_parts(
-    file: BinaryIO, path: str, form: _TableForm, columns: list[int]
+    file: BinaryIO, path: str, form: _TableForm, columns: list[int], threshold: float | None
 ) -> Generator[tuple[Any, int, Any], None, None]:
     """Yield the levels of some rows, the amount read, and their times or None."""
-    line, last_time = 1, -np.inf
-    for data, done in _blocks(file, path, "CSV"):
-        block, first_line = data, line
-        if line == 1 and form.skipped:
-            block = data.split(b"\n", form.skipped)[-1]
-            first_line += form.skipped
-        line += data.count(b"\n")
-        if not block.strip():
-            continue
-        times, levels = _columns(block, form.between, columns, bool(form.unit), path, first_line)
+    last_time = -np.inf
+    reader = _RowReader(form, columns, path)
+    reader.find_voltages(file, threshold)
+    for block, first_line, done in reader.blocks_of_rows(file):
+        times, levels = reader.read(block, first_line)
         if times is not None:
             if not (last_time <= times[0] and (np.diff(times) >= 0).all()):
                 raise InputError(path, f"from line {first_line}", "the times are not in ascending order")
@@ -149,15 +193,16 @@ def _table_parts(
         yield levels, done, times
 
 
-def _start(head: bytes, has_header: bool) -> int:
-    """Return the offset after the comments and the header of a table."""
+def _start(head: bytes, header_count: int) -> int:
+    """Return the offset after the comments and the headers of a table."""
     at = 0
     for line in io.BytesIO(head):
         is_comment = not line.strip() or line.lstrip(b"\xef\xbb\xbf")[:1] in (b";", b"#")
-        if not is_comment and not has_header:
+        if not is_comment and not header_count:
             return at
         at += len(line)
-        if not is_comment:
+        header_count -= not is_comment
+        if not is_comment and not header_count:
             return at
     return at
 
@@ -177,6 +222,8 @@ def _is_number(text: str) -> bool:
 
 def _unit_of(name: str) -> float | None:
     """Return the unit of a time column in seconds, or None if its name is not the name of one."""
+    if name.strip().lower() in _NUMBERS:
+        return 0.0
     match = _TIME.fullmatch(name.strip())
     if match is None:
         return None
@@ -186,26 +233,109 @@ def _unit_of(name: str) -> float | None:
     return 0.0 if name.strip().lower() == "time" else None
 
 
-def _columns(
-    block: bytes, between: str | None, columns: list[int], has_time: bool, path: str, line: int
-) -> tuple[Any, Any]:
-    """Return the times and the levels of some rows."""
-    if not has_time and (levels := _regular(block, between, columns)) is not None:
-        return None, levels
-    wanted = [0, *columns] if has_time else columns
-    try:
-        table = np.loadtxt(io.BytesIO(block), delimiter=between, usecols=wanted, ndmin=2, comments=None)
-    except (ValueError, IndexError) as error:
-        reason = str(error).splitlines()[0]
-        if b"X" in block:
-            reason = "X means that a channel was off for some time: export a part in which all channels are on"
-        raise InputError(path, f"from line {line}", reason) from None
-    levels = table[:, has_time:]
-    if not ((levels == 0) | (levels == 1)).all():
-        raise InputError(path, f"from line {line}", "expected columns of 0 and 1")
-    if has_time and not np.isfinite(table[:, 0]).all():
-        raise InputError(path, f"from line {line}", "expected times in the first column")
-    return (np.ascontiguousarray(table[:, 0]) if has_time else None), packed(levels)
+class _RowReader:
+    """Reader of the times and the levels of rows."""
+
+    def __init__(self, form: _TableForm, columns: list[int], path: str) -> None:
+        self._form, self._columns, self._path = form, columns, path
+        self._first_stamp: Any = None
+        self._voltages: _Voltages | None = None
+
+    def find_voltages(self, file: BinaryIO, threshold: float | None) -> None:
+        """Read the range of the columns if they have voltages, as the first rows show."""
+        ranges: list[Any] = []
+        for block, line, _ in self.blocks_of_rows(file):
+            cells = self._table(block, line, self._columns)
+            is_logic = ((cells == 0) | (cells == 1)).all()
+            has_voltages = np.isfinite(cells).all() and (cells != np.floor(cells)).any()
+            if not ranges and threshold is None and (is_logic or not has_voltages):
+                break
+            ranges += [cells.min(axis=0), cells.max(axis=0)]
+        file.seek(0)
+        if ranges:
+            self._voltages = _Voltages(np.min(ranges, axis=0), np.max(ranges, axis=0), threshold)
+
+    def blocks_of_rows(self, file: BinaryIO) -> Generator[tuple[bytes, int, int], None, None]:
+        """Yield blocks of rows without the headers, the number of their first line, and the amount read."""
+        line = 1
+        for data, done in _blocks(file, self._path, "CSV"):
+            block, first_line = data, line
+            if line == 1 and self._form.skipped:
+                block = data.split(b"\n", self._form.skipped)[-1]
+                first_line += self._form.skipped
+            line += data.count(b"\n")
+            if block.strip():
+                yield block, first_line, done
+
+    def _table(self, block: bytes, line: int, columns: list[int]) -> Any:
+        """Return the numbers in these columns."""
+        try:
+            return np.loadtxt(io.BytesIO(block), delimiter=self._form.between, usecols=columns, ndmin=2, comments=None)
+        except (ValueError, IndexError) as error:
+            reason = str(error).splitlines()[0]
+            if b"X" in block:
+                reason = "X means that a channel was off for some time: export a part in which all channels are on"
+            raise InputError(self._path, f"from line {line}", reason) from None
+
+    def read(self, block: bytes, line: int) -> tuple[Any, Any]:
+        """Return the times and the levels of some rows."""
+        between, has_time = self._form.between, bool(self._form.unit)
+        is_plain = not has_time and self._voltages is None
+        if is_plain and (levels := _regular(block, between, self._columns)) is not None:
+            return None, levels
+        stamps: Any = None
+        if self._form.is_stamped:
+            stamps, block = self._without_stamps(block, line)
+        table = self._table(block, line, [0, *self._columns] if has_time else self._columns)
+        if has_time and not np.isfinite(table[:, 0]).all():
+            raise InputError(self._path, f"from line {line}", "expected times in the first column")
+        times = np.ascontiguousarray(table[:, 0]) if has_time else None
+        return times if stamps is None else stamps, self._levels(table[:, has_time:], line)
+
+    def _levels(self, cells: Any, line: int) -> Any:
+        """Return the levels of some rows as numbers."""
+        if self._voltages is not None and np.isfinite(cells).all():
+            return packed(self._voltages.levels(cells))
+        if not ((cells == 0) | (cells == 1)).all():
+            raise InputError(self._path, f"from line {line}", "expected columns of 0 and 1, or of voltages")
+        return packed(cells)
+
+    def _without_stamps(self, block: bytes, line: int) -> tuple[Any, bytes]:
+        """Return the time stamps as seconds from the first one, and the rows with 0 in their place."""
+        rows = [row for row in block.splitlines() if row.strip()]
+        between = (self._form.between or " ").encode()
+        cells = [row.partition(between) for row in rows]
+        stamps = [_STAMP.match(first.strip(b' "')) for first, _, _ in cells]
+        if not all(stamps):
+            raise InputError(self._path, f"from line {line}", "expected a time stamp in the first column")
+        texts = [stamp[0].decode().replace(" ", "T") for stamp in stamps if stamp is not None]
+        times = np.array(texts, "datetime64[ns]")
+        self._first_stamp = times[0] if self._first_stamp is None else self._first_stamp
+        seconds = (times - self._first_stamp).astype(np.int64) / 1e9
+        return seconds, b"\n".join(b"0" + between + following for _, _, following in cells) + b"\n"
+
+
+class _Voltages:
+    """Converter from voltages to levels. Noise near the threshold is ignored: a voltage must pass it by a margin."""
+
+    def __init__(self, lowest: Any, highest: Any, threshold: float | None) -> None:
+        self._threshold = (lowest + highest) / 2 if threshold is None else np.full(len(lowest), threshold)
+        self._margin = (highest - lowest) * _HYSTERESIS
+        self._last: Any = None
+
+    def levels(self, cells: Any) -> Any:
+        """Return the level of each voltage, 0 or 1."""
+        count = len(cells)
+        is_high, is_low = cells > self._threshold + self._margin, cells < self._threshold - self._margin
+        if self._last is None:
+            self._last = cells[0] > self._threshold
+        # A voltage near the threshold has the level of the last one that is not.
+        rows = np.where(is_high | is_low, np.arange(1, count + 1)[:, None], 0)
+        last_clear = np.maximum.accumulate(rows, axis=0)
+        clear_levels = np.concatenate([self._last[None, :], is_high])
+        levels = np.take_along_axis(clear_levels, last_clear, axis=0)
+        self._last = levels[-1]
+        return levels.astype(np.uint8)
 
 
 def _regular(block: bytes, between: str | None, columns: list[int]) -> Any:

@@ -4,13 +4,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Generator, Iterable, Sequence
-from importlib import import_module
 from typing import Any, Final, NamedTuple
 
 from ..bulk.words import listed, short
 from ..errors import InputError, UsageError
+from ..packages import load
 
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 #: Number of samples that are read at once.
 SAMPLES: Final = 1 << 21
@@ -54,11 +54,12 @@ class Names(NamedTuple):
     """Choice of the signals: the clock and the data line, or one data line if ``clock`` is None.
 
     A name is that of a channel, or its number from 1. An empty name is replaced by a channel with a common name for the
-    line.
+    line. ``exchanged`` is True to use the clock as the data line and the data line as the clock.
     """
 
     clock: str | None = ""
     data: str = ""
+    exchanged: bool = False
 
     def places(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
         """Return the index of each signal among the channels of a file.
@@ -66,6 +67,10 @@ class Names(NamedTuple):
         Raises:
             InputError: There is no such channel, or it is not clear which one to use.
         """
+        places = self._places(channels, file)
+        return places[::-1] if self.exchanged else places
+
+    def _places(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
         signals: list[tuple[str, tuple[str, ...], str]] = [(self.data, _SERIAL, "--data")]
         if self.clock is not None:
             signals = [(self.clock, _CLOCKS, "--clock"), (self.data, _DATA, "--data")]

@@ -3,18 +3,23 @@
 
 from __future__ import annotations
 
+import csv
+import io
+import re
 from collections.abc import Generator, Iterator, Mapping, Sequence
-from importlib import import_module
-from typing import Any, Final, NamedTuple
+from itertools import islice
+from typing import Any, BinaryIO, Final, NamedTuple
 
 from ..bulk.decode import decode_many
 from ..bulk.shape import Shape
+from ..bulk.words import short
 from ..errors import ErrorKind, InputError
 from ..files.stream import counted
+from ..packages import load
 from .clocked import CapturedFrames, Lost
 from .signals import Signals
 
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 #: A byte has a start bit, eight data bits, and a stop bit.
 _BITS: Final = 10
@@ -72,6 +77,63 @@ def serial_bytes(signals: Signals, baud: float) -> Generator[_Bytes, None, None]
         edges, level = edges[gone:], level ^ (gone & 1)
 
 
+#: Headers of the tables that Saleae's serial analyser exports, with the columns of the times and of the bytes.
+_EXPORTS: Final = (
+    (("name", "type", "start_time", "duration", "data"), 2, 4),
+    (("time [s]", "value"), 0, 1),
+)
+_BYTE: Final = re.compile(r"0x([0-9a-fA-F]{1,2})|([0-9]{1,3})")
+#: Number of rows of an export that are read at once.
+_ROWS: Final = 1 << 16
+
+
+def exported_columns(head: bytes) -> tuple[int, int] | None:
+    """Return the columns of the times and of the bytes if a file is an export of serial bytes, or None."""
+    first_line = head.decode("utf-8-sig", "replace").partition("\n")[0]
+    cells = [cell.strip().strip('"').lower() for cell in first_line.split(",")]
+    for names, time, value in _EXPORTS:
+        if tuple(cells[: len(names)]) == names:
+            return time, value
+    return None
+
+
+def exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> Generator[_Bytes, None, None]:
+    """Yield the bytes of a table with one byte a row, as Saleae's serial analyser exports them.
+
+    Raises:
+        InputError: A cell is not a byte, or a time is not a number.
+    """
+    time, value = columns
+    text = io.TextIOWrapper(file, "utf-8-sig", "replace", newline="")
+    rows = enumerate(csv.reader(text), 1)
+    next(rows)
+    while chunk := [numbered_row for numbered_row in islice(rows, _ROWS) if numbered_row[1]]:
+        values, times = np.zeros(len(chunk), np.uint8), np.zeros(len(chunk))
+        has_stop_bit = np.ones(len(chunk), bool)
+        for place, (line, row) in enumerate(chunk):
+            if len(row) <= max(time, value):
+                raise InputError(path, f"line {line}", "the row ends early")
+            values[place] = _byte_of(row[value], path, line)
+            try:
+                times[place] = float(row[time])
+            except ValueError:
+                reason = f"{short(row[time])} is not a time in seconds: export without time stamps of ISO 8601"
+                raise InputError(path, f"line {line}", reason) from None
+            has_stop_bit[place] = not any("framing" in cell.lower() for cell in row)
+        yield _Bytes(values, times, has_stop_bit, line)
+
+
+def _byte_of(cell: str, path: str, line: int) -> int:
+    match = _BYTE.fullmatch(cell.strip())
+    number = 256
+    if match is not None:
+        number = int(match[1], 16) if match[1] else int(match[2])
+    if number > 255:
+        reason = f"{short(cell)} is not a byte: export with hexadecimal numbers"
+        raise InputError(path, f"line {line}", reason)
+    return number
+
+
 def _parts(signals: Signals) -> Iterator[Any]:
     """Yield the stretches of a capture, then None."""
     yield from signals.edges
@@ -86,14 +148,16 @@ class Kinds(NamedTuple):
     wanted: str = ""
 
 
-def replies(signals: Signals, name: str, baud: float, kinds: Kinds) -> Generator[CapturedFrames, None, None]:
+def replies(
+    line: Generator[_Bytes, None, None], name: str, baud: float, kinds: Kinds
+) -> Generator[CapturedFrames, None, None]:
     """Yield the replies of one kind.
 
     The line may also carry requests and other kinds of replies. If no kind is requested, the most frequent kind
     with a position is used.
 
     Args:
-        signals: The line.
+        line: The bytes on the line.
         name: Name of the file, for errors.
         baud: Bits per second.
         kinds: Kinds of frames.
@@ -104,7 +168,7 @@ def replies(signals: Signals, name: str, baud: float, kinds: Kinds) -> Generator
     finder = _Replies(kinds, _BITS / baud)
     first: list[CapturedFrames] = []
     is_silent = True
-    for part in serial_bytes(signals, baud):
+    for part in line:
         is_silent = False
         first.append(finder.feed(part))
         if finder.wanted:

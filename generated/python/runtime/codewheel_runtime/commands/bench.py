@@ -56,7 +56,7 @@ def plot(package: str, chosen: argparse.Namespace) -> None:
     try:
         from .plot import save
     except ImportError as error:
-        raise missing(package, error) from None
+        raise missing(error) from None
     with working(package, chosen.files[0]):
         lost: tuple[Lost, ...] = ()
         if _has_frames(chosen.files[0]):
@@ -145,7 +145,7 @@ def _encoder(package: str, chosen: argparse.Namespace) -> Encoder | BissLayout:
 
 def _probes(chosen: argparse.Namespace) -> dict[str, Any]:
     """Return the arguments that both commands have."""
-    names = ("clock", "data", "rate", "rest", "baud", "layout")
+    names = ("clock", "data", "rate", "rest", "baud", "threshold", "layout")
     return {**{name: getattr(chosen, name) for name in names}, "answers": dict(chosen.choose)}
 
 

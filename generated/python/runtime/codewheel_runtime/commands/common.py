@@ -88,7 +88,7 @@ def working(package: str, source: str) -> Generator[Callable[[int, int | None, i
     except OSError as error:
         raise Failed(f"{error.filename or source}: {error.strerror or error}") from None
     except ImportError as error:
-        raise missing(package, error) from None
+        raise missing(error) from None
     except MemoryError:
         raise Failed("not enough memory") from None
     except InputError as error:
@@ -97,16 +97,16 @@ def working(package: str, source: str) -> Generator[Callable[[int, int | None, i
         progress.clear()
 
 
-#: Extras of the package by the name of a module that is missing.
-_EXTRAS: Final = {"matplotlib": "plot", "serial": "serial"}
+#: Names of packages by the name of their module, if they differ.
+_PACKAGES: Final = {"serial": "pyserial"}
 
 
-def missing(package: str, error: ImportError) -> Failed:
+def missing(error: ImportError) -> Failed:
     """Return the error for a Python package that is not installed."""
-    if not isinstance(error, ModuleNotFoundError):
+    if not isinstance(error, ModuleNotFoundError) or not error.name:
         return Failed(error)
-    extra = _EXTRAS.get((error.name or "").partition(".")[0], "parquet")
-    return Failed(f"this needs {error.name or error}: pip install '{distribution(package)}[{extra}]'")
+    module = error.name.partition(".")[0]
+    return Failed(f"this needs {module}: pip install {_PACKAGES.get(module, module)}")
 
 
 class _Stoppable:

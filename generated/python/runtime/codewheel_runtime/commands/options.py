@@ -29,6 +29,12 @@ def add_capture(parser: argparse.ArgumentParser) -> None:
         help="shortest rest of the clock between cycles (default: 1.4 periods)",
     )
     add("--baud", type=_rate, metavar="BAUD", help="baud rate, if it differs from the manual")
+    add(
+        "--threshold",
+        type=float,
+        metavar="VOLTS",
+        help="voltage above which a level is 1, for an oscilloscope's table (default: the middle of the range)",
+    )
 
 
 def add_output(parser: argparse.ArgumentParser, plot: bool = False) -> None:

@@ -14,7 +14,7 @@ from ..bulk.shape import Shape
 from ..bulk.words import DigitKind, listed, short
 from ..errors import InputError
 from . import inputs
-from .fast_csv import Block, Joined, is_plain, reader, whole_lines
+from .fast_csv import Block, Joined, ends_with_row, is_plain, reader, whole_lines
 from .inputs import FIRST, Part, Share, Source, Stored, check_form, kept_columns, named_place
 
 #: Limit for the length of a line. A longer one means that the file is not CSV.
@@ -129,7 +129,7 @@ def _parts(
             yield Part(parsed.frames, done, parsed.other_columns)
             continue
         # After a quote, a row can continue in the next block.
-        is_alone = read is not None and is_plain(block)
+        is_alone = read is not None and is_plain(block) and ends_with_row(block, table.between)
         table.open([block] if is_alone else chain([block], blocks), lines, done)
         while (batch := table.take())[0]:
             texts, numbers, other_columns = batch

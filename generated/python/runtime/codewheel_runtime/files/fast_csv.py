@@ -4,17 +4,18 @@
 from __future__ import annotations
 
 import io
+import re
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from importlib import import_module
 from typing import Any, BinaryIO, Final, NamedTuple
 
 from ..bulk.shape import Shape
 from ..bulk.words import DigitKind
+from ..packages import load
 
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 #: Number of bytes that are read at once. It is also the limit for a line.
-BLOCK: Final = 1 << 22
+BLOCK: Final = 1 << 21
 _HEX: Final = np.full(256, 255, np.uint8)
 for _digit in range(16):
     _HEX[[ord(f"{_digit:x}"), ord(f"{_digit:X}")]] = _digit
@@ -45,10 +46,22 @@ def whole_lines(data: bytes, file: BinaryIO) -> Iterator[bytes]:
 
 
 def is_plain(block: bytes) -> bool:
-    """Return whether each line of a block is a row, without quotes and comments."""
-    if b'"' in block or b"#" in block:
+    """Return whether each line of a block is a row, without comments. Cells can have quotes.
+
+    With an odd number of quotes, the last row of the block can continue in the next one.
+    """
+    if b"#" in block or (b'"' in block and block.count(b'"') % 2):
         return False
     return b"\r" not in block or block.count(b"\r") == block.count(b"\r\n")
+
+
+def ends_with_row(block: bytes, between: str) -> bool:
+    """Return whether a block ends with the end of a row. If quotes are in unusual places, the answer is False."""
+    if b'"' not in block:
+        return True
+    delimiter = re.escape(between.encode())
+    cells_in_quotes = rb'(?<![^%b\r\n])"(?:[^"]|"")*"(?=[%b\r\n])' % (delimiter, delimiter)
+    return b'"' not in re.sub(cells_in_quotes, b"", block)
 
 
 class Joined(io.RawIOBase):
@@ -84,13 +97,13 @@ def reader(
     The function returns None if a cell is missing, or is not a frame in the usual form.
     """
     try:
-        pa: Any = import_module("pyarrow")
-        pc: Any = import_module("pyarrow.compute")
-        csv: Any = import_module("pyarrow.csv")
+        pa: Any = load("pyarrow")
+        pc: Any = load("pyarrow.compute")
+        csv: Any = load("pyarrow.csv")
     except ImportError:
         return None
     columns = [str(at) for at in range(len(names))]
-    parse = csv.ParseOptions(delimiter=between, quote_char=False)
+    parse = csv.ParseOptions(delimiter=between)
     wanted = [str(place), *(str(at) for at, _ in kept_columns)]
     convert = csv.ConvertOptions(
         include_columns=wanted, column_types=dict.fromkeys(wanted, pa.string()), strings_can_be_null=False
@@ -98,8 +111,12 @@ def reader(
 
     def read(block: bytes) -> Block | None:
         options = csv.ReadOptions(column_names=columns, use_threads=False, block_size=len(block) + 1)
+        line_count = block.count(b"\n")
         try:
             table = csv.read_csv(pa.BufferReader(block), options, parse, convert).combine_chunks()
+            if table.num_rows != line_count and b'"' in block:
+                # A line end in quotes belongs to its cell.
+                return None
             cells = table.column(0).chunk(0) if table.num_rows else pa.array([], pa.string())
             frames = _bytes(cells, shape.length, pc) if shape.length else _words(cells, digits, pa, pc)
         except pa.ArrowInvalid:
@@ -108,7 +125,7 @@ def reader(
             return None
         other_columns = {name: table.column(at).combine_chunks() for at, (_, name) in enumerate(kept_columns, 1)}
         last = cells[-1].as_py() if len(cells) else ""
-        return Block(frames, other_columns, cells.slice(0, 1000).to_pylist(), last, block.count(b"\n"))
+        return Block(frames, other_columns, cells.slice(0, 1000).to_pylist(), last, line_count)
 
     return read
 

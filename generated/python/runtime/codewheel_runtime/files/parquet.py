@@ -5,13 +5,13 @@ from __future__ import annotations
 
 from collections.abc import Generator
 from contextlib import contextmanager
-from importlib import import_module
 from typing import Any, BinaryIO, Final
 
 from ..bulk.arrow import NoFrame, of_arrow
 from ..bulk.shape import Shape
 from ..bulk.words import short
 from ..errors import InputError
+from ..packages import load
 from . import inputs
 from .inputs import Part, Source, Stored, column_of, kept_columns
 
@@ -23,12 +23,12 @@ def parquet_batches(file: BinaryIO, name: str, stored: Stored, shape: Shape) -> 
     """Return the frames and the other columns of a Parquet file."""
     with _readable(name):
         # Without a buffer, a whole column is read at once.
-        opened_file = import_module("pyarrow.parquet").ParquetFile(file, buffer_size=_BUFFER, pre_buffer=False)
+        opened_file = load("pyarrow.parquet").ParquetFile(file, buffer_size=_BUFFER, pre_buffer=False)
         schema = opened_file.schema_arrow
         column = column_of(list(schema.names), stored.column, name)
         total = int(opened_file.metadata.num_rows)
     other_names = tuple(column_name for column_name in schema.names if column_name != column)
-    pa: Any = import_module("pyarrow")
+    pa: Any = load("pyarrow")
     empty_columns = kept_columns(
         other_names, stored, lambda column_name: pa.array([], schema.field(column_name).type), name
     )
@@ -63,7 +63,7 @@ def _batches(
 @contextmanager
 def _readable(name: str) -> Generator[None, None, None]:
     """Convert the errors that pyarrow raises for an unreadable file to InputError."""
-    error: Any = import_module("pyarrow").lib.ArrowException
+    error: Any = load("pyarrow").lib.ArrowException
     try:
         yield
     except InputError:

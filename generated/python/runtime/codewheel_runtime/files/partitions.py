@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from importlib import import_module
 from typing import Any, NamedTuple, cast
 
 from ..bulk.arrow import of_arrow
@@ -15,6 +14,7 @@ from ..bulk.shape import Shape
 from ..bulk.words import DigitKind
 from ..encoder import Encoder
 from ..errors import InputError, UsageError
+from ..packages import load
 from .inputs import column_of
 
 #: Name of a partition in messages.
@@ -46,7 +46,7 @@ class PartitionDecoder(NamedTuple):
         if library == "pandas" and kind == "DataFrame":
             return self._decode_pandas(partition)
         if hasattr(partition, "__arrow_c_stream__") or hasattr(partition, "__arrow_c_array__"):
-            return self._decode_arrow(import_module("pyarrow").table(partition))
+            return self._decode_arrow(load("pyarrow").table(partition))
         raise TypeError(f"expected a table of Arrow, pandas, polars or DuckDB, got {kind}")
 
     def _decode_arrow(self, partition: Any) -> Any:
@@ -57,7 +57,7 @@ class PartitionDecoder(NamedTuple):
             table = decode_many(frames, self.shape, self.encoder)
         except (TypeError, ValueError) as error:
             raise InputError(_NAME, f"column {column!r}", str(error)) from None
-        decoded_columns = arrow_columns(table, table, self.raw)
+        decoded_columns = arrow_columns(table, table.names, self.raw)
         kept_columns = {name: partition.column(index) for index, name in enumerate(names) if name != column}
         check_apart(kept_columns, decoded_columns, _NAME)
         columns = {**kept_columns, **decoded_columns}
@@ -71,7 +71,7 @@ class PartitionDecoder(NamedTuple):
             table = decode_many(frames, self.shape, self.encoder)
         except (TypeError, ValueError) as error:
             raise InputError(_NAME, f"column {column!r}", str(error)) from None
-        decoded_columns = pandas_columns(table, table, self.raw)
+        decoded_columns = pandas_columns(table, table.names, self.raw)
         kept_part = partition.drop(columns=[partition.columns[names.index(column)]])
         check_apart(list(map(str, kept_part.columns)), decoded_columns, _NAME)
         return kept_part.assign(**decoded_columns)

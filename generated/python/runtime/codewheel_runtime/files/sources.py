@@ -7,7 +7,6 @@ import io
 import sys
 from collections.abc import Generator, Iterator
 from contextlib import contextmanager
-from importlib import import_module
 from os import fspath
 from pathlib import PurePath
 from typing import Any, BinaryIO, Final, cast, get_args
@@ -15,12 +14,13 @@ from typing import Any, BinaryIO, Final, cast, get_args
 from ..bulk.shape import Shape
 from ..bulk.words import WORDS, WordKind, numbers
 from ..errors import InputError, UsageError
+from ..packages import load
 from . import inputs
 from .csv_text import csv_rows
 from .inputs import FIRST, FileKind, Part, Share, Source, Stored, check_form
 from .parquet import parquet_batches
 
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 _SUFFIXES: Final[dict[str, FileKind]] = {
     ".csv": "csv",

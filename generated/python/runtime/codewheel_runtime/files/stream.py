@@ -17,6 +17,7 @@ from ..bulk.table import FrameSource, Table
 from ..bulk.words import DigitKind, WordKind
 from ..encoder import Encoder
 from ..errors import ErrorKind, InputError, UsageError
+from ..packages import load
 from ..reports import Verdict
 from .inputs import FileKind, Source, Stored
 from .layouts import Layout, layout_of, layouts_of, shape_for
@@ -24,7 +25,7 @@ from .partitions import PartitionDecoder, check_apart
 from .sinks import SINKS, Plan, Sink, TargetKind, target_kind
 from .sources import opened
 
-np: Any = import_module("numpy")
+np: Any = load("numpy")
 
 __all__ = [
     "Files",
@@ -337,9 +338,8 @@ class _Counts:
         for kind, count in table.faults().items():
             if kind:
                 self._faults[kind] = self._faults.get(kind, 0) + count
-        verdicts = table.get("verdict")
-        if verdicts is not None:
-            sound = verdicts[table.ok]
+        if "verdict" in table:
+            sound = table.verdict[table.ok]
             for place in range(len(Verdict)):
                 self._verdicts[place] = self._verdicts.get(place, 0) + int((sound == place).sum())
 
@@ -352,12 +352,12 @@ class _Counts:
 
 def plan_of(empty: Table, read: Source, columns: Sequence[str], source: str, raw: bool) -> Plan:
     """Return the columns to write: the requested ones, or the other columns of the file and all fields."""
-    unknown = [name for name in columns if name not in [*read.names, *empty]]
+    unknown = [name for name in columns if name not in (*read.names, *empty.names)]
     if unknown:
-        known_columns = ", ".join([*read.names, *empty])
+        known_columns = ", ".join([*read.names, *empty.names])
         raise UsageError(f"no column '{unknown[0][:40]}'; the columns are {known_columns}")
-    check_apart(read.empty_columns, [name for name in empty if name not in empty.others], source)
-    return Plan(tuple(dict.fromkeys(columns or (*read.empty_columns, *empty))), read.empty_columns, empty, raw)
+    check_apart(read.empty_columns, [name for name in empty.names if name not in empty.others], source)
+    return Plan(tuple(dict.fromkeys(columns or (*read.empty_columns, *empty.names))), read.empty_columns, empty, raw)
 
 
 @contextmanager

@@ -5,20 +5,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import Enum
-from typing import TYPE_CHECKING, Any, Generic, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar, cast
 
 from ..codec import BitField
 from ..encoder import Encoder
 from ..reports import Report
 from .descriptions import any_shape, described, module_of, shape_of
-from .encode import number_of
+from .encoders import Encode, encoder_of_class
 
 if TYPE_CHECKING:
-    from ..bulk.shape import Shape
     from ..bulk.table import Table
 
 _Encoder = TypeVar("_Encoder", bound=Encoder)
 
+#: Functions that encode frames that do not depend on the encoder, by class.
+_ENCODERS: Final[dict[type, Encode]] = {}
 #: The tuple class, untyped: its methods are called on tuples of any items.
 _TUPLE: Any = tuple
 
@@ -79,11 +80,13 @@ class Coded:
         kind, values = cast(Any, type(self)), cast("tuple[Any, ...]", self)
         return values[: len(described(kind)[1])]
 
-    def _number(self) -> tuple[Shape, int]:
-        """Return the description, and the number that the fields form."""
-        arguments = self._arguments()
-        shape = shape_of(type(self), *arguments)
-        return shape, number_of(self, shape, arguments)
+    def _encoder(self) -> Encode:
+        """Return the function that encodes such frames."""
+        try:
+            return _ENCODERS[self.__class__]
+        except KeyError:
+            encode = _ENCODERS[self.__class__] = encoder_of_class(self)
+            return encode
 
 
 class InBits(Coded):
@@ -97,7 +100,8 @@ class InBits(Coded):
         Raises:
             RangeError: A value does not fit its field.
         """
-        return self._number()[1]
+        number: int = self._encoder()(self)
+        return number
 
 
 class InBytes(Coded):
@@ -111,8 +115,8 @@ class InBytes(Coded):
         Raises:
             RangeError: A value does not fit its field.
         """
-        shape, number = self._number()
-        return number.to_bytes(shape.length, shape.order)
+        data: bytes = self._encoder()(self)
+        return data
 
 
 class Sent(Coded):
@@ -229,6 +233,16 @@ class ByEncoder(_Of[_Encoder]):
         A field that the encoder does not have is 0 bits wide.
         """
         return shape_of(cls, variant).fields
+
+    def _encoder(self) -> Encode:
+        fields: Any = self
+        try:
+            encode: Encode = fields[0].__dict__["_encoders"][self.__class__]
+        except (AttributeError, KeyError):
+            # Raises an error if the first field is not an encoder.
+            encode = encoder_of_class(self)
+            fields[0].__dict__.setdefault("_encoders", {})[self.__class__] = encode
+        return encode
 
 
 class FrameOf(ByEncoder[_Encoder]):

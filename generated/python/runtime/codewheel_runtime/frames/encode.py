@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from ..codec import (
     assert_never,
     check_bits,
+    check_flag,
     check_limits,
     check_power_of_two,
     check_signed,
@@ -49,7 +50,7 @@ def number_of(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
     if shape.gray is not None:
         number = to_gray(number, *shape.gray)
     if shape.crc is not None:
-        number |= _crc(number, shape.crc) << shape.crc.low
+        number |= crc_of(number, shape.crc) << shape.crc.low
     return number
 
 
@@ -84,7 +85,7 @@ def _bits(fields: Any, column: Column) -> int:
     value = getattr(fields, column.name)
     match column.kind:
         case "flag" | "not_flag":
-            return bool(value) == (column.kind == "flag")
+            return check_flag(name, value) == (column.kind == "flag")
         case "text":
             return text_number(name, value, width // 8)
         case "signed":
@@ -112,7 +113,7 @@ def _number_bits(name: str, value: Any, column: Column) -> int:
     return number
 
 
-def _crc(number: int, crc: CrcOf) -> int:
+def crc_of(number: int, crc: CrcOf) -> int:
     """Return the CRC of a number whose CRC bits are 0."""
     if not crc.steps:
         return crc.differs(number)
