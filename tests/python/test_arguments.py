@@ -202,12 +202,10 @@ def test_every_encoder_knows_the_length_of_its_frame(lika: Any, devices: Mapping
             layouts = device.interface(variant.interface).layouts
             layout = next(layout for layout in layouts if layout.sender == "encoder")
             if layout.carried_as == "bytes":
-                with pytest.raises(ValueError, match="no frame bits over RS-485: frames are made of bytes"):
-                    _ = listed_encoder.frame_bits
+                assert not hasattr(listed_encoder, "frame_bits")
                 continue
             if device.alternatives_of(layout):
-                with pytest.raises(ValueError, match="no frame bits over BiSS: the length depends on your choice"):
-                    _ = listed_encoder.frame_bits
+                assert not hasattr(listed_encoder, "frame_bits")
                 continue
             assert listed_encoder.frame_bits == layout.bits.value(variant.parameters)
     encoder = lika.lookup("AM3616/4096-I7")

@@ -91,7 +91,7 @@ from codewheel_runtime.frames.base import (
     encode_many,
     with_bytes,
 )
-from codewheel_runtime.frames.decoders import Failed, bound, decoder, raised, reported, returned
+from codewheel_runtime.frames.decoders import Failed, decoder, raised, reported, returned
 from codewheel_runtime.frames.descriptions import needed_by, shape_of
 from codewheel_runtime.registers import agrees, held_bytes
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
@@ -274,24 +274,16 @@ class Variant(Rotary, Wrapping):
         """Number of counts after which ``position`` wraps around."""
         return (1 << self.singleturn_bits) * (1 << self.multiturn_bits)
 
-    @property
-    def frame_bits(self) -> int:
-        """Number of bits in a frame, including the CRC if it has one.
-
-        Raises:
-            ValueError: Over this interface, frames are made of bytes.
-        """
-        if self.interface is _SSI:
-            return self.singleturn_bits + self.multiturn_bits
-        if self.interface is _BISS:
-            return self.singleturn_bits + self.multiturn_bits + 8
-        raise ValueError(f"no frame bits over {self.interface.title}: frames are made of bytes")
-
 
 class SsiEncoder(Variant):
     """Encoder with SSI. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _SSI
+
+    @property
+    def frame_bits(self) -> int:
+        """Number of bits in a frame, including the CRC if it has one."""
+        return self.singleturn_bits + self.multiturn_bits
 
     def decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
         """Decode a frame that the encoder sent.
@@ -308,7 +300,7 @@ class SsiEncoder(Variant):
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
 
-        return bound(self, "decode", SsiWord._decoder, reported)(frame, bits)
+        return self._decoder(reported)(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -325,7 +317,11 @@ class SsiEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return bound(self, "try_decode", SsiWord._decoder, returned)(frame, bits)
+        return self._decoder(returned)(frame, bits)
+
+    def _decoder(self, failed: Failed) -> Callable[..., SsiWord]:
+        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
+        return decoder(SsiWord._decoder, self, failed)
 
     def decode_many(self, frames: Words) -> Table:
         """Decode many frames into columns. Needs NumPy.
@@ -359,6 +355,11 @@ class BissEncoder(Variant):
 
     interface: ClassVar[Interface] = _BISS
 
+    @property
+    def frame_bits(self) -> int:
+        """Number of bits in a frame, including the CRC if it has one."""
+        return self.singleturn_bits + self.multiturn_bits + 8
+
     def decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
         """Decode a frame that the encoder sent.
 
@@ -374,7 +375,7 @@ class BissEncoder(Variant):
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
 
-        return bound(self, "decode", SingleCycleData._decoder, reported)(frame, bits)
+        return self._decoder(reported)(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -391,7 +392,11 @@ class BissEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return bound(self, "try_decode", SingleCycleData._decoder, returned)(frame, bits)
+        return self._decoder(returned)(frame, bits)
+
+    def _decoder(self, failed: Failed) -> Callable[..., SingleCycleData]:
+        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
+        return decoder(SingleCycleData._decoder, self, failed)
 
     def decode_many(self, frames: Words) -> Table:
         """Decode many frames into columns. Needs NumPy.
@@ -441,7 +446,7 @@ class Rs485Encoder(Variant):
             TypeError: ``frame`` does not have the type of this encoder's frames, or a required answer is missing.
         """
 
-        return bound(self, "decode", _decode_replyr, reported)(frame, eeprom_address)
+        return self._decoder(reported)(frame, eeprom_address)
 
     def try_decode(self, frame: Data, *, eeprom_address: EepromAddress | None = None) -> Reply | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -459,7 +464,11 @@ class Rs485Encoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames, or a required answer is missing.
         """
-        return bound(self, "try_decode", _decode_replyr, returned)(frame, eeprom_address)
+        return self._decoder(returned)(frame, eeprom_address)
+
+    def _decoder(self, failed: Failed) -> Callable[..., Reply]:
+        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
+        return decoder(_decode_replyr, self, failed)
 
     def decode_many(self, frames: Rows, kind: type[Reply], *, eeprom_address: EepromAddress | None = None) -> Table:
         """Decode many frames of one ``kind`` into columns. Needs NumPy.

@@ -63,7 +63,7 @@ from codewheel_runtime.encoder import Positioned, check_encoder, fact, looked_up
 from codewheel_runtime.measures import Rotary, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
 from codewheel_runtime.frames.base import BitsOf, FixedRegister, InBits, RegisterOf, Sent, decode_many, encode_many
-from codewheel_runtime.frames.decoders import Failed, bound, decoder, raised, reported, returned
+from codewheel_runtime.frames.decoders import Failed, decoder, raised, reported, returned
 from codewheel_runtime.frames.descriptions import shape_of
 from codewheel_runtime.registers import agrees, held_bytes
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
@@ -199,22 +199,16 @@ class Variant(Rotary, Wrapping):
         """Number of counts after which ``position`` wraps around."""
         return 1 << self.position_bits
 
-    @property
-    def frame_bits(self) -> int:
-        """Number of bits in a frame, including the CRC if it has one.
-
-        Raises:
-            ValueError: Over this interface, the length depends on your choice.
-        """
-        if self.interface is _SSI:
-            return self.position_bits
-        raise ValueError(f"no frame bits over {self.interface.title}: the length depends on your choice")
-
 
 class SsiEncoder(Variant):
     """Encoder with SSI. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _SSI
+
+    @property
+    def frame_bits(self) -> int:
+        """Number of bits in a frame, including the CRC if it has one."""
+        return self.position_bits
 
     def decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
         """Decode a frame that the encoder sent.
@@ -231,7 +225,7 @@ class SsiEncoder(Variant):
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
 
-        return bound(self, "decode", SsiWord._decoder, reported)(frame, bits)
+        return self._decoder(reported)(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -248,7 +242,11 @@ class SsiEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return bound(self, "try_decode", SsiWord._decoder, returned)(frame, bits)
+        return self._decoder(returned)(frame, bits)
+
+    def _decoder(self, failed: Failed) -> Callable[..., SsiWord]:
+        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
+        return decoder(SsiWord._decoder, self, failed)
 
     def decode_many(self, frames: Words) -> Table:
         """Decode many frames into columns. Needs NumPy.
@@ -282,7 +280,7 @@ class BissEncoder(Variant):
 
     interface: ClassVar[Interface] = _BISS
 
-    def decode(self, frame: Word, *, bits: int | None = None, zero_bit: ZeroBit | None = None) -> SingleCycleData:
+    def decode(self, frame: Word, *, bits: int | None = None, zero_bit: ZeroBit) -> SingleCycleData:
         """Decode a frame that the encoder sent.
 
         Args:
@@ -299,15 +297,9 @@ class BissEncoder(Variant):
             TypeError: ``frame`` does not have the type of this encoder's frames, or a required answer is missing.
         """
 
-        return bound(self, "decode", SingleCycleData._decoder, reported)(frame, bits, zero_bit)
+        return self._decoder(reported)(frame, bits, zero_bit)
 
-    def try_decode(
-        self,
-        frame: Word,
-        *,
-        bits: int | None = None,
-        zero_bit: ZeroBit | None = None,
-    ) -> SingleCycleData | FrameError:
+    def try_decode(self, frame: Word, *, bits: int | None = None, zero_bit: ZeroBit) -> SingleCycleData | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
 
         Type checkers then require that the error is handled.
@@ -324,9 +316,13 @@ class BissEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames, or a required answer is missing.
         """
-        return bound(self, "try_decode", SingleCycleData._decoder, returned)(frame, bits, zero_bit)
+        return self._decoder(returned)(frame, bits, zero_bit)
 
-    def decode_many(self, frames: Words, *, zero_bit: ZeroBit | None = None) -> Table:
+    def _decoder(self, failed: Failed) -> Callable[..., SingleCycleData]:
+        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
+        return decoder(SingleCycleData._decoder, self, failed)
+
+    def decode_many(self, frames: Words, *, zero_bit: ZeroBit) -> Table:
         """Decode many frames into columns. Needs NumPy.
 
         Args:
@@ -339,7 +335,7 @@ class BissEncoder(Variant):
         """
         return decode_many(frames, SingleCycleData, self, self, zero_bit)
 
-    def encode_many(self, columns: Mapping[str, Any], *, zero_bit: ZeroBit | None = None) -> Any:
+    def encode_many(self, columns: Mapping[str, Any], *, zero_bit: ZeroBit) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:

@@ -87,7 +87,7 @@ from codewheel_runtime.frames.base import (
     encode_many,
     with_bytes,
 )
-from codewheel_runtime.frames.decoders import Failed, bound, decoder, raised, reported, returned
+from codewheel_runtime.frames.decoders import Failed, decoder, raised, reported, returned
 from codewheel_runtime.frames.descriptions import needed_by
 from codewheel_runtime.registers import Held, agrees, held_bytes, held_parameters, held_text, whole
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
@@ -336,19 +336,6 @@ class Variant(Linear, Wrapping):
             return (1 << self.scd_value_bits) - 1
         raise ValueError(f"no highest over {self.interface.title}: it depends on the frame, see range_of()")
 
-    @property
-    def frame_bits(self) -> int:
-        """Number of bits in a frame, including the CRC if it has one.
-
-        Raises:
-            ValueError: Over this interface, frames are made of bytes.
-        """
-        if self.interface is _SSI:
-            return self.position_bits + 1
-        if self.interface is _BISS:
-            return self.position_bits + self.scd_padding_bits + 8
-        raise ValueError(f"no frame bits over {self.interface.title}: frames are made of bytes")
-
     def __repr__(self) -> str:
         return f"<{self.code}{self.special_code}{held_text(_HELD, self)}>"
 
@@ -357,6 +344,11 @@ class SsiEncoder(Variant):
     """Encoder with SSI. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _SSI
+
+    @property
+    def frame_bits(self) -> int:
+        """Number of bits in a frame, including the CRC if it has one."""
+        return self.position_bits + 1
 
     def decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
         """Decode a frame that the encoder sent.
@@ -373,7 +365,7 @@ class SsiEncoder(Variant):
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
 
-        return bound(self, "decode", SsiWord._decoder, reported)(frame, bits)
+        return self._decoder(reported)(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -390,7 +382,11 @@ class SsiEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return bound(self, "try_decode", SsiWord._decoder, returned)(frame, bits)
+        return self._decoder(returned)(frame, bits)
+
+    def _decoder(self, failed: Failed) -> Callable[..., SsiWord]:
+        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
+        return decoder(SsiWord._decoder, self, failed)
 
     def decode_many(self, frames: Words) -> Table:
         """Decode many frames into columns. Needs NumPy.
@@ -424,6 +420,11 @@ class BissEncoder(Variant):
 
     interface: ClassVar[Interface] = _BISS
 
+    @property
+    def frame_bits(self) -> int:
+        """Number of bits in a frame, including the CRC if it has one."""
+        return self.position_bits + self.scd_padding_bits + 8
+
     def decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
         """Decode a frame that the encoder sent.
 
@@ -439,7 +440,7 @@ class BissEncoder(Variant):
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
 
-        return bound(self, "decode", SingleCycleData._decoder, reported)(frame, bits)
+        return self._decoder(reported)(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -456,7 +457,11 @@ class BissEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return bound(self, "try_decode", SingleCycleData._decoder, returned)(frame, bits)
+        return self._decoder(returned)(frame, bits)
+
+    def _decoder(self, failed: Failed) -> Callable[..., SingleCycleData]:
+        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
+        return decoder(SingleCycleData._decoder, self, failed)
 
     def decode_many(self, frames: Words) -> Table:
         """Decode many frames into columns. Needs NumPy.
@@ -504,7 +509,7 @@ class Rs485Encoder(Variant):
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
 
-        return bound(self, "decode", _decode_replyr, reported)(frame)
+        return self._decoder(reported)(frame)
 
     def try_decode(self, frame: Data) -> Reply | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -520,7 +525,11 @@ class Rs485Encoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return bound(self, "try_decode", _decode_replyr, returned)(frame)
+        return self._decoder(returned)(frame)
+
+    def _decoder(self, failed: Failed) -> Callable[..., Reply]:
+        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
+        return decoder(_decode_replyr, self, failed)
 
     def decode_many(self, frames: Rows, kind: type[Reply]) -> Table:
         """Decode many frames of one ``kind`` into columns. Needs NumPy.

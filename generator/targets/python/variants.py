@@ -344,16 +344,6 @@ class Variants:
         first = {kind.interface: kind.coder.layout.bits for kind in kinds}
         return by_interface(self.device, lambda interface: self._of(first.get(interface.name)))
 
-    @property
-    def no_frame_bits(self) -> str:
-        """Reason why ``frame_bits`` is missing, for each interface without it."""
-        reasons = []
-        if any(kind.in_bytes for kind in self.frame_kinds):
-            reasons.append("frames are made of bytes")
-        if any(kind.has_open_length for kind in self.frame_kinds):
-            reasons.append("the length depends on your choice")
-        return ", or ".join(reasons)
-
     # -- answers with a default
 
     @property

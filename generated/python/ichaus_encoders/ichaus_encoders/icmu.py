@@ -58,7 +58,7 @@ from codewheel_runtime.codec import (
 from codewheel_runtime.encoder import Encoder, Positioned, fact, looked_up, wrong_encoder
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
 from codewheel_runtime.frames.base import BitsOf, FixedRegister, Sent, decode_many, encode_many
-from codewheel_runtime.frames.decoders import Failed, bound, decoder, raised, reported, returned
+from codewheel_runtime.frames.decoders import Failed, decoder, raised, reported, returned
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 
 if TYPE_CHECKING:
@@ -160,16 +160,16 @@ class Variant(Encoder):
     position_bits: int
     zero_bits: int
 
-    @property
-    def frame_bits(self) -> int:
-        """Number of bits in a frame, including the CRC if it has one."""
-        return self.zero_bits + self.position_bits + 8
-
 
 class BissEncoder(Variant):
     """Encoder with BiSS C-mode. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _BISS
+
+    @property
+    def frame_bits(self) -> int:
+        """Number of bits in a frame, including the CRC if it has one."""
+        return self.zero_bits + self.position_bits + 8
 
     def decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
         """Decode a frame that the encoder sent.
@@ -186,7 +186,7 @@ class BissEncoder(Variant):
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
 
-        return bound(self, "decode", SingleCycleData._decoder, reported)(frame, bits)
+        return self._decoder(reported)(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -203,7 +203,11 @@ class BissEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return bound(self, "try_decode", SingleCycleData._decoder, returned)(frame, bits)
+        return self._decoder(returned)(frame, bits)
+
+    def _decoder(self, failed: Failed) -> Callable[..., SingleCycleData]:
+        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
+        return decoder(SingleCycleData._decoder, self, failed)
 
     def decode_many(self, frames: Words) -> Table:
         """Decode many frames into columns. Needs NumPy.

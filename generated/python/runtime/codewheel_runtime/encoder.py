@@ -145,6 +145,12 @@ class Encoder:
             written_as_in=written_as_in,
         )
 
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        super().__init_subclass__(**keywords)
+        if "_decoder" in vars(cls):
+            for name in ("decode", "try_decode"):
+                setattr(cls, name, _BoundDecoder(name, vars(cls)[name]))
+
     def exchanges(self) -> tuple[Exchanged, ...]:
         """Return the requests over RS-485 with their replies, unless they have data IDs."""
         return ()
@@ -154,20 +160,12 @@ class Encoder:
         """True if the label has a ``/Sxxx`` suffix."""
         return bool(self.special_code)
 
-    @property
-    def frame_bits(self) -> int:
-        """Number of bits in a frame, including the CRC if it has one.
-
-        Raises:
-            ValueError: The frames are made of bytes, or the manual does not give their length.
-        """
-        raise ValueError(f"no frame bits over {self.interface.title}: the frames are made of bytes or not documented")
-
-    def decode(self, frame: Any) -> Frame:
+    def decode(self, frame: Any, *arguments: Any, **answers: Any) -> Frame:
         """Decode a frame that the encoder sent. The class for each family and interface describes its frames.
 
         Args:
             frame: Bytes, or a number or a string of 0 and 1 if the frame consists of bits.
+            arguments, answers: Further arguments of the class for the family and the interface.
 
         Returns:
             The frame. It is a :class:`PositionFrame` if it has a position.
@@ -178,11 +176,11 @@ class Encoder:
         """
         raise NotImplementedError(f"the frames of {self.code} are not documented")
 
-    def try_decode(self, frame: Any) -> Frame | FrameError:
+    def try_decode(self, frame: Any, *arguments: Any, **answers: Any) -> Frame | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
 
         Args:
-            frame: See ``decode``.
+            frame, arguments, answers: See ``decode``.
 
         Returns:
             The frame, or the error.
@@ -279,6 +277,27 @@ class Encoder:
 
     def __repr__(self) -> str:
         return f"<{self.code}{self.special_code}>"
+
+
+class _BoundDecoder:
+    """Method ``decode`` or ``try_decode`` of an encoder. The first access replaces it with the encoder's decoder.
+
+    So a decoder is as fast in a variable, in ``map`` or in another thread as it is as a method.
+    """
+
+    def __init__(self, name: str, method: Any) -> None:
+        self._name, self._method = name, method
+        self.__doc__ = method.__doc__
+
+    def __get__(self, encoder: Any, kind: object = None) -> Any:
+        if encoder is None:
+            return self._method
+        from .frames.decoders import reported, returned
+
+        decode = encoder._decoder(reported if self._name == "decode" else returned)
+        decode.__doc__ = self._method.__doc__
+        encoder.__dict__[self._name] = decode
+        return decode
 
 
 def _restored(kind: type[_Same], state: dict[str, Any]) -> _Same:

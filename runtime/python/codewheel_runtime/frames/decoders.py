@@ -27,12 +27,6 @@ def decoder(make: Callable[[Any, Failed], _Decode], encoder: Encoder | None, fai
 _DECODERS: dict[object, Any] = {}
 
 
-def bound(encoder: Encoder, name: str, make: Callable[[Any, Failed], _Decode], failed: Failed) -> _Decode:
-    """Return the decoder of an encoder. From now on, it replaces the method ``name``."""
-    encoder.__dict__[name] = decode = decoder(make, encoder, failed)
-    return decode
-
-
 def raised(error: Exception, _frame: object, _encoder: object) -> NoReturn:
     """Raise the error of a class."""
     raise error

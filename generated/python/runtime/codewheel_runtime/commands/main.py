@@ -67,8 +67,9 @@ other nonzero exit code, no output is written and an existing file is unchanged.
 
 _BENCH: Final = """\
 captures: sigrok sessions (.sr) and CSV, Saleae CSV and binary files (the clock
-and the data line, in this order), VCD, NumPy files, and tables of 0 and 1. They
-are recognised by their contents.
+and the data line, in this order), the bytes that Saleae's serial analyser
+exports, VCD, NumPy files (.npy, .npz), and tables of 0 and 1 or of voltages.
+They are recognised by their contents.
 
 channels: SSI and BiSS need a clock (MA, --clock) and a data line (SLO, --data).
 RS-485 needs one line (--data). A channel is chosen by its name or by its number

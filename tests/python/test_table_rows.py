@@ -1,0 +1,95 @@
+"""A table is a sequence of frames with columns by name, and its errors name a way out. Decoders are bound at once."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import threading
+from pathlib import Path
+from types import ModuleType
+from typing import Any
+
+import pytest
+from python_path import python_path
+
+CODE = "AMM5A21/65KSC1"
+GOOD, SPOILT, POSITION = 0x55BCD15E2, 0x55BCD1564, 89902357
+COLUMNS = ["singleturn", "multiturn", "error", "warning", "position", "verdict", "fault"]
+
+
+@pytest.fixture
+def lika(generated_python: tuple[Path, ModuleType]) -> Any:
+    return generated_python[1]
+
+
+def test_rows_and_columns(lika: Any) -> None:
+    table = lika.lookup(CODE).decode_many([GOOD, GOOD ^ 1, SPOILT])
+    assert len(table) == table.count == 3
+    assert [row["position"] for row in table] == [POSITION, None, None]
+    assert [table[index] for index in range(len(table))] == [*table] == [*table.rows()]
+    assert table[-1] == table[2]
+    with pytest.raises(IndexError):
+        table[3]
+    assert len(table[1:]) == 2
+    assert [*table.columns] == [*table.names] == COLUMNS
+    assert all((table.columns[name] == table[name]).all() for name in COLUMNS)
+    assert "verdict" in table
+    assert "time" not in table
+    assert [*table.with_columns(time=[1, 2, 3]).columns] == ["time", *COLUMNS]
+    assert not len(table[:0])
+
+
+def test_a_table_encodes(lika: Any) -> None:
+    encoder = lika.lookup(CODE)
+    table = encoder.decode_many([GOOD, SPOILT]).with_columns(time=[1, 2])
+    assert encoder.encode_many(table).tolist() == [GOOD, SPOILT]
+    assert encoder.encode_many(encoder.decode_many([GOOD]).columns).tolist() == [GOOD]
+
+
+def test_columns_for_polars(lika: Any) -> None:
+    polars = pytest.importorskip("polars")
+    table = lika.lookup(CODE).decode_many([GOOD, GOOD ^ 1])
+    assert polars.DataFrame(table.columns)["multiturn"].to_list() == [42, 42]
+    assert polars.DataFrame(table)["position"].to_list() == [POSITION, None]
+
+
+def test_errors_name_a_way_out(lika: Any) -> None:
+    rotary, linear = lika.lookup(CODE), lika.lookup("SMA21-SC1-0050")
+    with pytest.raises(KeyError) as caught:
+        rotary.decode_many([GOOD])["positon"]
+    assert caught.value.args == (
+        f"no column 'positon'; the columns are {', '.join(COLUMNS)}; did you mean 'position'?",
+    )
+    message = r" measures angles, not lengths: use counts, turns, degrees, radians instead of millimetres$"
+    with pytest.raises(ValueError, match=message):
+        rotary.decode_many([GOOD]).in_units("millimetres")
+    message = r" measures lengths, not angles: use counts, micrometres, millimetres, metres instead of degrees$"
+    with pytest.raises(ValueError, match=message):
+        linear.decode_many([]).in_units("degrees")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("call", ["e.decode_many([5])", "e.encode_many({})", "lika_encoders.read_capture(e, 'x')"])
+def test_numpy_is_named_if_it_is_missing(generated_python: tuple[Path, ModuleType], tmp_path: Path, call: str) -> None:
+    (tmp_path / "numpy.py").write_text("raise ModuleNotFoundError(name='numpy')")
+    program = f"import lika_encoders\ne = lika_encoders.lookup('{CODE}')\nprint(e.decode({GOOD}).position)\n{call}\n"
+    (tmp_path / "program.py").write_text(program)
+    command = [sys.executable, "program.py"]
+    environment = {"PYTHONPATH": python_path(generated_python[0])}
+    completed = subprocess.run(command, cwd=tmp_path, env=environment, capture_output=True, text=True)
+    assert completed.stdout == f"{POSITION}\n"
+    assert completed.stderr.splitlines()[-1] == "ModuleNotFoundError: this needs numpy: pip install numpy"
+
+
+def test_decoders_are_bound_however_they_are_reached(lika: Any) -> None:
+    """In a variable that is set before the first call, in map, and in another thread."""
+    for name in ("decode", "try_decode"):
+        fresh = lika.lookup(f"{CODE}-{name}")
+        before = getattr(fresh, name)
+        assert [frame.position for frame in map(before, [GOOD, GOOD])] == [POSITION, POSITION]
+        reached: list[Any] = []
+        thread = threading.Thread(target=lambda: reached.append(getattr(fresh, name)))  # noqa: B023
+        thread.start()
+        thread.join()
+        assert reached == [before] == [getattr(fresh, name)]
+        assert before.__doc__ == getattr(type(fresh), name).__doc__
