@@ -107,7 +107,6 @@ release: .venv/.tested
 
 spec-page: .venv/.installed
 	@$(PY) -m codewheel.language.language_page docs/spec-language.md
-	@$(PY) -m codewheel.dump.schema generator/language/show.schema.json
 
 # CI sets CODEWHEEL_LOCKED. Then the packages of .ci/requirements.txt are present, and no others are installed.
 .PHONY: bench-packages

@@ -1,13 +1,14 @@
 """The shape of the plain data by the table of members, and its JSON Schema.
 
-python -m codewheel.dump.schema generator/language/show.schema.json     writes it, as ``make spec-page`` does
+python -m codewheel.dump.schema                       prints the schema of ``show --json``
+python -m codewheel.dump.schema show.schema.json      writes it to a file
 """
 
 from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from enum import Enum, auto
 from functools import cache
 from pathlib import Path
@@ -126,10 +127,6 @@ def _lines(value: Any, indent: str) -> Iterator[str]:
     yield indent + "}"
 
 
-if __name__ == "__main__":
-    Path(sys.argv[1]).write_text(schema_text(), encoding="utf-8")
-
-
 Shape = Mapping[str, Any]
 
 
@@ -230,3 +227,19 @@ def types_of(shape: Shape) -> tuple[str, ...]:
 def is_hexadecimal(shape: Shape) -> bool:
     """Return whether a number of this shape is written in hexadecimal."""
     return shape.get("x-form") == "hexadecimal"
+
+
+def main(arguments: Sequence[str]) -> int:
+    """Print the schema of ``show --json``, or write it to the named file, and return the exit code."""
+    if len(arguments) > 1 or any(argument.startswith("-") for argument in arguments):
+        print("usage: python -m codewheel.dump.schema [FILE]", file=sys.stderr)
+        return 2
+    if arguments:
+        Path(arguments[0]).write_text(schema_text(), encoding="utf-8")
+    else:
+        print(schema_text(), end="")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

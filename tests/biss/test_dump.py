@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Mapping
-from importlib import resources
 from pathlib import Path
 from typing import Any
 
@@ -12,9 +10,10 @@ import jsonschema
 import pytest
 from codewheel.commands.decode.decoding import decoded_data
 from codewheel.dump.plain import device_dump, variant_dump
+from codewheel.dump.schema import show_schema
 from codewheel.language.problems import Report
 from codewheel.language.read import read_document
-from codewheel.language.schema_files import is_second
+from codewheel.language.schema_files import is_second, load_schema
 from codewheel.loading.from_mapping import parse_sources
 from codewheel.model import Device, FrameExample, Variant
 from codewheel.model.expressions import Expression, ExpressionError
@@ -28,8 +27,7 @@ pytestmark = pytest.mark.slow
 SPECS = Path(__file__).parents[2] / "specs"
 
 
-def validator(name: str) -> Any:
-    schema = json.loads((resources.files("codewheel.language") / name).read_text(encoding="utf-8"))
+def validator(schema: Any) -> Any:
     jsonschema.Draft202012Validator.check_schema(schema)
     return jsonschema.Draft202012Validator(schema)
 
@@ -39,14 +37,14 @@ def faults(checker: Any, data: object) -> list[str]:
 
 
 def test_families_have_the_shape(devices: Mapping[str, Device]) -> None:
-    checker = validator("show.schema.json")
+    checker = validator(show_schema())
     for device in devices.values():
         assert faults(checker, device_dump(device)) == []
 
 
 def test_order_codes_have_the_shape_and_no_expressions(devices: Mapping[str, Device]) -> None:
     """Validation is slow, so only the last order code of each interface is validated."""
-    checker = validator("show.schema.json")
+    checker = validator(show_schema())
     for device in devices.values():
         last = {variant.interface: variant for variant in device.variants}
         for variant in device.variants:
@@ -68,13 +66,13 @@ def _check_order_code(dump: Any, variant: Variant) -> None:
 
 
 def test_the_schema_refuses_another_shape(amm5: Device) -> None:
-    checker = validator("show.schema.json")
+    checker = validator(show_schema())
     assert not checker.is_valid(device_dump(amm5) | {"more": 1})
     assert not checker.is_valid({key: value for key, value in device_dump(amm5).items() if key != "crcs"})
 
 
 def test_decode_has_the_shape(amm5: Device) -> None:
-    checker = validator("decode.schema.json")
+    checker = validator(load_schema("decode"))
     for example in amm5.examples:
         if isinstance(example, FrameExample) and example.bytes:
             variant = find(amm5, example.order_code).variant
