@@ -160,3 +160,11 @@ def valid_other(name: str) -> str:
 def register_length(register: str, needed: str, actual: str) -> str:
     """Return the message for a register value of another length. ``needed`` and ``actual`` include the unit."""
     return f"the register '{register}' has {needed}, but the text has {actual}"
+
+
+#: Words about explanations of a frame.
+ANOTHER_FRAME = (
+    "Another frame would help: decode several frames at other positions together, one per line, to see which "
+    "explanation fits all of them."
+)
+UNCERTAIN_READINGS = "Possible readings, most likely first. Without a CRC, none of them is certain"

@@ -145,7 +145,10 @@
   function reasons(item) {
     return item.frames.map((text) => {
       const found = decoded(foundFor(item), item, text);
-      return wheel.explained(found).map((one) => `${one.text}, 1 of ${one.oneIn}`);
+      const mistakes = wheel.explained(found).map((one) => [one.text, `${one.oneIn}`,
+        one.number === undefined ? [] : wheel.numbersRead(found.at, one.number).map(([name, value]) => `${name} ${value}`),
+        (one.parts ?? []).map((pair) => pair.join(" "))]);
+      return [mistakes, wheel.missingPart(found)];
     });
   }
 

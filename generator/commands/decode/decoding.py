@@ -324,6 +324,8 @@ def _why_data(why: Why) -> dict[str, Any]:
         "coincidence": round(why.coincidence, 4),
         "cannot_see": list(why.cannot_see),
         "disturbed": list(why.disturbed),
+        "missing": why.missing or None,
+        "another_frame_helps": why.needs_another_frame,
     }
 
 
@@ -335,4 +337,5 @@ def _explanation_data(explanation: Explanation) -> dict[str, Any]:
         "twice": explanation.twice,
         "order_codes": list(explanation.codes),
         "reads": dict(explanation.reads),
+        "parts": [{"name": name, "bits": bits} for name, bits in explanation.parts],
     }

@@ -135,7 +135,7 @@ def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> Bit
     """
     compact = _GAPS.sub("", text)
     if _BITS.fullmatch(compact):
-        return BitText(int(compact, 2), len(compact) - 2, exact=True)
+        return BitText(int(compact, 2), len(compact) - 2, exact=True, written=len(compact) - 2)
     pieces = text.split()
     if len(pieces) > 1 and all(map(_ONE_BYTE.fullmatch, pieces)):
         has_no_prefix = all(len(piece) == 2 for piece in pieces)
@@ -143,10 +143,10 @@ def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> Bit
             raise FrameTextError(say.bits_or_bytes(quoted(text)))
         compact = "0x" + "".join(piece[-2:] for piece in pieces)
         if exact and len(pieces) != (placed.bits + 7) // 8:
-            return BitText(int(compact, 16), 8 * len(pieces), exact=True)
+            return BitText(int(compact, 16), 8 * len(pieces), exact=True, written=8 * len(pieces))
     if _NUMBER.fullmatch(compact):
         number = int(compact, 16)
-        return BitText(number, number.bit_length(), exact=False)
+        return BitText(number, number.bit_length(), exact=False, written=4 * (len(compact) - 2))
     readings = list(_readings(compact, placed.bits)) if len(pieces) == 1 else []
     remedy = say.write_one_of(", ".join(readings)) if readings else say.write_number(str(placed.bits))
     raise FrameTextError(say.no_bits(quoted(visible(text)), str(placed.bits), remedy))

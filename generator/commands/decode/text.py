@@ -15,6 +15,7 @@ from ...order_codes.parameters import parameters_of
 from ...reference import codec
 from ...reference.findings import Findings, Report
 from ...say import frame_errors as say
+from ...say.frame_errors import ANOTHER_FRAME, UNCERTAIN_READINGS
 from ...say.evidence import origin, placeholders
 from ...say.names_and_places import words
 from ...say.numbers import decimal, quantity
@@ -266,22 +267,42 @@ def _mistake_lines(why: Why) -> list[str]:
     by_chance = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "less than 1"
     tried = counted(why.tried, "common mistake")
     chance = f"{tried} tried; {by_chance} of 100 random frames would match at least one"
-    last_line = wrapped(f"This CRC cannot detect: {'; '.join(why.cannot_see)}.", WIDTH, "  ", "")
+    last_lines = []
+    if why.needs_another_frame:
+        last_lines.append(wrapped(ANOTHER_FRAME, WIDTH, "  ", ""))
+    if why.cannot_see:
+        last_lines.append(wrapped(f"This CRC cannot detect: {'; '.join(why.cannot_see)}.", WIDTH, "  ", ""))
+    if why.missing:
+        last_lines.insert(0, wrapped(f"{sentence(why.missing[0].upper() + why.missing[1:])}", WIDTH, "  ", ""))
     if not why.explanations:
-        return ["", wrapped(f"No common mistake explains it ({chance}).", WIDTH, "  ", ""), last_line]
-    needs_two = why.explanations[-1].twice
-    introduction = "No single mistake explains it. Two at once would" if needs_two else "Possible explanations"
-    lines = ["", wrapped(f"{introduction}, most likely first ({chance}):", WIDTH, "  ", "")]
+        nothing_found = [wrapped(f"No common mistake explains it ({chance}).", WIDTH, "  ", "")] if why.tried else []
+        return ["", *nothing_found, *last_lines]
+    lines = ["", wrapped(_introduction(why, chance), WIDTH, "  ", "")]
     for explanation in why.explanations:
         lines.append(wrapped(explanation.text, WIDTH, " " * 6, "    - "))
-        lines.append(wrapped(_chance_and_values(explanation), WIDTH, " " * 6, " " * 6))
-    return [*lines, last_line]
+        details = filter(None, (_chance_and_values(explanation), _parts_line(explanation)))
+        lines += [wrapped(detail, WIDTH, " " * 6, " " * 6) for detail in details]
+    return [*lines, *last_lines]
+
+
+def _introduction(why: Why, chance: str) -> str:
+    if not why.has_crc:
+        return f"{UNCERTAIN_READINGS}:"
+    needs_two = why.explanations[-1].twice
+    introduction = "No single mistake explains it. Two at once would" if needs_two else "Possible explanations"
+    return f"{introduction}, most likely first ({chance}):"
 
 
 def _chance_and_values(explanation: Explanation) -> str:
-    chance = f"matches by chance in {_frequency(explanation.one_in)} frames"
+    chance = f"matches by chance in {_frequency(explanation.one_in)} frames" if explanation.one_in > 1 else ""
     values = ", ".join(f"{name} {value}" for name, value in explanation.reads.items())
-    return f"{chance}, and gives {values}" if values else chance
+    given_values = f"gives {values}" if values else ""
+    return ", and ".join(filter(None, (chance, given_values)))
+
+
+def _parts_line(explanation: Explanation) -> str:
+    """Return the parts of a recording, each with its bits, in the order received."""
+    return ", ".join(f"{name.replace('_', '-')} {bits}" for name, bits in explanation.parts)
 
 
 def _frequency(number: int) -> str:

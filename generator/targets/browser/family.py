@@ -19,6 +19,7 @@ from ...say.evidence import grade, origin
 from ...say.names_and_places import field_at
 from ...say.text import BY_NAME
 from ...why import in_bits, in_bytes
+from ...why.recordings import line_name
 from .layouts import (
     Data,
     SharedParts,
@@ -60,7 +61,12 @@ def _spelling_data(device: Device, spelling: Spelling) -> Data:
 
 def _javascript_pattern(expression: str) -> str:
     """Return a regular expression for a whole label in the notation of JavaScript."""
-    return f"^{expression}{AFTER}$".replace("(?P<", "(?<")
+    return javascript_pattern(f"^{expression}{AFTER}$")
+
+
+def javascript_pattern(expression: str) -> str:
+    """Return a regular expression in the notation of JavaScript."""
+    return expression.replace("(?P<", "(?<")
 
 
 def family_data(device: Device) -> Data:
@@ -125,7 +131,7 @@ def _crc_data(device: Device, crc: Crc) -> Data:
     """Return the parameters of a CRC, and those of similar CRCs that may be used by mistake."""
     is_over_bytes = Carrier.BYTES in carriers(device, crc)
     similar_crcs = in_bytes.other_crcs(crc) if is_over_bytes else in_bits.other_crcs(crc)
-    others = [[difference, _crc_parameters(similar)] for _, difference, similar in similar_crcs if similar != crc]
+    others = [[kind, difference, _crc_parameters(similar)] for kind, difference, similar in similar_crcs if similar != crc]
     return _crc_parameters(crc) | {"text": crc.polynomial, "others": others}
 
 
@@ -147,6 +153,7 @@ def _interface_data(device: Device, interface: Interface, shared: SharedParts) -
     return without_empty(
         name=interface.name,
         title=interface.title,
+        line=line_name(interface),
         measure=_position_unit(device, interface),
         exact=[sender for sender in ("encoder", "master") if have_lengths(interface.layouts, sender)],
         frames=list(map(shared.with_indexes, frames)),

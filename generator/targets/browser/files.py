@@ -22,10 +22,11 @@ from ...say.layout import as_one_number
 from ...say.markdown import text
 from ...say.plain_text import plain
 from ...say.text import WORTH
-from ...why.in_bits import SLIPS
+from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, Line
+from ...why.tries import ACTIVE, IDLE, MISTAKES
 from .. import NO_OPTIONS, Library, Options, Target
 from ..shared_files import licence_in, our_runtime
-from .family import family_data
+from .family import family_data, javascript_pattern
 from .layouts import Data, script_json
 
 #: Error messages, with placeholders for numbers and names: ``{0} is {1}``.
@@ -73,6 +74,8 @@ _MESSAGES = {
     "has_no_part": labels.has_no_part("{0}"),
     "family": labels.family_instead_of_code("{0}", "{1}"),
     "unknown": labels.unknown_code("{0}"),
+    "another_frame": frame_errors.ANOTHER_FRAME,
+    "uncertain": frame_errors.UNCERTAIN_READINGS,
     "nearest": labels.nearest_codes_hint("{0}"),
 }
 
@@ -113,8 +116,22 @@ def script_table(library: Library) -> Data:
         "unexplained": UNEXPLAINED,
         "said": _MESSAGES,
         "limits": {"text": frame_errors.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
-        "slips": [[slip.text, slip.front, slip.missing, slip.lost, slip.behind] for slip in SLIPS],
+        "lines": {name: _line_data(line) for name, line in LINES.items()},
+        "inside": [FRAME_INSIDE, FRAME_INSIDE_TEXT],
+        "likely": {"kinds": dict(MISTAKES), "idle": IDLE, "active": ACTIVE},
         "families": [library.part(_family_data, device, NO_OPTIONS) for device in library.devices],
+    }
+
+
+def _line_data(line: Line) -> Data:
+    """Return the mistakes with the bits around a frame, with regular expressions in the notation of JavaScript."""
+    return {
+        "slips": [[slip.kind, slip.text, slip.front, slip.missing, slip.lost, slip.behind] for slip in line.slips],
+        "recordings": [
+            [recording.kind, recording.text, javascript_pattern(recording.pattern), recording.proof]
+            for recording in line.recordings
+        ],
+        "incomplete": [[incomplete.text, javascript_pattern(incomplete.pattern)] for incomplete in line.incomplete],
     }
 
 
