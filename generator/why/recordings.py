@@ -182,9 +182,7 @@ _WORD_LAST = Recording(
 )
 _OTHERS_BEHIND = Recording("bits_behind", "the word comes first, and other bits follow", f"^{_FRAME}(?P<other>[01]+)$")
 _OTHERS_IN_FRONT = Recording("bits_in_front", "other bits come first, and then the word", f"^(?P<other>[01]+){_FRAME}$")
-_TOO_SHORT = Incomplete(
-    "it is too short: it has {0} of the {1} bits. Clocks still needed: {2}", "^(?P<frame>[01]*)$"
-)
+_TOO_SHORT = Incomplete("it is too short: it has {0} of the {1} bits. Clocks still needed: {2}", "^(?P<frame>[01]*)$")
 
 
 def _shifts(cause: str) -> tuple[FrameOffset, ...]:
@@ -201,17 +199,13 @@ def _shifts(cause: str) -> tuple[FrameOffset, ...]:
 LINES: Mapping[str, Line] = MappingProxyType(
     {
         "biss": _BISS,
-        "ssi_msb_left": Line(
-            _shifts(""), (_WORD_TWICE, _WORD_FIRST, _BIT_IN_FRONT, _OTHERS_BEHIND), (_TOO_SHORT,)
-        ),
-        "ssi_lsb_right": Line(
-            _shifts(""), (_WORD_LAST, _WORD_TWICE, _BIT_IN_FRONT, _OTHERS_IN_FRONT), (_TOO_SHORT,)
-        ),
+        "ssi_msb_left": Line(_shifts(""), (_WORD_TWICE, _WORD_FIRST, _BIT_IN_FRONT, _OTHERS_BEHIND), (_TOO_SHORT,)),
+        "ssi_lsb_right": Line(_shifts(""), (_WORD_LAST, _WORD_TWICE, _BIT_IN_FRONT, _OTHERS_IN_FRONT), (_TOO_SHORT,)),
         "spi": Line(
             _shifts(", as with the other clock edge"),
             (_WORD_FIRST, _BIT_IN_FRONT, _WORD_LAST, _OTHERS_BEHIND, _OTHERS_IN_FRONT),
             (_TOO_SHORT,),
-                ),
+        ),
     }
 )
 

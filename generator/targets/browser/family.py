@@ -131,7 +131,9 @@ def _crc_data(device: Device, crc: Crc) -> Data:
     """Return the parameters of a CRC, and those of similar CRCs that may be used by mistake."""
     is_over_bytes = Carrier.BYTES in carriers(device, crc)
     similar_crcs = in_bytes.other_crcs(crc) if is_over_bytes else in_bits.other_crcs(crc)
-    others = [[kind, difference, _crc_parameters(similar)] for kind, difference, similar in similar_crcs if similar != crc]
+    others = [
+        [kind, difference, _crc_parameters(similar)] for kind, difference, similar in similar_crcs if similar != crc
+    ]
     return _crc_parameters(crc) | {"text": crc.polynomial, "others": others}
 
 
