@@ -6,11 +6,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ..model import Answer, Crc, Device, Flag, Kind, Number, PlacedLayout, Unused, Variant, choices
-from ..reference.bits import binary_to_gray, gray_to_binary
-from ..reference.crc import reflect
-from .other_encoders import other_codes
+from ..reference.bits import binary_to_gray, gray_to_binary, reflect
 from .recordings import LINES, FrameOffset, line_name, recorded_bits, recording_tries, window_tries
-from .tries import NOT_INVERTED, BitText, Try, covered_number, fixed_bits, likelihood, read_as
+from .tries import NOT_INVERTED, BitText, Try, covered_number, fixed_bits, likelihood, other_codes, read_as
 
 #: Polynomials, including their top bit, that BiSS masters offer: those of the Microchip dsPIC33A by length, and 0x97,
 #: which Beckhoff names next to 0x43.

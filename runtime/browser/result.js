@@ -15,6 +15,7 @@ function element(tag, attributes = {}, ...children) {
 
 const part = (tag, name, ...children) => element(tag, { class: `${CLASS}-${name}` }, ...children);
 const list = (items) => element("ul", {}, items.map((item) => element("li", {}, item)));
+const capital = (text) => text[0].toUpperCase() + text.slice(1);
 const sentence = (text) => (/[.!?:]$/.test(text) ? text : `${text}.`);
 
 /** The place of a field in readable form: bits of a word, or bytes of a frame from 0. */
@@ -147,7 +148,6 @@ function headline(found) {
   const verdict = found.verdict ? [element("code", {}, found.verdict), ": "] : [];
   const names = { not_usable: "bad", usable_with_warning: "warning", usable: "good" };
   const [first, ...more] = words.map(sentence);
-  const capital = (text) => text[0].toUpperCase() + text.slice(1);
   const line = words.length ? [element("p", {}, verdict, [first, ...more.map(capital)].join(" "))] : [];
   return part("div", names[found.verdict] ?? "plain", line);
 }
@@ -168,8 +168,8 @@ function othersOf(found, others) {
   return [element("p", {}, `${words[0].toUpperCase()}${words.slice(1)}. Choose it above.`)];
 }
 
-/** The mistakes that could explain a wrong CRC, and the command that tries more of them. */
-function whyOf(found, command) {
+/** The mistakes that could explain a wrong frame. */
+function whyOf(found) {
   const dead = deadLine(found);
   if (dead) return [element("p", {}, dead)];
   if (!found.problems.length) return [];
@@ -178,22 +178,34 @@ function whyOf(found, command) {
   const noise = flips.length ? [element("p", {},
     `If only some frames fail, one bit may have been disturbed on the line: the CRC matches with ${which} inverted. `
     + "In that case, no change is needed.")] : [];
-  const reasons = explained(found).map((item) => `${item.text} (matches by chance in 1 of ${item.oneIn} frames)`);
-  const crcFault = found.at?.layout.crc && found.problems.some((item) => ["crc", "length"].includes(item.fault));
+  const reasons = explained(found);
   const match = "these changes make the CRC match:";
-  const start = noise.length ? `If all frames fail, ${match}` : `T${match.slice(1)}`;
-  const told = reasons.length ? [element("p", {}, start), list(reasons)] : [];
-  const more = crcFault ? [element("p", {}, "This command tries more mistakes:"), commandLine(command)] : [];
-  return [...noise, ...told, ...more];
+  const withCrc = noise.length ? `If all frames fail, ${match}` : `T${match.slice(1)}`;
+  const start = found.at?.layout.crc ? withCrc : `${said("uncertain")}:`;
+  const told = reasons.length ? [element("p", {}, start), list(reasons.map((one) => reasonOf(found.at, one)))] : [];
+  const missing = missingPart(found);
+  const help = anotherHelps(reasons) ? [element("p", {}, said("another_frame"))] : [];
+  return [...noise, ...told, ...missing ? [element("p", {}, sentence(capital(missing)))] : [], ...help];
 }
+
+/** One explanation: its text and chance, the numbers that the frame then contains, and the parts of a recording. */
+function reasonOf(at, { text, oneIn, number, parts = [] }) {
+  const chance = oneIn > ONE ? ` (matches by chance in 1 of ${oneIn} frames)` : "";
+  const numbers = number === undefined ? [] : numbersRead(at, number).map(([name, one]) => `${name} ${one}`);
+  const reads = numbers.length ? `: ${numbers.join(", ")}` : "";
+  return [`${text}${chance}${reads}`, parts.length ? partsOf(parts) : ""];
+}
+
+/** The parts of a recording, drawn like the bits of a frame. */
+const partsOf = (parts) => part("div", "drawing", parts.map(([name, some]) =>
+  part("span", `cell ${CLASS}-cell-${name === "frame" ? "number" : "flag"}`,
+    part("span", "bits", some), part("span", "name", name.replaceAll("_", "-")))));
 
 const byteOf = (at, bit) => (at.layout.order === "little" ? bit >> 3 : at.bits / 8 - 1 - (bit >> 3));
 const bitName = (at, bit) => (at.layout.order ? `bit ${bit % 8} of byte ${byteOf(at, bit)}` : `bit ${bit}`);
 
-const commandLine = (command) => element("pre", { tabindex: "0" }, element("code", {}, command));
-
 /** All output about a frame or register. */
-function resultOf(found, measure, command, others) {
+function resultOf(found, measure, others) {
   const angle = measured(found, measure);
   const table = found.fields.length ? fieldTable(found) : null;
   return [
@@ -204,7 +216,7 @@ function resultOf(found, measure, command, others) {
     ...(table ? [...bitsOf(found, table), table] : []),
     ...(found.crc ? [crcLine(found.crc)] : []),
     ...othersOf(found, others),
-    ...(isAnother(found, others) ? [] : whyOf(found, command)),
+    ...(isAnother(found, others) ? [] : whyOf(found)),
   ];
 }
 

@@ -396,7 +396,7 @@ def disturbed_texts(case: Case, random_: random.Random) -> Iterator[str]:
 
 
 def recorded_texts(frame: str, random_: random.Random) -> Iterator[str]:
-    """Return recordings with a frame: raw buffers of BiSS, with and without their parts, and words of SSI with clocks."""
+    """Return recordings with a frame: raw buffers of BiSS, complete or not, and words of SSI with extra clocks."""
     yield f"0b010{frame}"
     yield f"0b{frame}{frame}" if random_.getrandbits(1) else f"0b{frame}0{frame[:9]}"
     yield f"0b{frame}{'0' * random_.randrange(1, 9)}"

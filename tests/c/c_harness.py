@@ -35,9 +35,8 @@ from codewheel.model import Device, Text
 from codewheel.targets import Library
 from codewheel.targets.c.codec import StructCodec
 from codewheel.targets.c.device import DeviceView, views_of
-from codewheel.targets.c.expr import unsigned
 from codewheel.targets.c.files import generate
-from codewheel.targets.c.names import c_name
+from codewheel.targets.c.names import c_name, unsigned
 from codewheel.targets.c.procedures import ProcedureCode
 from codewheel.targets.c.registers import IdentityCode
 from working_tools import require
