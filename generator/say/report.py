@@ -291,6 +291,11 @@ def register_length(register: str, needed: str, actual: str) -> str:
     return f"the register '{register}' has {needed}, but the text has {actual}"
 
 
+def in_gray_code(sent: str, decoded: str) -> str:
+    """Return the words about a number in Gray code, both in hexadecimal."""
+    return f"sent in Gray code as {sent}, decoded {decoded}"
+
+
 #: Words about explanations of a frame.
 ANOTHER_FRAME = (
     "Another frame would help: decode several frames at other positions together, one per line, to see which "

@@ -20,9 +20,9 @@ OtherCrc = tuple[str, str, Crc]
 def tries(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
     """Yield every single mistake that could have turned a valid frame into ``text``.
 
-    If the CRC covers only a part of the frame, only other parameters of the CRC, and inverted and moved frames, are tried.
-    ``placed`` is the layout of the expected frame. A number without leading zeros may have any length from its first 1
-    on. If it can have the right length, other lengths are tried only if they lead to another frame.
+    If the CRC covers only a part of the frame, only other parameters of the CRC, and inverted and moved frames, are
+    tried. ``placed`` is the layout of the expected frame. A number without leading zeros may have any length from its
+    first 1 on. If it can have the right length, other lengths are tried only if they lead to another frame.
     """
     if placed.bits in _lengths(placed, text):
         yield from _computed_otherwise(placed, crc, text.number)

@@ -97,8 +97,8 @@ class Try:
     value. They prove nothing, but make one reading more likely than another, as do inactive flags (``likelihood``).
     ``number`` is the frame with the layout ``placed`` without the mistake, if that changes the frame. ``codes`` are
     the order codes that would send it. ``parts`` are the parts of the recording that contains the frame, and
-    ``places`` is the number of places at which it was searched. ``template`` is the text without the details of this frame.
-    ``crc`` is None if the frame has none.
+    ``places`` is the number of places at which it was searched. ``template`` is the text without the details of this
+    frame. ``crc`` is None if the frame has none.
     """
 
     kind: str

@@ -32,6 +32,17 @@ function placeOf(at, { high, low }) {
 
 const shownValue = (item) => (item === true ? "yes" : item === false ? "no" : `${item}`);
 
+/** The meaning of a field, and for a number in Gray code also how it was sent. */
+function meaningOf({ gray, joins }, { name, high, low, raw, value, meaning }) {
+  const isInside = (from, to) => gray && from >= gray.low && to < gray.low + gray.width;
+  const parts = joins.find((one) => one.name === name)?.parts.map(({ item }) => item).filter(Boolean) ?? [];
+  const isGray = high < 0 ? parts.length > 0 && parts.every((item) => isInside(item.low, item.low + item.width - 1))
+    : isInside(low, high);
+  if (!isGray || typeof value !== "bigint") return meaning;
+  const words = said("gray", hex(raw), hex(value));
+  return meaning ? `${sentence(meaning)} ${capital(words)}` : words;
+}
+
 /** A value with its unit, or a number with the quantity that it stands for. */
 function inUnits(item) {
   const shown = shownValue(item.value);
@@ -63,7 +74,8 @@ function bitsOf(found, table) {
     const place = placeOf(found.at, item);
     const where = layout.order ? place : `bit${size > 1 ? "s" : ""} ${place}`;
     const raw = size > 1 ? ` (${hex(item.raw)})` : ` (${item.raw})`;
-    const meaning = item.meaning ? ` ${sentence(item.meaning)}` : "";
+    const explanation = meaningOf(found.at, item);
+    const meaning = explanation ? ` ${sentence(explanation)}` : "";
     const told = `: ${where}, ${inUnits(item)}${raw}.${meaning}`;
     const from = layout.source ? ` Manual ${layout.source}` : "";
     const name = found.fields.filter((one) => one.high === item.high && one.low === item.low).length > 1
@@ -92,7 +104,7 @@ function fieldTable(found) {
     const raw = part("span", "raw", isOneBit ? `${item.raw}` : hex(item.raw));
     return element("tr", {},
       element("td", {}, placeOf(found.at, item)),
-      element("th", { scope: "row" }, breakable(item.name), item.meaning && part("span", "meaning", item.meaning)),
+      element("th", { scope: "row" }, breakable(item.name), part("span", "meaning", meaningOf(found.at, item))),
       element("td", {}, inUnits(item), raw));
   });
   const heads = ["Place", "Field", "Value, raw"].map((text) => element("th", { scope: "col" }, text));
@@ -193,11 +205,11 @@ function reasonOf(at, { text, oneIn, number, parts = [] }) {
   const chance = oneIn > ONE ? ` (matches by chance in 1 of ${oneIn} frames)` : "";
   const numbers = number === undefined ? [] : numbersRead(at, number).map(([name, one]) => `${name} ${one}`);
   const reads = numbers.length ? `: ${numbers.join(", ")}` : "";
-  return [`${text}${chance}${reads}`, parts.length ? partsOf(parts) : ""];
+  return [`${text}${chance}${reads}`, parts.length ? drawnParts(parts) : ""];
 }
 
 /** The parts of a recording, drawn like the bits of a frame. */
-const partsOf = (parts) => part("div", "drawing", parts.map(([name, some]) =>
+const drawnParts = (parts) => part("div", "drawing", parts.map(([name, some]) =>
   part("span", `cell ${CLASS}-cell-${name === "frame" ? "number" : "flag"}`,
     part("span", "bits", some), part("span", "name", name.replaceAll("_", "-")))));
 

@@ -99,7 +99,8 @@ def resolute(tmp_path: Path) -> Path:
     fields = RESOLUTE.replace("biss_6", "crc_6")
     family = write_family(tmp_path, "biss", BISS, fields, "2^32")
     text = (family / "x.yaml").read_text(encoding="utf-8")
-    with_crc = 'crcs:\n  - {name: crc_6, width: 6, poly: 0x03, init: 0, refin: false, refout: false, xorout: 0x3F, source: "1"}\ninterfaces:'
+    biss_6 = "name: crc_6, width: 6, poly: 0x03, init: 0, refin: false, refout: false, xorout: 0x3F"
+    with_crc = f'crcs:\n  - {{{biss_6}, source: "1"}}\ninterfaces:'
     (family / "x.yaml").write_text(text.replace("interfaces:", with_crc), encoding="utf-8")
     return family
 

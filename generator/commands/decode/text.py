@@ -272,7 +272,7 @@ def _mistake_lines(why: Why) -> list[str]:
     if why.cannot_see:
         last_lines.append(wrapped(f"This CRC cannot detect: {'; '.join(why.cannot_see)}.", WIDTH, "  ", ""))
     if why.missing:
-        last_lines.insert(0, wrapped(f"{sentence(why.missing[0].upper() + why.missing[1:])}", WIDTH, "  ", ""))
+        last_lines.insert(0, wrapped(sentence(capitalized(why.missing)), WIDTH, "  ", ""))
     if not why.explanations:
         nothing_found = [wrapped(f"No common mistake explains it ({chance}).", WIDTH, "  ", "")] if why.tried else []
         return ["", *nothing_found, *last_lines]
@@ -365,7 +365,21 @@ def _row(placed: PlacedLayout, field: codec.DecodedField) -> _Row:
     place = bit_place(placed.layout, placed.bits, field.high, field.low) if has_place else ""
     is_one_bit = has_place and field.high <= field.low
     number = str(field.raw) if is_one_bit else f"{field.raw:#x}"
-    return place, field.name, number, _value_text(field), field.meaning
+    return place, field.name, number, _value_text(field), _meaning_text(placed, field)
+
+
+def _meaning_text(placed: PlacedLayout, field: codec.DecodedField) -> str:
+    """Return the meaning, and for a number in Gray code also how it was sent."""
+    gray_names = placed.layout.names_in(placed.layout.gray_of) if placed.gray else ()
+    is_gray = field.name in (*gray_names, placed.layout.gray_of) and isinstance(field.value, int)
+    if not placed.gray or not is_gray:
+        return field.meaning
+    gray_text = say.in_gray_code(f"{field.raw:#x}", f"{field.value:#x}")
+    return f"{sentence(field.meaning)} {capitalized(gray_text)}" if field.meaning else gray_text
+
+
+def capitalized(text: str) -> str:
+    return text[:1].upper() + text[1:]
 
 
 def _value_text(field: codec.DecodedField) -> str:

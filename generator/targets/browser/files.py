@@ -254,6 +254,7 @@ _MESSAGES = {
     "has_no_part": labels.has_no_part("{0}"),
     "family": labels.family_instead_of_code("{0}", "{1}"),
     "unknown": labels.unknown_code("{0}"),
+    "gray": report.in_gray_code("{0}", "{1}"),
     "another_frame": report.ANOTHER_FRAME,
     "uncertain": report.UNCERTAIN_READINGS,
     "nearest": labels.nearest_codes_hint("{0}"),
