@@ -296,6 +296,11 @@ def in_gray_code(sent: str, decoded: str) -> str:
     return f"sent in Gray code as {sent}, decoded {decoded}"
 
 
+def explained_together(explained: str, failed: str) -> str:
+    """Return the words about the mistakes that explain ``explained`` of the ``failed`` frames with an error."""
+    return f"Together, {explained} of {failed} frames with an error have this explanation, most likely first"
+
+
 #: Words about explanations of a frame.
 ANOTHER_FRAME = (
     "Another frame would help: decode several frames at other positions together, one per line, to see which "

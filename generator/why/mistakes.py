@@ -207,9 +207,17 @@ class Why:
 
 
 def explain_bits(
-    device: Device, variant: Variant, placed: PlacedLayout, text: BitText, *, is_valid: bool = False
+    device: Device,
+    variant: Variant,
+    placed: PlacedLayout,
+    text: BitText,
+    *,
+    is_valid: bool = False,
+    with_pairs: bool = False,
 ) -> Why | None:
     """Explain the wrong CRC of ``text``, which should be a frame of the layout ``placed``.
+
+    ``with_pairs`` also lists pairs of mistakes if a single one matches.
 
     Return None if the frame is valid, unless all its bits are equal.
     """
@@ -224,7 +232,7 @@ def explain_bits(
     if crc is None:
         return _readings(device, moved_frames(device, variant, placed, crc, text), missing)
     failed = _known_to_fail(placed, crc, text)
-    why = _why(device, tries(device, variant, placed, crc, text), failed, (crc,))
+    why = _why(device, tries(device, variant, placed, crc, text), failed, (crc,), with_pairs=with_pairs)
     if why is None:
         return Why((), 0, 0.0, (), missing=missing) if missing else None
     why = replace(why, missing=missing)
@@ -311,13 +319,14 @@ def _why(
     failed: Sequence[Try],
     crcs: Sequence[Crc],
     undecided: frozenset[str] = frozenset(),
+    with_pairs: bool = False,
 ) -> Why | None:
     single_tries = _distinct_tries(tries, failed)
     if not single_tries:
         return None
     explanations = [_explanation(device, attempt, undecided) for attempt in single_tries if attempt.fits]
     all_tries = single_tries
-    if all(explanation.kind == FRAME_INSIDE for explanation in explanations):
+    if with_pairs or all(explanation.kind == FRAME_INSIDE for explanation in explanations):
         # Try pairs only with the most common mistake, and only if no single one matches. More pairs would mostly match
         # by coincidence.
         unpaired_kinds = (NOT_INVERTED, FRAME_INSIDE)

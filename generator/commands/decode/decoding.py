@@ -25,10 +25,11 @@ from .frames import (
     text_decoder,
     why_text,
 )
-from .text import NO_ANSWERS, NO_LINE, explain, label_lines, other_frames_line
+from .text import NO_ANSWERS, NO_LINE, explain, label_lines, other_frames_line, together_lines
 
 if TYPE_CHECKING:
     from ...why.mistakes import Explanation, Why
+    from ...why.together import CommonMistake
 
 JSON_VERSION = 1
 DONE, FAULT, NO_FRAME, NOT_USABLE = 0, 1, 2, 3
@@ -36,6 +37,8 @@ DONE, FAULT, NO_FRAME, NOT_USABLE = 0, 1, 2, 3
 _WORST_FIRST = (NO_FRAME, FAULT, NOT_USABLE)
 #: Number of frames after which a message names the command for many frames.
 MANY = 10_000
+#: Frames with an error after which more of them do not change what explains all of them.
+MOST_FRAMES = 100
 #: Characters of a line that are kept in memory.
 _LONGEST_LINE = 1 << 16
 _ONE_LINE = json.JSONEncoder(ensure_ascii=False)
@@ -97,6 +100,8 @@ class Decoding:
         self._needed_answers: dict[str, dict[str, str]] = {}
         self._codes = {FAULT} if request.register_differences else set()
         self._is_first = True
+        #: The first frames with an error, each with its explanations.
+        self._failed_frames: list[tuple[str, codec.Decoded, Why]] = []
 
     @property
     def code(self) -> int:
@@ -121,8 +126,28 @@ class Decoding:
             other_layouts = self._other_layouts(line.text, decoded)
             if is_frame_of_other_kind(decoded, other_layouts):
                 why = None
+            if why is not None and decoded.problems and len(self._failed_frames) < MOST_FRAMES:
+                self._failed_frames.append((line.text, decoded, why))
             # Someone who reads many frames should not have to wait for the end.
             print(self._output(line, decoded, frame_findings, why, other_layouts), flush=line.number is not None)
+        if not self._request.as_json:
+            print(*together_lines(self._mistakes_in_all(), len(self._failed_frames)), sep="\n", end="")
+
+    def _mistakes_in_all(self) -> list[CommonMistake]:
+        """Return the mistakes that explain the most frames with an error: single ones, or else two at once."""
+        failed_frames = self._failed_frames
+        if len(failed_frames) < 2:
+            return []
+        from ...why.together import judge_together
+
+        mistakes = judge_together([why for _, _, why in failed_frames])
+        if mistakes and mistakes[0].frames == len(failed_frames):
+            return mistakes
+        device, variant, sender = self._request.device, self._request.match.variant, self._request.sender
+        whys = [
+            why_text(device, variant, sender, text, decoded, with_pairs=True) for text, decoded, _ in failed_frames
+        ]
+        return judge_together([why for why in whys if why is not None])
 
     def _decode(self, text: str) -> tuple[codec.Decoded, Why | None]:
         """Decode a frame, and explain it if it is wrong, or decode the value of a register."""

@@ -260,12 +260,17 @@ def decode_as(device: Device, variant: Variant, placed: PlacedLayout, text: str,
     return codec.decode(device, placed, frame.number)
 
 
-def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: codec.Decoded) -> Why | None:
-    """Return explanations of a frame whose CRC, length or constant is wrong. ``decoded`` is its ``decode_text``."""
+def why_text(
+    device: Device, variant: Variant, sender: str, text: str, decoded: codec.Decoded, *, with_pairs: bool = False
+) -> Why | None:
+    """Return explanations of a frame whose CRC, length or constant is wrong. ``decoded`` is its ``decode_text``.
+
+    ``with_pairs`` also lists pairs of mistakes if a single one matches.
+    """
     placed = decoded.layout
     faults = {problem.fault for problem in decoded.problems}
     if placed is not None and not placed.layout.in_bytes:
-        return _why_bits(device, variant, sender, text, placed, decoded)
+        return _why_bits(device, variant, sender, text, placed, decoded, with_pairs)
     if placed is not None and not faults & _TRANSMISSION_FAULTS:
         return None
     from ...why.mistakes import explain_bytes
@@ -276,7 +281,13 @@ def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: 
 
 
 def _why_bits(
-    device: Device, variant: Variant, sender: str, text: str, placed: PlacedLayout, decoded: codec.Decoded
+    device: Device,
+    variant: Variant,
+    sender: str,
+    text: str,
+    placed: PlacedLayout,
+    decoded: codec.Decoded,
+    with_pairs: bool,
 ) -> Why | None:
     """Return explanations of a frame of bits. One without a CRC, or with equal bits, is explained even if valid."""
     faults = {problem.fault for problem in decoded.problems}
@@ -290,7 +301,7 @@ def _why_bits(
     is_exact = have_lengths(device.interface(variant.interface).layouts, sender)
     frame = frame_number(placed, undecorated(text), exact=is_exact)
     if is_suspicious:
-        return explain_bits(device, variant, placed, frame, is_valid=not faults)
+        return explain_bits(device, variant, placed, frame, is_valid=not faults, with_pairs=with_pairs)
     return explain_constant(device, variant, placed, frame)
 
 

@@ -25,6 +25,7 @@ from .frames import Line, is_frame_of_other_kind
 
 if TYPE_CHECKING:
     from ...why.mistakes import Explanation, Why
+    from ...why.together import CommonMistake
 
 NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
 NO_LINE = Line(None, "", "")
@@ -282,6 +283,18 @@ def _mistake_lines(why: Why) -> list[str]:
         details = filter(None, (_chance_and_values(explanation), _parts_line(explanation)))
         lines += [wrapped(detail, WIDTH, " " * 6, " " * 6) for detail in details]
     return [*lines, *last_lines]
+
+
+def together_lines(mistakes: Sequence[CommonMistake], failed: int) -> Iterator[str]:
+    """Yield lines about the mistakes that explain the most of several frames with an error."""
+    if not mistakes or mistakes[0].frames < 2:
+        return
+    introduction = say.explained_together(f"{mistakes[0].frames}", f"{failed}")
+    yield f"\n{wrapped(introduction, WIDTH, '  ', '')}:"
+    for mistake in mistakes:
+        chance = f"; matches by chance in {_frequency(mistake.one_in)}" if mistake.one_in > 1 else ""
+        yield wrapped(f"{mistake.text}{chance}", WIDTH, " " * 6, "    - ")
+    yield ""
 
 
 def _introduction(why: Why, chance: str) -> str:
