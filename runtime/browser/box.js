@@ -112,7 +112,7 @@ function box(root) {
       full.replaceChildren(element("h3", {}, `Line ${one.line.number}`), ...single(one));
       full.scrollIntoView({ block: "nearest" });
     };
-    return [tableOf(rows, state.found.interface.measure, pick), exportsOf(rows), full];
+    return [...togetherOf(rows), tableOf(rows, state.found.interface.measure, pick), exportsOf(rows), full];
   }
 
   /** Puts the inputs into the address of the page, so that a link to it carries them. */

@@ -59,6 +59,23 @@ function missingPart(frame) {
 /** Whether other frames with the same mistake would decide between these explanations. */
 const anotherHelps = (found) => found.length > 1 || (found.length === 1 && found[0].oneIn < CERTAIN);
 
+/** Return the mistakes that explain the most of several wrong frames, most likely first. */
+function judgedTogether(frames) {
+  const groups = new Map();
+  for (const found of frames.slice(0, TABLE.likely.frames).map(explained)) {
+    const own = new Map([...found].reverse().map((one) => [`${one.kind} ${one.template}`, one]));
+    for (const [key, one] of own) groups.set(key, [...groups.get(key) ?? [], one]);
+  }
+  const most = Math.max(0, ...[...groups.values()].map((group) => group.length));
+  return [...groups.values()].filter((group) => group.length === most).map((group) => ({
+    text: new Set(group.map((one) => one.text)).size === 1 ? group[0].text
+      : filled(group[0].template.replace("({0}) ", ""), "some"),
+    frames: most,
+    oneIn: group.reduce((product, one) => product * one.oneIn, ONE),
+    score: group.reduce((sum, one) => sum + Math.log2(one.score), 0),
+  })).sort((one, other) => other.score - one.score);
+}
+
 const lineOf = (at) => TABLE.lines[at.family.interfaces.find((one) => one.frames?.includes(at.layout))?.line];
 const matched = (pattern, at, received) => new RegExp(pattern.replace("#", at.bits)).exec(received);
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,8 @@ from codewheel.model import Choice, Decimal, Device, Flag, FrameExample, Registe
 from codewheel.model.registers import bounded, bounds
 from codewheel.reference import codec
 from codewheel.targets import Library
-from codewheel.why.mistakes import Explanation, explain_bits, explain_bytes, explain_constant
+from codewheel.why.mistakes import Explanation, Why, explain_bits, explain_bytes, explain_constant
+from codewheel.why.together import judge_together
 from rust_frames import numbers
 
 pytestmark = pytest.mark.slow
@@ -366,6 +368,24 @@ def compare_reasons(node: Asker, library: Library, least: int) -> None:
     assert sum(bool(reasons[0]) for answer in answers for reasons in answer) >= least
 
 
+def test_several_frames_are_judged_like_the_command_does(node: Asker, library: Library) -> None:
+    """Each group of frames has one of the mistakes that the page knows, twice each."""
+    random_ = random.Random("together")
+    items, expected = [], []
+    for device in library.devices:
+        for case in (layout_cases[0] for layout_cases in cases(device) if is_compared(layout_cases[0])):
+            frames = [[*disturbed_texts(case, random_)] for _ in range(3)]
+            for texts in zip(*frames, strict=False):
+                items.append({**case.data, "frames": list(texts)})
+                whys = [why_of(case, text) for text in texts]
+                mistakes = judge_together([of_page(case, why) for why in whys if why is not None])
+                expected.append([[mistake.text, mistake.frames, str(mistake.one_in)] for mistake in mistakes])
+    answers = node("together", items)
+    for item, answer, mistakes_of_command in zip(items, answers, expected, strict=True):
+        assert answer == mistakes_of_command, item
+    assert sum(bool(answer) and answer[0][1] == 3 for answer in answers) > 100
+
+
 def is_compared(case: Case) -> bool:
     """Return False for registers, and for a few bits, where mistakes that only the command knows give the same frame.
 
@@ -411,34 +431,40 @@ def recorded_texts(frame: str, random_: random.Random) -> Iterator[str]:
 
 def expected_explanations(case: Case, text: str) -> list[Any]:
     """Return the explanations of the command for these mistakes, and the missing part."""
-    nothing: list[Any] = [[], ""]
+    why = why_of(case, text)
+    if why is None:
+        return [[], ""]
+    return [[reason(mistake) for mistake in of_page(case, why).explanations], why.missing]
+
+
+def why_of(case: Case, text: str) -> Why | None:
+    """Return the explanations of the command."""
     if case.layout.in_bytes:
         data = frame_bytes(text)
         decoded = codec.decode_bytes(case.device, case.variant, case.layout.sender, data)
         if decoded.layout is None or not {problem.fault.value for problem in decoded.problems} & {"crc", "length"}:
-            return nothing
-        why = explain_bytes(case.device, case.variant, case.layout.sender, decoded.layout, data)
-    else:
-        frame = frame_number(case.placed, text)
-        decoded = (
-            codec.decode_bits(case.device, case.placed, frame.number, frame.bits)
-            if frame.exact
-            else codec.decode(case.device, case.placed, frame.number)
-        )
-        faults = {problem.fault.value for problem in decoded.problems}
-        is_dead = frame.number in (0, (1 << case.placed.bits) - 1)
-        if not faults & {"crc", "length"} and not is_dead:
-            if "constant" not in faults or decoded.crc is not None:
-                return nothing
-            why = explain_constant(case.device, case.variant, case.placed, frame)
-        else:
-            why = explain_bits(case.device, case.variant, case.placed, frame)
-    if why is None:
-        return nothing
-    of_bytes = {"other_polynomial"} if case.layout.in_bytes else set()
-    kinds = PAGE_KINDS | of_bytes
+            return None
+        return explain_bytes(case.device, case.variant, case.layout.sender, decoded.layout, data)
+    frame = frame_number(case.placed, text)
+    decoded = (
+        codec.decode_bits(case.device, case.placed, frame.number, frame.bits)
+        if frame.exact
+        else codec.decode(case.device, case.placed, frame.number)
+    )
+    faults = {problem.fault.value for problem in decoded.problems}
+    is_dead = frame.number in (0, (1 << case.placed.bits) - 1)
+    if faults & {"crc", "length"} or is_dead:
+        return explain_bits(case.device, case.variant, case.placed, frame, is_valid=not faults)
+    if "constant" in faults and decoded.crc is None:
+        return explain_constant(case.device, case.variant, case.placed, frame)
+    return None
+
+
+def of_page(case: Case, why: Why) -> Why:
+    """Return the explanations with the mistakes that the page knows."""
+    kinds = PAGE_KINDS | ({"other_polynomial"} if case.layout.in_bytes else set())
     mistakes = [mistake for mistake in why.explanations if mistake.kind in kinds and not mistake.twice]
-    return [[reason(mistake) for mistake in mistakes], why.missing]
+    return replace(why, explanations=tuple(mistakes))
 
 
 def reason(mistake: Explanation) -> Reason:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import sys
+from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TextIO
@@ -14,6 +15,7 @@ from ...order_codes.labels import Match
 from ...order_codes.parameters import RegisterError
 from ...reference import codec
 from ...reference.findings import Difference, Findings, Report, findings, strange_values
+from ...why import MOST_FRAMES
 from ..encoder_options import UndecidedError, refuse_undecided
 from .frames import (
     FrameTextError,
@@ -37,8 +39,6 @@ DONE, FAULT, NO_FRAME, NOT_USABLE = 0, 1, 2, 3
 _WORST_FIRST = (NO_FRAME, FAULT, NOT_USABLE)
 #: Number of frames after which a message names the command for many frames.
 MANY = 10_000
-#: Frames with an error after which more of them do not change what explains all of them.
-MOST_FRAMES = 100
 #: Characters of a line that are kept in memory.
 _LONGEST_LINE = 1 << 16
 _ONE_LINE = json.JSONEncoder(ensure_ascii=False)
@@ -100,8 +100,8 @@ class Decoding:
         self._needed_answers: dict[str, dict[str, str]] = {}
         self._codes = {FAULT} if request.register_differences else set()
         self._is_first = True
-        #: The first frames with an error, each with its explanations.
-        self._failed_frames: list[tuple[str, codec.Decoded, Why]] = []
+        #: The last frames with an error, each with its explanations.
+        self._failed_frames: deque[tuple[str, codec.Decoded, Why]] = deque(maxlen=MOST_FRAMES)
 
     @property
     def code(self) -> int:
@@ -126,7 +126,7 @@ class Decoding:
             other_layouts = self._other_layouts(line.text, decoded)
             if is_frame_of_other_kind(decoded, other_layouts):
                 why = None
-            if why is not None and decoded.problems and len(self._failed_frames) < MOST_FRAMES:
+            if why is not None and decoded.problems:
                 self._failed_frames.append((line.text, decoded, why))
             # Someone who reads many frames should not have to wait for the end.
             print(self._output(line, decoded, frame_findings, why, other_layouts), flush=line.number is not None)
@@ -144,9 +144,7 @@ class Decoding:
         if mistakes and mistakes[0].frames == len(failed_frames):
             return mistakes
         device, variant, sender = self._request.device, self._request.match.variant, self._request.sender
-        whys = [
-            why_text(device, variant, sender, text, decoded, with_pairs=True) for text, decoded, _ in failed_frames
-        ]
+        whys = [why_text(device, variant, sender, text, decoded, with_pairs=True) for text, decoded, _ in failed_frames]
         return judge_together([why for why in whys if why is not None])
 
     def _decode(self, text: str) -> tuple[codec.Decoded, Why | None]:

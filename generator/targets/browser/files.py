@@ -30,7 +30,7 @@ from ...say.markdown import text
 from ...say.names_and_places import field_at
 from ...say.plain_text import plain
 from ...say.text import BY_NAME, WORTH
-from ...why import in_bits, mistakes
+from ...why import MOST_FRAMES, in_bits, mistakes
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, Line, line_name
 from ...why.tries import ACTIVE, IDLE, MISTAKES
 from .. import NO_OPTIONS, Library, Options, Target
@@ -255,6 +255,7 @@ _MESSAGES = {
     "family": labels.family_instead_of_code("{0}", "{1}"),
     "unknown": labels.unknown_code("{0}"),
     "gray": report.in_gray_code("{0}", "{1}"),
+    "together": report.explained_together("{0}", "{1}"),
     "another_frame": report.ANOTHER_FRAME,
     "uncertain": report.UNCERTAIN_READINGS,
     "nearest": labels.nearest_codes_hint("{0}"),
@@ -299,7 +300,7 @@ def script_table(library: Library) -> Data:
         "limits": {"text": report.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
         "lines": {name: _line_data(line) for name, line in LINES.items()},
         "inside": [FRAME_INSIDE, FRAME_INSIDE_TEXT],
-        "likely": {"kinds": dict(MISTAKES), "idle": IDLE, "active": ACTIVE},
+        "likely": {"kinds": dict(MISTAKES), "idle": IDLE, "active": ACTIVE, "frames": MOST_FRAMES},
         "families": [library.part(_family_data, device, NO_OPTIONS) for device in library.devices],
     }
 
