@@ -289,3 +289,21 @@ def valid_other(name: str) -> str:
 def register_length(register: str, needed: str, actual: str) -> str:
     """Return the message for a register value of another length. ``needed`` and ``actual`` include the unit."""
     return f"the register '{register}' has {needed}, but the text has {actual}"
+
+
+def in_gray_code(sent: str, decoded: str) -> str:
+    """Return the words about a number in Gray code, both in hexadecimal."""
+    return f"sent in Gray code as {sent}, decoded {decoded}"
+
+
+def explained_together(explained: str, failed: str) -> str:
+    """Return the words about the mistakes that explain ``explained`` of the ``failed`` frames with an error."""
+    return f"Together, {explained} of {failed} frames with an error have this explanation, most likely first"
+
+
+#: Words about explanations of a frame.
+ANOTHER_FRAME = (
+    "Another frame would help: decode several frames at other positions together, one per line, to see which "
+    "explanation fits all of them."
+)
+UNCERTAIN_READINGS = "Possible readings, most likely first. Without a CRC, none of them is certain"

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ..model import Answer, Crc, Device, Flag, Kind, Number, PlacedLayout, Unused, Variant, choices
-from ..model.record import dataclass
 from ..reference.bits import binary_to_gray, gray_to_binary, reflect
+from .recordings import LINES, FrameOffset, line_name, recorded_bits, recording_tries, window_tries
 from .tries import NOT_INVERTED, BitText, Try, covered_number, fixed_bits, likelihood, other_codes, read_as
 
 #: Polynomials, including their top bit, that BiSS masters offer: those of the Microchip dsPIC33A by length, and 0x97,
@@ -17,91 +17,52 @@ POLYNOMIALS = (0x190D9, 0x12F, 0x89, 0x97, 0x43, 0x25, 0x13, 0xB)
 OtherCrc = tuple[str, str, Crc]
 
 
-@dataclass(frozen=True, slots=True)
-class FrameOffset:
-    """Bits that do not begin and end with the frame.
-
-    ``front`` are extra bits before the frame (``?`` is any bit), ``missing`` are missing first bits of the frame,
-    ``lost`` is the number of missing last bits, and ``behind`` is the number of extra bits after it.
-    """
-
-    kind: str
-    text: str
-    front: str = ""
-    missing: str = ""
-    lost: int = 0
-    behind: int = 0
-
-    @property
-    def longer(self) -> int:
-        return len(self.front) - len(self.missing) - self.lost + self.behind
-
-
-SLIPS = (
-    FrameOffset(
-        "first_bit_missing",
-        "started one clock late: the first bit (0) is missing, and an extra bit follows",
-        missing="0",
-        behind=1,
-    ),
-    FrameOffset(
-        "first_bit_missing",
-        "started one clock late: the first bit (1) is missing, and an extra bit follows",
-        missing="1",
-        behind=1,
-    ),
-    FrameOffset(
-        "bits_in_front",
-        "started one clock early: an extra bit such as CDS is in front, and the last bit is missing",
-        front="?",
-        lost=1,
-    ),
-    FrameOffset(
-        "bits_in_front",
-        "started two clocks early: start bit and CDS are in front, and the last two bits are missing",
-        front="1?",
-        lost=2,
-    ),
-    FrameOffset("bits_in_front", "an extra bit in front, such as CDS", front="?"),
-    FrameOffset("bits_behind", "an extra bit at the end, such as the stop bit", behind=1),
-    FrameOffset("bits_in_front", "two extra bits in front: start bit and CDS", front="1?"),
-    FrameOffset(
-        "bits_in_front",
-        "an extra bit in front, such as CDS, and one at the end, such as the stop bit",
-        front="?",
-        behind=1,
-    ),
-    FrameOffset("bits_behind", "two extra bits at the end", behind=2),
-    FrameOffset("first_bit_missing", "the first bit (0) is missing", missing="0"),
-    FrameOffset("first_bit_missing", "the first bit (1) is missing", missing="1"),
-    FrameOffset("last_bits_missing", "the last bit is missing", lost=1),
-    FrameOffset("last_bits_missing", "the last two bits are missing", lost=2),
-)
-
-
 def tries(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
     """Yield every single mistake that could have turned a valid frame into ``text``.
 
-    If the CRC covers only a part of the frame, only other parameters of the CRC and inverted frames are tried.
-    ``placed`` is the layout of the expected frame. A number without leading zeros may have any length from its first 1
-    on. If it can have the right length, other lengths are tried only if they lead to another frame.
+    If the CRC covers only a part of the frame, only other parameters of the CRC, and inverted and moved frames, are
+    tried. ``placed`` is the layout of the expected frame. A number without leading zeros may have any length from its
+    first 1 on. If it can have the right length, other lengths are tried only if they lead to another frame.
     """
-    expected = placed.bits
-    lengths = {text.bits} if text.exact or text.bits > expected else {expected, expected - 1}
-    lengths = {length for length in lengths if length >= text.bits}
-    if expected in lengths:
+    if placed.bits in _lengths(placed, text):
         yield from _computed_otherwise(placed, crc, text.number)
         yield from _whole_frame_tries(placed, crc, text.number)
+    yield from moved_frames(device, variant, placed, crc, text)
     if placed.covers_part:
         return
-    for length in sorted(lengths, reverse=True):
-        slips = [slip for slip in SLIPS if slip.longer == length - expected]
-        yield from (_offset_try(placed, crc, slip, text.number, length) for slip in slips)
     yield from _without_status(placed, crc, text)
     yield from other_answers(device, variant, placed, crc, text)
     yield from _other_polynomials(placed, crc, text)
     yield from _bytes_reversed(placed, crc, text)
     yield from other_codes(device, variant, placed, crc, text)
+
+
+def _lengths(placed: PlacedLayout, text: BitText) -> list[int]:
+    """Return the lengths that the text may have, longest first."""
+    is_known = text.exact or text.bits > placed.bits
+    lengths = [text.bits] if is_known else [placed.bits, placed.bits - 1]
+    return [length for length in lengths if length >= text.bits]
+
+
+def moved_frames(
+    device: Device, variant: Variant, placed: PlacedLayout, crc: Crc | None, text: BitText
+) -> Iterator[Try]:
+    """Yield tries with bits around the frame, or without its first or last bits.
+
+    The frame is searched at every bit only if no rule of the line finds it.
+    """
+    line = LINES.get(line_name(device.interface(variant.interface)))
+    if line is None:
+        return
+    received = recorded_bits(text, placed.bits)
+    tries_by_rule = []
+    for length in _lengths(placed, text):
+        slips = [slip for slip in line.slips if slip.longer == length - placed.bits]
+        tries_by_rule += [_offset_try(placed, crc, slip, text.number, length) for slip in slips]
+    tries_by_rule += recording_tries(line, placed, crc, received)
+    yield from tries_by_rule
+    if crc is not None and not any(attempt.fits for attempt in tries_by_rule):
+        yield from window_tries(placed, crc, received)
 
 
 def as_sent(placed: PlacedLayout, crc: Crc, number: int) -> Try:
@@ -111,13 +72,15 @@ def as_sent(placed: PlacedLayout, crc: Crc, number: int) -> Try:
     return replace(try_as_sent, fixed=fixed if are_right else 0, likelihood=likelihood(placed, number))
 
 
-def _offset_try(placed: PlacedLayout, crc: Crc, slip: FrameOffset, number: int, length: int) -> Try:
+def _offset_try(placed: PlacedLayout, crc: Crc | None, slip: FrameOffset, number: int, length: int) -> Try:
     body_bits = length - len(slip.front) - slip.behind
     body = number >> slip.behind
     starts = [bit for bit in range(len(slip.front)) if slip.front[bit] == "1"]
     holds = all(body >> (body_bits + len(slip.front) - 1 - bit) & 1 for bit in starts)
     frame = (int(slip.missing or "0", 2) << body_bits | body & ((1 << body_bits) - 1)) << slip.lost
-    return read_as(slip.kind, slip.text, placed, crc, frame, slip.lost, len(starts), holds)
+    words = slip.text.format(slip.missing)
+    attempt = read_as(slip.kind, words, placed, crc, frame, slip.lost, len(starts), holds)
+    return replace(attempt, template=slip.text)
 
 
 def _computed_otherwise(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
@@ -136,7 +99,7 @@ def _computed_otherwise(placed: PlacedLayout, crc: Crc, number: int) -> Iterator
 
 def _status_otherwise(try_as_sent: Try, placed: PlacedLayout, number: int) -> Iterator[Try]:
     """Yield tries in which the CRC does not cover error and warning, or they were inverted."""
-    status, width = _status_mask(placed), try_as_sent.crc.width
+    status, width = _status_mask(placed), try_as_sent.known_bits
     if not status:
         return
     data, bits = _without_bits(try_as_sent.data, try_as_sent.bits, status >> width)
@@ -168,7 +131,7 @@ def _position_otherwise(try_as_sent: Try, placed: PlacedLayout, number: int) -> 
             try_as_sent,
             kind="other_code",
             text=description,
-            data=(other_bits | converted << low) >> try_as_sent.crc.width,
+            data=(other_bits | converted << low) >> try_as_sent.known_bits,
         )
 
 

@@ -26,7 +26,8 @@ from ..model import (
 from ..model.record import dataclass
 from ..reference import codec
 from ..reference.bits import parity_bit
-from .in_bits import POLYNOMIALS, OtherCrc, as_sent, other_answers, tries
+from .in_bits import POLYNOMIALS, OtherCrc, as_sent, moved_frames, other_answers, tries
+from .recordings import FRAME_INSIDE, LINES, line_name, missing_part, recorded_bits
 from .tries import MISTAKES, NOT_INVERTED, BitText, Try, read_as
 
 #: More extra bytes than this do not come from an echoed request.
@@ -146,6 +147,8 @@ def _first_bytes(placed: PlacedLayout) -> Iterator[int]:
 _LEAST_BITS = 3
 #: Frames with fewer bits may be all zeros or all ones by coincidence.
 _LEAST_STUCK = 12
+#: An explanation that matches fewer random frames than one in this many is as good as certain.
+_CERTAIN = 1 << 16
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,6 +157,8 @@ class Explanation:
 
     It matches one of ``one_in`` random frames. ``reads`` are the numbers in the frame without the mistake, if that
     changes the frame. ``codes`` are the order codes that would send it. ``twice`` is true if two mistakes are needed.
+    ``parts`` are the parts of a recording, each with its bits. ``template`` is the text without the details of this
+    frame, if it has any.
     """
 
     kind: str
@@ -163,6 +168,13 @@ class Explanation:
     reads: Mapping[str, int]
     codes: tuple[str, ...] = ()
     twice: bool = False
+    parts: tuple[tuple[str, str], ...] = ()
+    template: str = ""
+
+    @property
+    def mistake(self) -> tuple[str, str, bool]:
+        """Key of the mistake, which is the same for all frames with it."""
+        return self.kind, self.template or self.text, self.twice
 
 
 @dataclass(frozen=True, slots=True)
@@ -173,6 +185,8 @@ class Why:
     of random frames. ``cannot_see`` lists mistakes that a CRC of this kind cannot detect. ``disturbed`` are the bits,
     counted from the last as 0, that make the frame valid if one of them is inverted. Such noise is the usual cause if
     only some frames fail, but one frame cannot prove it: the CRC is short, and most random frames have such a bit.
+    ``missing`` is the part that a recording without a complete frame lacks. ``has_crc`` is false if only constants,
+    parity and the length can contradict a frame, so that nothing is certain.
     """
 
     explanations: tuple[Explanation, ...]
@@ -180,38 +194,87 @@ class Why:
     coincidence: float
     cannot_see: tuple[str, ...]
     disturbed: tuple[int, ...] = ()
+    missing: str = ""
+    has_crc: bool = True
+
+    @property
+    def needs_another_frame(self) -> bool:
+        """True if other frames with the same mistake would decide between the explanations."""
+        if any(explanation.kind == "line_stuck" for explanation in self.explanations):
+            return False
+        is_doubtful = bool(self.explanations) and self.explanations[0].one_in < _CERTAIN
+        return is_doubtful or len(self.explanations) > 1
 
 
 def explain_bits(
-    device: Device, variant: Variant, placed: PlacedLayout, text: BitText, *, is_valid: bool = False
+    device: Device,
+    variant: Variant,
+    placed: PlacedLayout,
+    text: BitText,
+    *,
+    is_valid: bool = False,
+    with_pairs: bool = False,
 ) -> Why | None:
     """Explain the wrong CRC of ``text``, which should be a frame of the layout ``placed``.
 
-    Return None if the frame is valid or has no CRC, unless all its bits are equal.
+    ``with_pairs`` also lists pairs of mistakes if a single one matches.
+
+    Return None if the frame is valid, unless all its bits are equal.
     """
     crc = device.crc_of(placed.layout)
     doubt = "and there is no CRC to distinguish it" if crc is None else "and the CRC is correct too" * is_valid
     stuck = _explain_equal_bits(variant, text.number, text.bits if text.exact else max(text.bits, placed.bits), doubt)
     if stuck is not None:
         return stuck
-    if crc is None or is_valid:
+    if is_valid:
         return None
+    missing = _missing_part(device, variant, placed, text)
+    if crc is None:
+        return _readings(device, moved_frames(device, variant, placed, crc, text), missing)
     failed = _known_to_fail(placed, crc, text)
-    why = _why(device, tries(device, variant, placed, crc, text), failed, (crc,))
+    why = _why(device, tries(device, variant, placed, crc, text), failed, (crc,), with_pairs=with_pairs)
+    if why is None:
+        return Why((), 0, 0.0, (), missing=missing) if missing else None
+    why = replace(why, missing=missing)
     bits = range(placed.bits) if failed else ()
     flips = (1 << bit for bit in bits)
     fits = [read_as("", "", placed, crc, text.number ^ flip).fits for flip in flips]
-    return replace(why, disturbed=_fitting_bits(fits)) if why is not None else None
+    return replace(why, disturbed=_fitting_bits(fits))
+
+
+def _missing_part(device: Device, variant: Variant, placed: PlacedLayout, text: BitText) -> str:
+    """Return what a recording of another length lacks, or an empty string if a rule of the line finds a frame."""
+    line = LINES.get(line_name(device.interface(variant.interface)))
+    has_frame_length = text.bits == placed.bits if text.exact else text.bits <= placed.bits
+    if line is None or has_frame_length:
+        return ""
+    attempts = moved_frames(device, variant, placed, device.crc_of(placed.layout), text)
+    by_rule = (attempt for attempt in attempts if attempt.fits and attempt.kind != FRAME_INSIDE)
+    if any(attempt.crc is None or _is_significant(attempt) for attempt in by_rule):
+        return ""
+    return missing_part(line, placed.bits, recorded_bits(text, placed.bits))
+
+
+def _readings(device: Device, tries: Iterable[Try], missing: str) -> Why | None:
+    """Return the readings of a frame without a CRC, most likely first. Nothing proves one of them."""
+    fitting_tries = sorted((attempt for attempt in tries if attempt.fits), key=lambda attempt: -attempt.score)
+    likeliest_tries = {attempt.number: attempt for attempt in reversed(fitting_tries)}
+    readings = (attempt for attempt in fitting_tries if likeliest_tries[attempt.number] is attempt)
+    explanations = [_explanation(device, attempt, frozenset()) for attempt in readings]
+    if not explanations and not missing:
+        return None
+    return Why(tuple(explanations), len(explanations), 1.0, (), missing=missing, has_crc=False)
 
 
 def explain_constant(device: Device, variant: Variant, placed: PlacedLayout, text: BitText) -> Why | None:
-    """Explain a valid CRC with a wrong constant by another answer to a question that the manual leaves open.
+    """Explain a wrong constant.
 
-    Return None if no other answer matches.
+    With a valid CRC, this is another answer to a question that the manual leaves open. Without a CRC, it is a frame
+    that was read one clock early or late. Return None if nothing matches.
     """
     crc = device.crc_of(placed.layout)
     if crc is None:
-        return None
+        return _readings(device, moved_frames(device, variant, placed, crc, text), "")
     fitting = [candidate for candidate in other_answers(device, variant, placed, crc, text) if candidate.fits]
     return _why(device, fitting, (), (crc,)) if fitting else None
 
@@ -228,7 +291,8 @@ def explain_bytes(
     if stuck is not None:
         return stuck
     attempts = list(tries_with_bytes(device, variant, sender, placed, data))
-    crcs = tuple({attempt.crc.name: device.crc(attempt.crc.name) for attempt in attempts}.values())
+    crc_names = dict.fromkeys(attempt.crc.name for attempt in attempts if attempt.crc is not None)
+    crcs = tuple(map(device.crc, crc_names))
     # For an unknown frame the user has not chosen anything, so values that depend on a choice are not read.
     undecided = frozenset(name for alternative in device.alternatives for name in alternative.answers[0].sets)
     why = _why(device, attempts, (), crcs, undecided)
@@ -255,20 +319,21 @@ def _why(
     failed: Sequence[Try],
     crcs: Sequence[Crc],
     undecided: frozenset[str] = frozenset(),
+    with_pairs: bool = False,
 ) -> Why | None:
     single_tries = _distinct_tries(tries, failed)
     if not single_tries:
         return None
     explanations = [_explanation(device, attempt, undecided) for attempt in single_tries if attempt.fits]
     all_tries = single_tries
-    if not explanations:
+    if with_pairs or all(explanation.kind == FRAME_INSIDE for explanation in explanations):
         # Try pairs only with the most common mistake, and only if no single one matches. More pairs would mostly match
         # by coincidence.
-        pairs = [_not_inverted(attempt) for attempt in single_tries if attempt.kind != NOT_INVERTED]
+        unpaired_kinds = (NOT_INVERTED, FRAME_INSIDE)
+        pairs = [_not_inverted(attempt) for attempt in single_tries if attempt.kind not in unpaired_kinds]
         all_tries = _distinct_tries((*single_tries, *pairs), failed)
         fitting_pairs = [attempt for attempt in all_tries[len(single_tries) :] if attempt.fits]
-        explanations = [_explanation(device, attempt, undecided) for attempt in fitting_pairs]
-        explanations = [replace(explanation, twice=True) for explanation in explanations]
+        explanations += [replace(_explanation(device, pair, undecided), twice=True) for pair in fitting_pairs]
     explanations.sort(key=lambda explanation: -explanation.score)
     chances = {attempt.question: attempt.one_in for attempt in all_tries}
     coincidence = 1 - prod(1 - 1 / one_in for one_in in chances.values())
@@ -276,14 +341,21 @@ def _why(
     return Why(tuple(explanations), len(all_tries), coincidence, blind)
 
 
+def _is_significant(attempt: Try) -> bool:
+    return attempt.known_bits + attempt.demanded >= _LEAST_BITS
+
+
 def _distinct_tries(tries: Iterable[Try], failed: Sequence[Try]) -> list[Try]:
-    """Return the significant tries, without those known to fail and without duplicates that lead to the same frame."""
+    """Return the significant tries, without those known to fail. Of those that lead to the same frame, one is kept."""
     failed_questions = {attempt.question for attempt in failed}
     distinct_tries: dict[object, Try] = {}
     for attempt in tries:
-        if attempt.known_bits + attempt.demanded >= _LEAST_BITS and attempt.question not in failed_questions:
+        if _is_significant(attempt) and attempt.question not in failed_questions:
             leads_to = (attempt.number, _places(attempt.placed)) if attempt.placed is not None else attempt.text
-            distinct_tries.setdefault((attempt.question, leads_to), attempt)
+            key = (attempt.question, leads_to)
+            same = distinct_tries.get(key)
+            if same is None or (attempt.holds, attempt.score) > (same.holds, same.score):
+                distinct_tries[key] = attempt
     return list(distinct_tries.values())
 
 
@@ -293,6 +365,7 @@ def _places(placed: PlacedLayout) -> tuple[int, tuple[tuple[str, int], ...]]:
 
 
 def _not_inverted(attempt: Try) -> Try:
+    assert attempt.crc is not None
     change = "not inverted" if attempt.crc.xorout else "inverted"
     return replace(
         attempt,
@@ -303,7 +376,16 @@ def _not_inverted(attempt: Try) -> Try:
 
 def _explanation(device: Device, attempt: Try, undecided: frozenset[str]) -> Explanation:
     reads = _numbers_read(device, attempt.placed, attempt.number, undecided) if attempt.placed is not None else {}
-    return Explanation(attempt.kind, attempt.text, attempt.one_in, attempt.score, reads, attempt.codes)
+    return Explanation(
+        attempt.kind,
+        attempt.text,
+        attempt.one_in,
+        attempt.score,
+        reads,
+        attempt.codes,
+        parts=attempt.parts,
+        template=attempt.template,
+    )
 
 
 def _numbers_read(device: Device, placed: PlacedLayout, number: int, undecided: frozenset[str]) -> dict[str, int]:

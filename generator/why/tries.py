@@ -32,11 +32,15 @@ from ..say.plain_text import counted, first_of
 
 @dataclass(frozen=True, slots=True)
 class BitText:
-    """A frame as typed, with ``bits`` bits, or at least that many if the text does not show leading zeros."""
+    """A frame as typed, with ``bits`` bits, or at least that many if the text does not show leading zeros.
+
+    ``written`` is the number of bits of all digits, leading zeros included.
+    """
 
     number: int
     bits: int
     exact: bool
+    written: int = 0
 
 
 NOT_INVERTED = "crc_not_inverted"
@@ -54,6 +58,12 @@ MISTAKES: Mapping[str, float] = MappingProxyType(
         "last_bits_missing": 4,  # one clock too few, or a frame cut to fit an integer
         "status_left_out": 4,  # a driver computes the CRC over the position only
         "status_not_sent": 4,  # a master's switch for status bits removes them from the data
+        "raw_buffer": 64,  # the rule of the receiver finds the frame in every complete buffer
+        "bits_around": 2,  # a buffer without acknowledge, since the program removed it
+        "frame_inside": 0.5,  # nothing but the CRC shows where the frame begins
+        "zeros_behind": 8,  # SSI with more clocks than the word has bits
+        "zeros_in_front": 8,  # the word is at the end of a fixed number of clocks
+        "word_twice": 8,  # some encoders repeat the word while the clock continues
         "other_answer": 8,  # tried only if the manual is ambiguous about the frame
         "status_turned": 2,  # drivers pass error and warning on as active high
         "other_code": 2,  # a master converts Gray code to binary before the CRC is checked
@@ -74,7 +84,7 @@ MISTAKES: Mapping[str, float] = MappingProxyType(
 
 #: Likelihood, relative to a random bit, of an inactive flag or a reserved bit as documented, and of an active flag.
 #: Faults are assumed to be rare.
-_IDLE, _ACTIVE = 1.8, 0.2
+IDLE, ACTIVE = 1.8, 0.2
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,12 +96,14 @@ class Try:
     determines, and ``holds`` is true if they have it. ``fixed`` is the number of frame bits that have their constant
     value. They prove nothing, but make one reading more likely than another, as do inactive flags (``likelihood``).
     ``number`` is the frame with the layout ``placed`` without the mistake, if that changes the frame. ``codes`` are
-    the order codes that would send it.
+    the order codes that would send it. ``parts`` are the parts of the recording that contains the frame, and
+    ``places`` is the number of places at which it was searched. ``template`` is the text without the details of this
+    frame. ``crc`` is None if the frame has none.
     """
 
     kind: str
     text: str
-    crc: Crc
+    crc: Crc | None
     data: int
     bits: int
     received: int
@@ -104,11 +116,16 @@ class Try:
     number: int = 0
     placed: PlacedLayout | None = None
     codes: tuple[str, ...] = ()
+    parts: tuple[tuple[str, str], ...] = ()
+    places: int = 1
+    template: str = ""
 
     @property
     def fits(self) -> bool:
         if not self.holds:
             return False
+        if self.crc is None:
+            return True
         computed = (
             compute_bytes(self.crc, self.data.to_bytes(self.bits // 8, "big"))
             if self.by_bytes
@@ -119,17 +136,19 @@ class Try:
     @property
     def one_in(self) -> int:
         """Average number of random frames among which one matches."""
-        return 1 << (self.known_bits + self.demanded)
+        return max((1 << (self.known_bits + self.demanded)) // self.places, 1)
 
     @property
     def score(self) -> float:
         """Likelihood of a mistake that matches: its frequency, times the improbability of the match without it."""
-        return MISTAKES[self.kind] * self.likelihood * 2.0 ** (self.known_bits + max(self.demanded, self.fixed))
+        evidence = self.known_bits + max(self.demanded, self.fixed)
+        return MISTAKES[self.kind] * self.likelihood * 2.0**evidence / self.places
 
     @property
     def question(self) -> tuple[object, ...]:
         """Key of the try. Tries with the same key match the same frames. With init 0, leading zeros do not matter."""
-        return self.crc, self.data, self.bits if self.crc.init else 0, self.received, self.known_bits
+        bits = self.bits if self.crc is not None and self.crc.init else 0
+        return self.crc, self.data, bits, self.received, self.known_bits
 
 
 def fixed_bits(placed: PlacedLayout, number: int) -> tuple[int, bool]:
@@ -168,9 +187,9 @@ def likelihood(placed: PlacedLayout, number: int) -> float:
         raw = number >> placed_field.low & placed_field.mask
         match placed_field.field.kind:
             case Flag(active_low=low):
-                likelihood *= _ACTIVE if bool(raw) != low else _IDLE
+                likelihood *= ACTIVE if bool(raw) != low else IDLE
             case Unused(value):
-                likelihood *= _IDLE**placed_field.width if raw == value & placed_field.mask else _ACTIVE
+                likelihood *= IDLE**placed_field.width if raw == value & placed_field.mask else ACTIVE
     return likelihood
 
 
@@ -178,15 +197,20 @@ def read_as(
     kind: str,
     words: str,
     placed: PlacedLayout,
-    crc: Crc,
+    crc: Crc | None,
     number: int,
     lost: int = 0,
     demanded: int = 0,
     holds: bool = True,
     codes: Sequence[str] = (),
 ) -> Try:
-    """Return a try in which the frame was ``number``, whose last ``lost`` bits were not received."""
+    """Return a try in which the frame was ``number``, whose last ``lost`` bits were not received.
+
+    Without a CRC, lost bits are those with which the parity is right.
+    """
     fixed, are_right = fixed_bits(placed, number)
+    if crc is None:
+        return _without_crc(kind, words, placed, number, lost, demanded, holds)
     received = (number & crc.mask) >> lost
     return Try(
         kind,
@@ -201,6 +225,29 @@ def read_as(
         number=number,
         placed=placed,
         codes=tuple(codes),
+    )
+
+
+def _without_crc(
+    kind: str, words: str, placed: PlacedLayout, number: int, lost: int, demanded: int, holds: bool
+) -> Try:
+    """Return a try with a frame that only its constants and parity can contradict."""
+    completed = (number | last_bits for last_bits in range(1 << lost))
+    frame = next((frame for frame in completed if fixed_bits(placed, frame)[1]), number)
+    fixed, are_right = fixed_bits(placed, frame)
+    return Try(
+        kind,
+        words,
+        None,
+        data=frame,
+        bits=placed.bits,
+        received=0,
+        known_bits=0,
+        demanded=demanded + max(fixed - lost, 0),
+        holds=holds and are_right,
+        likelihood=likelihood(placed, frame),
+        number=frame,
+        placed=placed,
     )
 
 

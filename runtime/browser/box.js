@@ -101,7 +101,7 @@ function box(root) {
     }
     const [sender] = state.what.split(":");
     const others = register() ? [] : otherFrames(state.found, sender, line.text, found, state.held, state.answers);
-    return resultOf(found, state.found.interface.measure, commandFor(state, line.text), others);
+    return resultOf(found, state.found.interface.measure, others);
   }
 
   /** The table of many frames, and one of them in full below it. */
@@ -112,7 +112,7 @@ function box(root) {
       full.replaceChildren(element("h3", {}, `Line ${one.line.number}`), ...single(one));
       full.scrollIntoView({ block: "nearest" });
     };
-    return [tableOf(rows, state.found.interface.measure, pick), exportsOf(rows), full];
+    return [...togetherOf(rows), tableOf(rows, state.found.interface.measure, pick), exportsOf(rows), full];
   }
 
   /** Puts the inputs into the address of the page, so that a link to it carries them. */
@@ -213,14 +213,6 @@ function framesOf(interface_, sender) {
   const isTold = interface_.told?.some((item) => item.sender === sender);
   if (found.length < 2 || isTold) return [option(sender, `a frame from the ${sender}`)];
   return found.map(({ name }) => option(`${sender}:${name}`, `${name.replaceAll("_", " ")}, from the ${sender}`));
-}
-
-function commandFor(state, text) {
-  const choose = Object.entries(state.answers).map(([name, answer]) => ` --choose ${name}=${answer}`).join("");
-  const [sender, layout] = state.what.split(":");
-  const from = (sender === "master" ? " --from master" : "") + (layout ? ` --layout ${layout}` : "");
-  const as = state.what.startsWith("=") ? ` --as ${state.what.slice(1)}` : "";
-  return `codewheel decode ${state.found.code}${from}${as}${choose} "${text.trim().replace(/\s+/g, " ")}"`;
 }
 
 function linkTo(code, text, state) {

@@ -73,6 +73,16 @@ function csvOf(rows) {
   return [heads, ...lines].map((row) => `${row.map(cell).join(",")}\r\n`).join("");
 }
 
+/** The mistakes that explain all or most of the wrong frames among the lines, or that another frame would help. */
+function togetherOf(rows) {
+  const frames = rows.flatMap((row) => (row.found?.problems.length ? [row.found] : []));
+  const found = judgedTogether(frames);
+  if (!found.length || found[0].frames < 2) return [];
+  const start = said("together", `${found[0].frames}`, `${Math.min(frames.length, TABLE.likely.frames)}`);
+  const items = found.map(({ text, oneIn }) => (oneIn > ONE ? `${text} (matches by chance in 1 of ${oneIn})` : text));
+  return [element("p", {}, `${start}:`), list(items)];
+}
+
 /** Buttons that copy and download the lines as CSV. */
 function exportsOf(rows) {
   const copy = element("button", { type: "button" }, "Copy as CSV");

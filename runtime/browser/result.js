@@ -15,6 +15,7 @@ function element(tag, attributes = {}, ...children) {
 
 const part = (tag, name, ...children) => element(tag, { class: `${CLASS}-${name}` }, ...children);
 const list = (items) => element("ul", {}, items.map((item) => element("li", {}, item)));
+const capital = (text) => text[0].toUpperCase() + text.slice(1);
 const sentence = (text) => (/[.!?:]$/.test(text) ? text : `${text}.`);
 
 /** The place of a field in readable form: bits of a word, or bytes of a frame from 0. */
@@ -30,6 +31,17 @@ function placeOf(at, { high, low }) {
 }
 
 const shownValue = (item) => (item === true ? "yes" : item === false ? "no" : `${item}`);
+
+/** The meaning of a field, and for a number in Gray code also how it was sent. */
+function meaningOf({ gray, joins }, { name, high, low, raw, value, meaning }) {
+  const isInside = (from, to) => gray && from >= gray.low && to < gray.low + gray.width;
+  const parts = joins.find((one) => one.name === name)?.parts.map(({ item }) => item).filter(Boolean) ?? [];
+  const isGray = high < 0 ? parts.length > 0 && parts.every((item) => isInside(item.low, item.low + item.width - 1))
+    : isInside(low, high);
+  if (!isGray || typeof value !== "bigint") return meaning;
+  const words = said("gray", hex(raw), hex(value));
+  return meaning ? `${sentence(meaning)} ${capital(words)}` : words;
+}
 
 /** A value with its unit, or a number with the quantity that it stands for. */
 function inUnits(item) {
@@ -62,7 +74,8 @@ function bitsOf(found, table) {
     const place = placeOf(found.at, item);
     const where = layout.order ? place : `bit${size > 1 ? "s" : ""} ${place}`;
     const raw = size > 1 ? ` (${hex(item.raw)})` : ` (${item.raw})`;
-    const meaning = item.meaning ? ` ${sentence(item.meaning)}` : "";
+    const explanation = meaningOf(found.at, item);
+    const meaning = explanation ? ` ${sentence(explanation)}` : "";
     const told = `: ${where}, ${inUnits(item)}${raw}.${meaning}`;
     const from = layout.source ? ` Manual ${layout.source}` : "";
     const name = found.fields.filter((one) => one.high === item.high && one.low === item.low).length > 1
@@ -91,7 +104,7 @@ function fieldTable(found) {
     const raw = part("span", "raw", isOneBit ? `${item.raw}` : hex(item.raw));
     return element("tr", {},
       element("td", {}, placeOf(found.at, item)),
-      element("th", { scope: "row" }, breakable(item.name), item.meaning && part("span", "meaning", item.meaning)),
+      element("th", { scope: "row" }, breakable(item.name), part("span", "meaning", meaningOf(found.at, item))),
       element("td", {}, inUnits(item), raw));
   });
   const heads = ["Place", "Field", "Value, raw"].map((text) => element("th", { scope: "col" }, text));
@@ -147,7 +160,6 @@ function headline(found) {
   const verdict = found.verdict ? [element("code", {}, found.verdict), ": "] : [];
   const names = { not_usable: "bad", usable_with_warning: "warning", usable: "good" };
   const [first, ...more] = words.map(sentence);
-  const capital = (text) => text[0].toUpperCase() + text.slice(1);
   const line = words.length ? [element("p", {}, verdict, [first, ...more.map(capital)].join(" "))] : [];
   return part("div", names[found.verdict] ?? "plain", line);
 }
@@ -168,8 +180,8 @@ function othersOf(found, others) {
   return [element("p", {}, `${words[0].toUpperCase()}${words.slice(1)}. Choose it above.`)];
 }
 
-/** The mistakes that could explain a wrong CRC, and the command that tries more of them. */
-function whyOf(found, command) {
+/** The mistakes that could explain a wrong frame. */
+function whyOf(found) {
   const dead = deadLine(found);
   if (dead) return [element("p", {}, dead)];
   if (!found.problems.length) return [];
@@ -178,22 +190,34 @@ function whyOf(found, command) {
   const noise = flips.length ? [element("p", {},
     `If only some frames fail, one bit may have been disturbed on the line: the CRC matches with ${which} inverted. `
     + "In that case, no change is needed.")] : [];
-  const reasons = explained(found).map((item) => `${item.text} (matches by chance in 1 of ${item.oneIn} frames)`);
-  const crcFault = found.at?.layout.crc && found.problems.some((item) => ["crc", "length"].includes(item.fault));
+  const reasons = explained(found);
   const match = "these changes make the CRC match:";
-  const start = noise.length ? `If all frames fail, ${match}` : `T${match.slice(1)}`;
-  const told = reasons.length ? [element("p", {}, start), list(reasons)] : [];
-  const more = crcFault ? [element("p", {}, "This command tries more mistakes:"), commandLine(command)] : [];
-  return [...noise, ...told, ...more];
+  const withCrc = noise.length ? `If all frames fail, ${match}` : `T${match.slice(1)}`;
+  const start = found.at?.layout.crc ? withCrc : `${said("uncertain")}:`;
+  const told = reasons.length ? [element("p", {}, start), list(reasons.map((one) => reasonOf(found.at, one)))] : [];
+  const missing = missingPart(found);
+  const help = anotherHelps(reasons) ? [element("p", {}, said("another_frame"))] : [];
+  return [...noise, ...told, ...missing ? [element("p", {}, sentence(capital(missing)))] : [], ...help];
 }
+
+/** One explanation: its text and chance, the numbers that the frame then contains, and the parts of a recording. */
+function reasonOf(at, { text, oneIn, number, parts = [] }) {
+  const chance = oneIn > ONE ? ` (matches by chance in 1 of ${oneIn} frames)` : "";
+  const numbers = number === undefined ? [] : numbersRead(at, number).map(([name, one]) => `${name} ${one}`);
+  const reads = numbers.length ? `: ${numbers.join(", ")}` : "";
+  return [`${text}${chance}${reads}`, parts.length ? drawnParts(parts) : ""];
+}
+
+/** The parts of a recording, drawn like the bits of a frame. */
+const drawnParts = (parts) => part("div", "drawing", parts.map(([name, some]) =>
+  part("span", `cell ${CLASS}-cell-${name === "frame" ? "number" : "flag"}`,
+    part("span", "bits", some), part("span", "name", name.replaceAll("_", "-")))));
 
 const byteOf = (at, bit) => (at.layout.order === "little" ? bit >> 3 : at.bits / 8 - 1 - (bit >> 3));
 const bitName = (at, bit) => (at.layout.order ? `bit ${bit % 8} of byte ${byteOf(at, bit)}` : `bit ${bit}`);
 
-const commandLine = (command) => element("pre", { tabindex: "0" }, element("code", {}, command));
-
 /** All output about a frame or register. */
-function resultOf(found, measure, command, others) {
+function resultOf(found, measure, others) {
   const angle = measured(found, measure);
   const table = found.fields.length ? fieldTable(found) : null;
   return [
@@ -204,7 +228,7 @@ function resultOf(found, measure, command, others) {
     ...(table ? [...bitsOf(found, table), table] : []),
     ...(found.crc ? [crcLine(found.crc)] : []),
     ...othersOf(found, others),
-    ...(isAnother(found, others) ? [] : whyOf(found, command)),
+    ...(isAnother(found, others) ? [] : whyOf(found)),
   ];
 }
 

@@ -56,22 +56,24 @@ function bytesIn(text) {
  */
 function numberIn(text, size, exact) {
   let compact = text.replace(/[\s_]/g, "");
-  if (/^0b[01]+$/i.test(compact)) return { number: BigInt(compact), bits: compact.length - 2, exact: true };
+  if (/^0b[01]+$/i.test(compact)) return numberWith(compact, compact.length - 2, true);
   const pieces = text.split(/\s+/);
   if (pieces.length > 1 && pieces.every((piece) => /^(0x)?[0-9a-f]{2}$/i.test(piece))) {
     if (/^[01]+$/.test(pieces.join(""))) throw new FrameText(said("bits_or_bytes", quoted(text)));
     compact = "0x" + pieces.map((piece) => piece.slice(-2)).join("");
     const bits = 8 * pieces.length;
-    if (exact && (bits < size || bits >= size + 8)) return { number: BigInt(compact), bits, exact: true };
+    if (exact && (bits < size || bits >= size + 8)) return numberWith(compact, bits, true);
   }
   if (/^0x[0-9a-f]+$/i.test(compact)) {
-    const number = BigInt(compact);
-    return { number, bits: bitLength(number), exact: false };
+    return { ...numberWith(compact, bitLength(BigInt(compact)), false), written: 4 * (compact.length - 2) };
   }
   const meanings = pieces.length === 1 ? readings(compact, size).join(", ") : "";
   const remedy = meanings ? said("write_one_of", meanings) : said("write_number", size);
   throw new FrameText(said("no_bits", quoted(text), size, remedy));
 }
+
+/** A number with its bits: exactly so many, or at least so many, where ``written`` counts those of all digits. */
+const numberWith = (text, bits, exact) => ({ number: BigInt(text), bits, exact, written: bits });
 
 /** The possible meanings of digits without a prefix, as numbers of at most ``size`` bits. The command line does the same. */
 function readings(digits, size) {

@@ -1,9 +1,11 @@
 // Licence 0BSD: use, modify and distribute this file without any condition.
-// The mistakes in the table that would explain a wrong CRC.
+// The mistakes in the table that would explain a wrong frame, with the same order as on the command line.
 
 const LEAST_BITS = 3;
 // Frames with fewer bits may be all zeros or all ones by coincidence.
 const LEAST_STUCK = 12;
+// An explanation that matches fewer random frames than one in this many is as good as certain.
+const CERTAIN = 65536n;
 
 /** Return the text about a dead line, or "" if the line changes. */
 function deadLine({ at, given, number, data, problems, over }) {
@@ -28,42 +30,163 @@ function disturbedBits({ at, number, problems }) {
   return [...Array(at.bits).keys()].filter((bit) => fits(number ^ (ONE << BigInt(bit))));
 }
 
-/** Return the mistakes in the table that explain the CRC, each with its number of random frames per match. */
+/** Return the mistakes in the table that explain the frame, most likely first, each with its random frames per match. */
 function explained(frame) {
-  const { at, given, problems, number } = frame;
-  if (deadLine(frame)) return [];
-  if (!at?.layout.crc || !problems.some((item) => ["crc", "length"].includes(item.fault))) return [];
-  const crc = at.family.crcs[at.layout.crc];
-  const isWhole = problems.every((item) => item.fault !== "length");
-  const found = isWhole ? crc.others.flatMap(([text, other]) => otherCrc(at, number, text, other)) : [];
-  const slips = given ? TABLE.slips.flatMap((slip) => slipped(at, crc, given, slip)) : [];
-  // Two mistakes that lead to the same frame match the same frames.
-  const asked = slips.map((item) => `${item.number} ${item.lost}`);
-  return [...found, ...slips.filter((_, place) => asked.indexOf(asked[place]) === place)];
+  const { at, given, problems } = frame;
+  const hasFault = (...kinds) => problems.some((item) => kinds.includes(item.fault));
+  if (!at || !problems.length || deadLine(frame)) return [];
+  if (!hasFault("crc", "length") && (at.layout.crc || !hasFault("constant"))) return [];
+  const others = at.layout.crc && !hasFault("length") ? otherCrcs(frame) : [];
+  const moved = given ? movedFrames(at, given) : [];
+  const fitting = [...others, ...moved].filter((one) => one.fits);
+  return distinct(fitting.sort((one, other) => other.score - one.score));
 }
 
-function otherCrc(at, number, text, other) {
+/** Return the part that a recording without a complete frame lacks, or "". */
+function missingPart(frame) {
+  const { at, given, problems } = frame;
+  const found = explained(frame);
+  if (!given || !problems.some((item) => item.fault === "length") || deadLine(frame)) return "";
+  if (found.some((one) => one.kind !== TABLE.inside[0])) return "";
+  for (const [text, pattern] of lineOf(at)?.incomplete ?? []) {
+    const match = matched(pattern, at, receivedBits(at, given));
+    const count = match?.groups?.frame?.length ?? 0;
+    if (match && count < at.bits) return filled(text, count, at.bits, at.bits - count);
+  }
+  return "";
+}
+
+/** Whether other frames with the same mistake would decide between these explanations. */
+const anotherHelps = (found) => found.length > 1 || (found.length === 1 && found[0].oneIn < CERTAIN);
+
+/** Return the mistakes that explain the most of several wrong frames, most likely first. */
+function judgedTogether(frames) {
+  const groups = new Map();
+  for (const found of frames.slice(0, TABLE.likely.frames).map(explained)) {
+    const own = new Map([...found].reverse().map((one) => [`${one.kind} ${one.template}`, one]));
+    for (const [key, one] of own) groups.set(key, [...groups.get(key) ?? [], one]);
+  }
+  const most = Math.max(0, ...[...groups.values()].map((group) => group.length));
+  return [...groups.values()].filter((group) => group.length === most).map((group) => ({
+    text: new Set(group.map((one) => one.text)).size === 1 ? group[0].text
+      : filled(group[0].template.replace("({0}) ", ""), "some"),
+    frames: most,
+    oneIn: group.reduce((product, one) => product * one.oneIn, ONE),
+    score: group.reduce((sum, one) => sum + Math.log2(one.score), 0),
+  })).sort((one, other) => other.score - one.score);
+}
+
+const lineOf = (at) => TABLE.lines[at.family.interfaces.find((one) => one.frames?.includes(at.layout))?.line];
+const matched = (pattern, at, received) => new RegExp(pattern.replace("#", at.bits)).exec(received);
+
+/** Two mistakes that lead to the same frame match the same frames: the likelier one stays. */
+function distinct(found) {
+  const keys = found.map((one) => (one.number === undefined ? one.text : `${one.number} ${one.lost}`));
+  return found.filter((_, place) => keys.indexOf(keys[place]) === place);
+}
+
+function otherCrcs({ at, number }) {
   const { low, width } = crcField(at);
-  return computedBy(other, at, number) === bits(number, low, width) ? [{ text, oneIn: ONE << BigInt(width) }] : [];
+  return at.family.crcs[at.layout.crc].others.map(([kind, text, other]) => ({
+    kind, text, template: text, oneIn: ONE << BigInt(width),
+    fits: computedBy(other, at, number) === bits(number, low, width),
+    score: scoreOf(at, kind, number, width + (hasFixed(at, number) ? fixedBits(at) : 0)),
+  }));
 }
 
-/** Try a text that does not begin and end with the frame: extra bits before or after it, or missing bits. */
-function slipped(at, crc, given, [text, front, missing, lost, behind]) {
-  const length = at.bits + front.length - missing.length - lost + behind;
+/** The likelihood of a mistake that matches: its frequency, times the improbability of the match without it. */
+function scoreOf(at, kind, number, evidence, places = 1) {
+  return (TABLE.likely.kinds[kind] * likelihood(at, number) * 2 ** evidence) / places;
+}
+
+/** The likelihood of the flags and reserved bits, relative to random bits. */
+function likelihood(at, number) {
+  const { idle, active } = TABLE.likely;
+  return at.fields.reduce((product, item) => {
+    const isActive = speaks(item, bits(number, item.low, item.width));
+    if (isFlag(item.field)) return product * (isActive ? active : idle);
+    if ("unused" in item.field) return product * (isActive ? active : idle ** item.width);
+    return product;
+  }, 1);
+}
+
+/** The bits as received, with those leading zeros that were typed, unless they may only pad the frame. */
+function receivedBits(at, given) {
+  const isPadded = given.exact || given.number >> BigInt(at.bits) === 0n;
+  const size = isPadded ? given.bits : Math.max(given.written ?? 0, given.bits);
+  return given.number.toString(2).padStart(size, "0");
+}
+
+/** The frames with bits around them. A frame is searched at every bit only if no rule of the line finds it. */
+function movedFrames(at, given) {
+  const line = lineOf(at);
+  if (!line) return [];
   const lengths = given.exact || given.bits > at.bits ? [given.bits] : [at.bits, at.bits - 1];
-  if (!lengths.includes(length) || length < given.bits) return [];
+  const received = receivedBits(at, given);
+  const byRule = [
+    ...lengths.flatMap((length) => line.slips.flatMap((slip) => slipped(at, given, length, slip))),
+    ...line.recordings.flatMap((recording) => recorded(at, given, received, recording)),
+  ];
+  if (!at.layout.crc || byRule.some((one) => one.fits)) return byRule;
+  const places = Math.max(received.length - at.bits + 1, 0);
+  const [kind, text] = TABLE.inside;
+  return [...byRule, ...[...Array(places).keys()].flatMap((place) => {
+    const frame = received.slice(place, place + at.bits);
+    const parts = [["before", received.slice(0, place)], ["frame", frame], ["behind", received.slice(place + at.bits)]];
+    const around = { parts: parts.filter(([, some]) => some), places };
+    return readAs(at, given, [kind, text, filled(text, place)], BigInt(`0b${frame}`), around);
+  })];
+}
+
+/** A text that does not begin and end with the frame: extra bits before or after it, or missing bits. */
+function slipped(at, given, length, [kind, text, front, missing, lost, behind]) {
+  if (length !== at.bits + front.length - missing.length - lost + behind || length < given.bits) return [];
   const there = length - front.length - behind;
   const body = given.number >> BigInt(behind);
   const last = there + front.length - 1;
   const starts = [...front].flatMap((mark, place) => (mark === "1" ? [last - place] : []));
-  if (!starts.every((place) => bits(body, place, 1))) return [];
+  const holds = starts.every((place) => bits(body, place, 1));
   const number = ((BigInt(`0b0${missing}`) << BigInt(there)) | bits(body, 0, there)) << BigInt(lost);
-  const [known, fixed] = [crc.width - lost, fixedBits(at)];
-  const same = given.number === number && !lost && given.bits <= at.bits;
-  const fits = computedBy(crc, at, number) >> BigInt(lost) === bits(number, 0, crc.width) >> BigInt(lost);
-  const asked = known + starts.length + fixed;
-  if (same || !fits || asked < LEAST_BITS || !hasFixed(at, number)) return [];
-  return [{ text, oneIn: ONE << BigInt(asked), number, lost }];
+  return readAs(at, given, [kind, text, filled(text, missing)], number, { lost, demanded: starts.length, holds });
+}
+
+/** The frame in a recording with these parts. */
+function recorded(at, given, received, [kind, text, pattern, proof]) {
+  const groups = matched(pattern, at, received)?.groups;
+  if (!groups) return [];
+  const { frame, gap = "", again = "" } = groups;
+  const demanded = proof.reduce((sum, name) => sum + (groups[name] ?? "").length, 0);
+  const parts = Object.entries(groups).filter(([, some]) => some);
+  return readAs(at, given, [kind, text, text], BigInt(`0b${frame}`),
+    { demanded, parts, holds: (gap + frame).startsWith(gap + again) });
+}
+
+/** The explanation by a frame that was this number, without its last bits, or nothing if that is as sent. */
+function readAs(at, given, [kind, template, text], frame, { lost = 0, demanded = 0, holds = true, parts, places = 1 }) {
+  const crc = at.layout.crc && at.family.crcs[at.layout.crc];
+  const completed = crc ? [frame] : [...Array(1 << lost).keys()].map((last) => frame | BigInt(last));
+  const number = completed.find((one) => hasFixed(at, one)) ?? frame;
+  const width = crc ? crc.width : 0;
+  const known = crc ? width - lost : 0;
+  const asked = known + demanded + (crc ? fixedBits(at) : Math.max(fixedBits(at) - lost, 0));
+  const isAsGiven = given.number === number && !lost && given.bits <= at.bits
+    && !(given.exact && given.bits !== at.bits);
+  if (crc && (isAsGiven || asked < LEAST_BITS)) return [];
+  const isRight = !crc || computedBy(crc, at, number) >> BigInt(lost) === bits(number, 0, width) >> BigInt(lost);
+  const all = ONE << BigInt(asked);
+  return [{
+    kind, template, text, number, lost, parts: parts ?? [],
+    oneIn: all > BigInt(places) ? all / BigInt(places) : ONE,
+    fits: holds && isRight && hasFixed(at, number),
+    score: scoreOf(at, kind, number, asked, places),
+  }];
+}
+
+/** The numbers in a frame, by name. */
+function numbersRead(at, number) {
+  const isNumber = ({ field }) => isGiven({ field }) && (field.kind === undefined || field.kind === "signed");
+  const names = at.fields.filter(isNumber).map((item) => item.name);
+  return decode(at, number).fields.filter((item) => names.includes(item.name)).map((item) => [item.name, item.value]);
 }
 
 const always = (at) => at.checks.filter((item) => item.check.always);

@@ -145,9 +145,16 @@
   function reasons(item) {
     return item.frames.map((text) => {
       const found = decoded(foundFor(item), item, text);
-      return wheel.explained(found).map((one) => `${one.text}, 1 of ${one.oneIn}`);
+      const mistakes = wheel.explained(found).map((one) => [one.text, `${one.oneIn}`,
+        one.number === undefined ? [] : wheel.numbersRead(found.at, one.number).map(([name, value]) => `${name} ${value}`),
+        (one.parts ?? []).map((pair) => pair.join(" "))]);
+      return [mistakes, wheel.missingPart(found)];
     });
   }
+
+  /** Return the mistakes that explain the most of the frames. */
+  const together = (item) => wheel.judgedTogether(item.frames.map((text) => decoded(foundFor(item), item, text)))
+    .map((one) => [one.text, one.frames, `${one.oneIn}`]);
 
   /** Return the order codes for which a text is a valid frame. */
   const inferred = (item) => wheel.inferred(item.text).map((group) => [group.decoded.at.name, group.codes]);
@@ -158,5 +165,5 @@
   /** Compared frames, or the values of a text, for one start of a browser. */
   const answered = (item) => (item.frames ? compared(item) : values(item));
 
-  globalThis.codewheelTests = { answered, compared, values, readings, encoded, reasons, inferred, labels, lines, unread };
+  globalThis.codewheelTests = { answered, compared, values, readings, encoded, reasons, together, inferred, labels, lines, unread };
 })();

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import random
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,8 @@ from codewheel.model import Choice, Decimal, Device, Flag, FrameExample, Registe
 from codewheel.model.registers import bounded, bounds
 from codewheel.reference import codec
 from codewheel.targets import Library
-from codewheel.why.mistakes import explain_bits, explain_bytes
+from codewheel.why.mistakes import Explanation, Why, explain_bits, explain_bytes, explain_constant
+from codewheel.why.together import judge_together
 from exhaustive import mostly_exhaustive
 from rust_frames import numbers
 
@@ -330,25 +332,71 @@ PAGE_KINDS = {
     "bits_in_front",
     "bits_behind",
     "first_bit_missing",
+    "last_bits_missing",
+    "raw_buffer",
+    "bits_around",
+    "frame_inside",
+    "zeros_behind",
+    "zeros_in_front",
+    "word_twice",
 }
-PAGE_KINDS |= {"last_bits_missing"}
+#: A mistake: its text, the number of random frames among which one matches, and what the frame then reads.
+Reason = list[Any]
 
 
 def test_reasons_are_those_of_the_command(node: Asker, library: Library) -> None:
+    compare_reasons(node, library, 100)
+
+
+@pytest.mark.parametrize("name", MADE_UP)
+def test_reasons_for_what_no_device_has(name: str, ask: Ask) -> None:
+    library = library_of(name)
+    compare_reasons(ask(library, "node"), library, 0)
+
+
+def compare_reasons(node: Asker, library: Library, least: int) -> None:
+    """Compare page and command on frames with mistakes: the same explanations in the same order."""
     random_ = random.Random("reasons")
     items, expected = [], []
     for device in library.devices:
-        for case in (case for layout_cases in cases(device) for case in layout_cases[:4] if case.register is None):
-            if device.crc_of(case.layout) is None:
-                continue
+        for case in (case for layout_cases in cases(device) for case in layout_cases[:4] if is_compared(case)):
             texts = [*disturbed_texts(case, random_)]
             items.append({**case.data, "frames": texts})
             expected.append([expected_explanations(case, text) for text in texts])
-    answers = node("reasons", items)
+    answers = node("reasons", items) if items else []
     for question, answer_lists, expected_lists in zip(items, answers, expected, strict=True):
         for text, reasons, expected_reasons in zip(question["frames"], answer_lists, expected_lists, strict=True):
-            assert sorted(reasons) == sorted(expected_reasons), (question["name"], text)
-    assert sum(bool(reasons) for answer in answers for reasons in answer) > 100
+            assert reasons == expected_reasons, (question["name"], text)
+    assert sum(bool(reasons[0]) for answer in answers for reasons in answer) >= least
+
+
+def test_several_frames_are_judged_like_the_command_does(node: Asker, library: Library) -> None:
+    """Each group of frames has one of the mistakes that the page knows, twice each."""
+    random_ = random.Random("together")
+    items, expected = [], []
+    for device in library.devices:
+        for case in (layout_cases[0] for layout_cases in cases(device) if is_compared(layout_cases[0])):
+            frames = [[*disturbed_texts(case, random_)] for _ in range(3)]
+            for texts in zip(*frames, strict=False):
+                items.append({**case.data, "frames": list(texts)})
+                whys = [why_of(case, text) for text in texts]
+                mistakes = judge_together([of_page(case, why) for why in whys if why is not None])
+                expected.append([[mistake.text, mistake.frames, str(mistake.one_in)] for mistake in mistakes])
+    answers = node("together", items)
+    for item, answer, mistakes_of_command in zip(items, answers, expected, strict=True):
+        assert answer == mistakes_of_command, item
+    assert sum(bool(answer) and answer[0][1] == 3 for answer in answers) > 100
+
+
+def is_compared(case: Case) -> bool:
+    """Return False for registers, and for a few bits, where mistakes that only the command knows give the same frame.
+
+    The command explains a CRC over bytes only if it is one byte.
+    """
+    if case.register is not None or case.placed.bits < 12:
+        return False
+    crc = case.device.crc_of(case.layout)
+    return not case.layout.in_bytes or crc is None or crc.width == 8
 
 
 def disturbed_texts(case: Case, random_: random.Random) -> Iterator[str]:
@@ -360,35 +408,67 @@ def disturbed_texts(case: Case, random_: random.Random) -> Iterator[str]:
             yield case.text(number ^ 0xFF << bits - 8)
             continue
         crc = case.device.crc_of(case.layout)
-        assert crc is not None
-        yield f"0b{number ^ crc.mask:0{bits}b}"
+        yield f"0b{number ^ (crc.mask if crc is not None else 1):0{bits}b}"
         yield f"0b1{random_.getrandbits(1)}{number:0{bits}b}"
         yield f"0b{number >> 1:0{bits - 1}b}"
         yield f"0b{number & (1 << bits - 1) - 1:0{bits - 1}b}0"
         yield f"0b{number:0{bits}b}{random_.getrandbits(1)}"
         yield f"0x{number ^ random_.getrandbits(bits):X}"
+        yield from recorded_texts(f"{number:0{bits}b}", random_)
 
 
-def expected_explanations(case: Case, text: str) -> list[str]:
-    """Return the explanations of the command for these mistakes, each with its chance."""
+def recorded_texts(frame: str, random_: random.Random) -> Iterator[str]:
+    """Return recordings with a frame: raw buffers of BiSS, complete or not, and words of SSI with extra clocks."""
+    yield f"0b010{frame}"
+    yield f"0b{frame}{frame}" if random_.getrandbits(1) else f"0b{frame}0{frame[:9]}"
+    yield f"0b{frame}{'0' * random_.randrange(1, 9)}"
+    yield f"0b{random_.getrandbits(1)}{frame}"
+    yield f"0b{'0' * random_.randrange(1, 9)}{frame}"
+    yield f"0b1101{random_.getrandbits(1)}{frame[:-1]}"
+    yield f"0b{random_.getrandbits(7):07b}{frame}{random_.getrandbits(9):09b}"
+    ends = f"{'1' * random_.randrange(5)}{'0' * random_.randrange(1, 9)}1{random_.getrandbits(1)}{frame}0"
+    whole = f"{ends}{'0' * (-len(ends) % 8)}"
+    yield f"0x{int(whole, 2):0{len(whole) // 4}X}"
+
+
+def expected_explanations(case: Case, text: str) -> list[Any]:
+    """Return the explanations of the command for these mistakes, and the missing part."""
+    why = why_of(case, text)
+    if why is None:
+        return [[], ""]
+    return [[reason(mistake) for mistake in of_page(case, why).explanations], why.missing]
+
+
+def why_of(case: Case, text: str) -> Why | None:
+    """Return the explanations of the command."""
     if case.layout.in_bytes:
         data = frame_bytes(text)
         decoded = codec.decode_bytes(case.device, case.variant, case.layout.sender, data)
         if decoded.layout is None or not {problem.fault.value for problem in decoded.problems} & {"crc", "length"}:
-            return []
-        why = explain_bytes(case.device, case.variant, case.layout.sender, decoded.layout, data)
-    else:
-        frame = frame_number(case.placed, text)
-        decoded = (
-            codec.decode_bits(case.device, case.placed, frame.number, frame.bits)
-            if frame.exact
-            else codec.decode(case.device, case.placed, frame.number)
-        )
-        if not {problem.fault.value for problem in decoded.problems} & {"crc", "length"}:
-            return []
-        why = explain_bits(case.device, case.variant, case.placed, frame)
-    assert why is not None
-    of_bytes = {"other_polynomial"} if case.layout.in_bytes else set()
-    kinds = PAGE_KINDS | of_bytes
+            return None
+        return explain_bytes(case.device, case.variant, case.layout.sender, decoded.layout, data)
+    frame = frame_number(case.placed, text)
+    decoded = (
+        codec.decode_bits(case.device, case.placed, frame.number, frame.bits)
+        if frame.exact
+        else codec.decode(case.device, case.placed, frame.number)
+    )
+    faults = {problem.fault.value for problem in decoded.problems}
+    is_dead = frame.number in (0, (1 << case.placed.bits) - 1)
+    if faults & {"crc", "length"} or is_dead:
+        return explain_bits(case.device, case.variant, case.placed, frame, is_valid=not faults)
+    if "constant" in faults and decoded.crc is None:
+        return explain_constant(case.device, case.variant, case.placed, frame)
+    return None
+
+
+def of_page(case: Case, why: Why) -> Why:
+    """Return the explanations with the mistakes that the page knows."""
+    kinds = PAGE_KINDS | ({"other_polynomial"} if case.layout.in_bytes else set())
     mistakes = [mistake for mistake in why.explanations if mistake.kind in kinds and not mistake.twice]
-    return [f"{mistake.text}, 1 of {mistake.one_in}" for mistake in mistakes]
+    return replace(why, explanations=tuple(mistakes))
+
+
+def reason(mistake: Explanation) -> Reason:
+    reads = [f"{name} {value}" for name, value in mistake.reads.items()]
+    return [mistake.text, str(mistake.one_in), reads, [" ".join(part) for part in mistake.parts]]

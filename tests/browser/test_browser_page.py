@@ -177,7 +177,7 @@ def test_fields_reports_and_verdict(steps: dict[str, Any]) -> None:
 @pytest.mark.slow
 def test_a_fault_in_the_words_of_the_command(steps: dict[str, Any]) -> None:
     assert "crc error: expected CRC 0x7e, got 0x7f" in steps["fault"]
-    assert 'codewheel decode AMM5A23/65KJP1 "02 00 C7 D1 6A 7F"' in steps["fault"]
+    assert "codewheel decode" not in steps["fault"]
     early = steps["why"].index("started one clock early: an extra bit such as CDS is in front")
     bit = "one bit may have been disturbed on the line: the CRC matches with bit 0 inverted"
     assert 0 < steps["why"].index(bit) < early
@@ -259,7 +259,7 @@ def test_other_frames_that_it_can_be(chromium: str, tmp_path: Path) -> None:
     assert "This can also be another frame: position reply. Choose it above." in result["turns"]
     assert result["link"] == "#code=AMT212B&frame=AB+61&from=encoder%3Aturns_reply"
     assert "This is a valid type label reply. Choose it above." in result["instead"]
-    assert "This command tries more mistakes" not in result["instead"]
+    assert "these changes make the CRC match" not in result["instead"].lower()
 
 
 COLOURS = r"""

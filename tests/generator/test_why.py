@@ -434,10 +434,11 @@ def test_likeliest_first_and_every_kind_weighed(devices: Mapping[str, Device]) -
     assert all(weight > 0 for weight in KINDS.values())
 
 
-def test_no_crc_no_explanation(decode: Run) -> None:
+def test_a_word_that_is_too_short_says_so(decode: Run) -> None:
     exit_code, data = decode("AMM5A17/1BG1", "0b101")
     assert exit_code == 1
-    assert data["why"] is None
+    assert data["why"]["explanations"] == []
+    assert "3 of the 17 bits" in data["why"]["missing"]
     assert decode("AMM5A23/65KJP1", "--from", "master", "1A")[1]["why"] is None
 
 

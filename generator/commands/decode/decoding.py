@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import json
 import sys
+from collections import deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, TextIO
@@ -14,6 +15,7 @@ from ...order_codes.labels import Match
 from ...order_codes.parameters import RegisterError
 from ...reference import codec
 from ...reference.findings import Difference, Findings, Report, findings, strange_values
+from ...why import MOST_FRAMES
 from ..encoder_options import UndecidedError, refuse_undecided
 from .frames import (
     FrameTextError,
@@ -25,10 +27,11 @@ from .frames import (
     text_decoder,
     why_text,
 )
-from .text import NO_ANSWERS, NO_LINE, explain, label_lines, other_frames_line
+from .text import NO_ANSWERS, NO_LINE, explain, label_lines, other_frames_line, together_lines
 
 if TYPE_CHECKING:
     from ...why.mistakes import Explanation, Why
+    from ...why.together import CommonMistake
 
 JSON_VERSION = 1
 DONE, FAULT, NO_FRAME, NOT_USABLE = 0, 1, 2, 3
@@ -97,6 +100,8 @@ class Decoding:
         self._needed_answers: dict[str, dict[str, str]] = {}
         self._codes = {FAULT} if request.register_differences else set()
         self._is_first = True
+        #: The last frames with an error, each with its explanations.
+        self._failed_frames: deque[tuple[str, codec.Decoded, Why]] = deque(maxlen=MOST_FRAMES)
 
     @property
     def code(self) -> int:
@@ -121,8 +126,26 @@ class Decoding:
             other_layouts = self._other_layouts(line.text, decoded)
             if is_frame_of_other_kind(decoded, other_layouts):
                 why = None
+            if why is not None and decoded.problems:
+                self._failed_frames.append((line.text, decoded, why))
             # Someone who reads many frames should not have to wait for the end.
             print(self._output(line, decoded, frame_findings, why, other_layouts), flush=line.number is not None)
+        if not self._request.as_json:
+            print(*together_lines(self._mistakes_in_all(), len(self._failed_frames)), sep="\n", end="")
+
+    def _mistakes_in_all(self) -> list[CommonMistake]:
+        """Return the mistakes that explain the most frames with an error: single ones, or else two at once."""
+        failed_frames = self._failed_frames
+        if len(failed_frames) < 2:
+            return []
+        from ...why.together import judge_together
+
+        mistakes = judge_together([why for _, _, why in failed_frames])
+        if mistakes and mistakes[0].frames == len(failed_frames):
+            return mistakes
+        device, variant, sender = self._request.device, self._request.match.variant, self._request.sender
+        whys = [why_text(device, variant, sender, text, decoded, with_pairs=True) for text, decoded, _ in failed_frames]
+        return judge_together([why for why in whys if why is not None])
 
     def _decode(self, text: str) -> tuple[codec.Decoded, Why | None]:
         """Decode a frame, and explain it if it is wrong, or decode the value of a register."""
@@ -324,6 +347,8 @@ def _why_data(why: Why) -> dict[str, Any]:
         "coincidence": round(why.coincidence, 4),
         "cannot_see": list(why.cannot_see),
         "disturbed": list(why.disturbed),
+        "missing": why.missing or None,
+        "another_frame_helps": why.needs_another_frame,
     }
 
 
@@ -335,4 +360,5 @@ def _explanation_data(explanation: Explanation) -> dict[str, Any]:
         "twice": explanation.twice,
         "order_codes": list(explanation.codes),
         "reads": dict(explanation.reads),
+        "parts": [{"name": name, "bits": bits} for name, bits in explanation.parts],
     }

@@ -135,7 +135,7 @@ def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> Bit
     """
     compact = _GAPS.sub("", text)
     if _BITS.fullmatch(compact):
-        return BitText(int(compact, 2), len(compact) - 2, exact=True)
+        return BitText(int(compact, 2), len(compact) - 2, exact=True, written=len(compact) - 2)
     pieces = text.split()
     if len(pieces) > 1 and all(map(_ONE_BYTE.fullmatch, pieces)):
         has_no_prefix = all(len(piece) == 2 for piece in pieces)
@@ -143,10 +143,10 @@ def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> Bit
             raise FrameTextError(say.bits_or_bytes(quoted(text)))
         compact = "0x" + "".join(piece[-2:] for piece in pieces)
         if exact and len(pieces) != (placed.bits + 7) // 8:
-            return BitText(int(compact, 16), 8 * len(pieces), exact=True)
+            return BitText(int(compact, 16), 8 * len(pieces), exact=True, written=8 * len(pieces))
     if _NUMBER.fullmatch(compact):
         number = int(compact, 16)
-        return BitText(number, number.bit_length(), exact=False)
+        return BitText(number, number.bit_length(), exact=False, written=4 * (len(compact) - 2))
     readings = list(_readings(compact, placed.bits)) if len(pieces) == 1 else []
     remedy = say.write_one_of(", ".join(readings)) if readings else say.write_number(str(placed.bits))
     raise FrameTextError(say.no_bits(quoted(visible(text)), str(placed.bits), remedy))
@@ -260,12 +260,17 @@ def decode_as(device: Device, variant: Variant, placed: PlacedLayout, text: str,
     return codec.decode(device, placed, frame.number)
 
 
-def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: codec.Decoded) -> Why | None:
-    """Return explanations of a frame whose CRC, length or constant is wrong. ``decoded`` is its ``decode_text``."""
+def why_text(
+    device: Device, variant: Variant, sender: str, text: str, decoded: codec.Decoded, *, with_pairs: bool = False
+) -> Why | None:
+    """Return explanations of a frame whose CRC, length or constant is wrong. ``decoded`` is its ``decode_text``.
+
+    ``with_pairs`` also lists pairs of mistakes if a single one matches.
+    """
     placed = decoded.layout
     faults = {problem.fault for problem in decoded.problems}
     if placed is not None and not placed.layout.in_bytes:
-        return _why_bits(device, variant, sender, text, placed, decoded)
+        return _why_bits(device, variant, sender, text, placed, decoded, with_pairs)
     if placed is not None and not faults & _TRANSMISSION_FAULTS:
         return None
     from ...why.mistakes import explain_bytes
@@ -276,7 +281,13 @@ def why_text(device: Device, variant: Variant, sender: str, text: str, decoded: 
 
 
 def _why_bits(
-    device: Device, variant: Variant, sender: str, text: str, placed: PlacedLayout, decoded: codec.Decoded
+    device: Device,
+    variant: Variant,
+    sender: str,
+    text: str,
+    placed: PlacedLayout,
+    decoded: codec.Decoded,
+    with_pairs: bool,
 ) -> Why | None:
     """Return explanations of a frame of bits. One without a CRC, or with equal bits, is explained even if valid."""
     faults = {problem.fault for problem in decoded.problems}
@@ -290,7 +301,7 @@ def _why_bits(
     is_exact = have_lengths(device.interface(variant.interface).layouts, sender)
     frame = frame_number(placed, undecorated(text), exact=is_exact)
     if is_suspicious:
-        return explain_bits(device, variant, placed, frame, is_valid=not faults)
+        return explain_bits(device, variant, placed, frame, is_valid=not faults, with_pairs=with_pairs)
     return explain_constant(device, variant, placed, frame)
 
 

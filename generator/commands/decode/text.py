@@ -20,11 +20,13 @@ from ...say.names_and_places import words
 from ...say.order_code import not_on_label
 from ...say.plain_text import WIDTH, decimal, quantity
 from ...say.plain_text import wrapped as wrapped_anew
+from ...say.report import ANOTHER_FRAME, UNCERTAIN_READINGS
 from ...say.text import BY_NAME, WORTH, counted, sentence, with_unit
 from .frames import Line, is_frame_of_other_kind
 
 if TYPE_CHECKING:
     from ...why.mistakes import Explanation, Why
+    from ...why.together import CommonMistake
 
 NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
 NO_LINE = Line(None, "", "")
@@ -268,22 +270,54 @@ def _mistake_lines(why: Why) -> list[str]:
     by_chance = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "less than 1"
     tried = counted(why.tried, "common mistake")
     chance = f"{tried} tried; {by_chance} of 100 random frames would match at least one"
-    last_line = wrapped(f"This CRC cannot detect: {'; '.join(why.cannot_see)}.", WIDTH, "  ", "")
+    last_lines = []
+    if why.needs_another_frame:
+        last_lines.append(wrapped(ANOTHER_FRAME, WIDTH, "  ", ""))
+    if why.cannot_see:
+        last_lines.append(wrapped(f"This CRC cannot detect: {'; '.join(why.cannot_see)}.", WIDTH, "  ", ""))
+    if why.missing:
+        last_lines.insert(0, wrapped(sentence(capitalized(why.missing)), WIDTH, "  ", ""))
     if not why.explanations:
-        return ["", wrapped(f"No common mistake explains it ({chance}).", WIDTH, "  ", ""), last_line]
-    needs_two = why.explanations[-1].twice
-    introduction = "No single mistake explains it. Two at once would" if needs_two else "Possible explanations"
-    lines = ["", wrapped(f"{introduction}, most likely first ({chance}):", WIDTH, "  ", "")]
+        nothing_found = [wrapped(f"No common mistake explains it ({chance}).", WIDTH, "  ", "")] if why.tried else []
+        return ["", *nothing_found, *last_lines]
+    lines = ["", wrapped(_introduction(why, chance), WIDTH, "  ", "")]
     for explanation in why.explanations:
         lines.append(wrapped(explanation.text, WIDTH, " " * 6, "    - "))
-        lines.append(wrapped(_chance_and_values(explanation), WIDTH, " " * 6, " " * 6))
-    return [*lines, last_line]
+        details = filter(None, (_chance_and_values(explanation), _parts_line(explanation)))
+        lines += [wrapped(detail, WIDTH, " " * 6, " " * 6) for detail in details]
+    return [*lines, *last_lines]
+
+
+def together_lines(mistakes: Sequence[CommonMistake], failed: int) -> Iterator[str]:
+    """Yield lines about the mistakes that explain the most of several frames with an error."""
+    if not mistakes or mistakes[0].frames < 2:
+        return
+    introduction = say.explained_together(f"{mistakes[0].frames}", f"{failed}")
+    yield f"\n{wrapped(introduction, WIDTH, '  ', '')}:"
+    for mistake in mistakes:
+        chance = f"; matches by chance in {_frequency(mistake.one_in)}" if mistake.one_in > 1 else ""
+        yield wrapped(f"{mistake.text}{chance}", WIDTH, " " * 6, "    - ")
+    yield ""
+
+
+def _introduction(why: Why, chance: str) -> str:
+    if not why.has_crc:
+        return f"{UNCERTAIN_READINGS}:"
+    needs_two = why.explanations[-1].twice
+    introduction = "No single mistake explains it. Two at once would" if needs_two else "Possible explanations"
+    return f"{introduction}, most likely first ({chance}):"
 
 
 def _chance_and_values(explanation: Explanation) -> str:
-    chance = f"matches by chance in {_frequency(explanation.one_in)} frames"
+    chance = f"matches by chance in {_frequency(explanation.one_in)} frames" if explanation.one_in > 1 else ""
     values = ", ".join(f"{name} {value}" for name, value in explanation.reads.items())
-    return f"{chance}, and gives {values}" if values else chance
+    given_values = f"gives {values}" if values else ""
+    return ", and ".join(filter(None, (chance, given_values)))
+
+
+def _parts_line(explanation: Explanation) -> str:
+    """Return the parts of a recording, each with its bits, in the order received."""
+    return ", ".join(f"{name.replace('_', '-')} {bits}" for name, bits in explanation.parts)
 
 
 def _frequency(number: int) -> str:
@@ -347,7 +381,21 @@ def _row(placed: PlacedLayout, field: codec.DecodedField) -> _Row:
     place = bit_place(placed.layout, placed.bits, field.high, field.low) if has_place else ""
     is_one_bit = has_place and field.high <= field.low
     number = str(field.raw) if is_one_bit else f"{field.raw:#x}"
-    return place, field.name, number, _value_text(field), field.meaning
+    return place, field.name, number, _value_text(field), _meaning_text(placed, field)
+
+
+def _meaning_text(placed: PlacedLayout, field: codec.DecodedField) -> str:
+    """Return the meaning, and for a number in Gray code also how it was sent."""
+    gray_names = placed.layout.names_in(placed.layout.gray_of) if placed.gray else ()
+    is_gray = field.name in (*gray_names, placed.layout.gray_of) and isinstance(field.value, int)
+    if not placed.gray or not is_gray:
+        return field.meaning
+    gray_text = say.in_gray_code(f"{field.raw:#x}", f"{field.value:#x}")
+    return f"{sentence(field.meaning)} {capitalized(gray_text)}" if field.meaning else gray_text
+
+
+def capitalized(text: str) -> str:
+    return text[:1].upper() + text[1:]
 
 
 def _value_text(field: codec.DecodedField) -> str:

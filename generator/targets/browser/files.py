@@ -31,8 +31,9 @@ from ...say.names_and_places import field_at
 from ...say.order_code import not_on_label
 from ...say.plain_text import plain
 from ...say.text import BY_NAME, WORTH
-from ...why import in_bits, mistakes
-from ...why.in_bits import SLIPS
+from ...why import MOST_FRAMES, in_bits, mistakes
+from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, Line, line_name
+from ...why.tries import ACTIVE, IDLE, MISTAKES
 from .. import NO_OPTIONS, Library, Options, Target
 from ..registry import licence_in, our_runtime
 from .layouts import (
@@ -77,7 +78,12 @@ def _spelling_data(device: Device, spelling: Spelling) -> Data:
 
 def _javascript_pattern(expression: str) -> str:
     """Return a regular expression for a whole label in the notation of JavaScript."""
-    return f"^{expression}{AFTER}$".replace("(?P<", "(?<")
+    return javascript_pattern(f"^{expression}{AFTER}$")
+
+
+def javascript_pattern(expression: str) -> str:
+    """Return a regular expression in the notation of JavaScript."""
+    return expression.replace("(?P<", "(?<")
 
 
 def family_data(device: Device) -> Data:
@@ -143,7 +149,9 @@ def _crc_data(device: Device, crc: Crc) -> Data:
     """Return the parameters of a CRC, and those of similar CRCs that may be used by mistake."""
     is_over_bytes = Carrier.BYTES in carriers(device, crc)
     similar_crcs = mistakes.other_crcs(crc) if is_over_bytes else in_bits.other_crcs(crc)
-    others = [[difference, _crc_parameters(similar)] for _, difference, similar in similar_crcs if similar != crc]
+    others = [
+        [kind, difference, _crc_parameters(similar)] for kind, difference, similar in similar_crcs if similar != crc
+    ]
     return _crc_parameters(crc) | {"text": crc.polynomial, "others": others}
 
 
@@ -165,6 +173,7 @@ def _interface_data(device: Device, interface: Interface, shared: SharedParts) -
     return without_empty(
         name=interface.name,
         title=interface.title,
+        line=line_name(interface),
         measure=_position_unit(device, interface),
         exact=[sender for sender in ("encoder", "master") if have_lengths(interface.layouts, sender)],
         frames=list(map(shared.with_indexes, frames)),
@@ -247,6 +256,10 @@ _MESSAGES = {
     "has_no_part": labels.has_no_part("{0}"),
     "family": labels.family_instead_of_code("{0}", "{1}"),
     "unknown": labels.unknown_code("{0}"),
+    "gray": report.in_gray_code("{0}", "{1}"),
+    "together": report.explained_together("{0}", "{1}"),
+    "another_frame": report.ANOTHER_FRAME,
+    "uncertain": report.UNCERTAIN_READINGS,
     "nearest": labels.nearest_codes_hint("{0}"),
 }
 
@@ -287,8 +300,22 @@ def script_table(library: Library) -> Data:
         "unexplained": UNEXPLAINED,
         "said": _MESSAGES,
         "limits": {"text": report.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
-        "slips": [[slip.text, slip.front, slip.missing, slip.lost, slip.behind] for slip in SLIPS],
+        "lines": {name: _line_data(line) for name, line in LINES.items()},
+        "inside": [FRAME_INSIDE, FRAME_INSIDE_TEXT],
+        "likely": {"kinds": dict(MISTAKES), "idle": IDLE, "active": ACTIVE, "frames": MOST_FRAMES},
         "families": [library.part(_family_data, device, NO_OPTIONS) for device in library.devices],
+    }
+
+
+def _line_data(line: Line) -> Data:
+    """Return the mistakes with the bits around a frame, with regular expressions in the notation of JavaScript."""
+    return {
+        "slips": [[slip.kind, slip.text, slip.front, slip.missing, slip.lost, slip.behind] for slip in line.slips],
+        "recordings": [
+            [recording.kind, recording.text, javascript_pattern(recording.pattern), recording.proof]
+            for recording in line.recordings
+        ],
+        "incomplete": [[incomplete.text, javascript_pattern(incomplete.pattern)] for incomplete in line.incomplete],
     }
 
 

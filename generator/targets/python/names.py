@@ -74,7 +74,7 @@ PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
         "measures": "FineLinear Linear Rotary Wrapping",
         "errors": "ConstantError CrcError FrameError LengthError RangeError",
         "frames.base": """BitsOf BytesOf FixedBits FixedBytes FixedLimitedRegister FixedRegister InBits InBytes
-            LimitedRegisterOf RegisterOf Sent decode_many encode_many""",
+            LimitedRegisterOf RegisterOf Sent decode_many encode_many with_bytes""",
         "frames.decoders": "Failed decoder raised reported returned",
         "frames.descriptions": "needed_by shape_of",
         "registers": "Held agrees held_bytes held_parameters held_text whole",

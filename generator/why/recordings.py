@@ -1,0 +1,279 @@
+"""Recordings of a line that contain a frame: raw buffers of BiSS, and words of SSI and SPI with other bits around them.
+
+The descriptions are data for this package and for the script of the decode page, so that both find the same frames in
+the same order.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import lru_cache
+from types import MappingProxyType
+
+from ..model import Biss, Crc, Interface, PlacedLayout, Spi, Ssi
+from ..model.record import dataclass
+from .tries import BitText, Try, read_as
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """Bits around a frame, as a regular expression over the bits in the order received.
+
+    Each group is a part of the recording, and ``#`` in the pattern is the number of bits of the frame. The bits in the
+    groups ``proof`` can have only one value, so they are evidence. The group ``again`` must repeat the frame from its
+    first bit on.
+    """
+
+    kind: str
+    text: str
+    pattern: str
+    proof: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class FrameOffset:
+    """Bits that do not begin and end with the frame.
+
+    ``front`` are extra bits before the frame (``?`` is any bit), ``missing`` are missing first bits of the frame,
+    ``lost`` is the number of missing last bits, and ``behind`` is the number of extra bits after it. ``{0}`` in the
+    text stands for ``missing``.
+    """
+
+    kind: str
+    text: str
+    front: str = ""
+    missing: str = ""
+    lost: int = 0
+    behind: int = 0
+
+    @property
+    def longer(self) -> int:
+        return len(self.front) - len(self.missing) - self.lost + self.behind
+
+
+@dataclass(frozen=True, slots=True)
+class Incomplete:
+    """A recording without a complete frame.
+
+    In the text, ``{0}`` is the number of bits of the frame that were received, ``{1}`` the number of bits that it has,
+    and ``{2}`` the number of missing bits.
+    """
+
+    text: str
+    pattern: str
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """Mistakes with the bits around a frame on one kind of line, in the order in which they are tried.
+
+    ``slips`` are those by one or two bits.
+    """
+
+    slips: tuple[FrameOffset, ...]
+    recordings: tuple[Recording, ...]
+    incomplete: tuple[Incomplete, ...]
+
+
+#: Kind of a frame that no rule finds, only its CRC.
+FRAME_INSIDE = "frame_inside"
+#: Its text. ``{0}`` is the number of bits in front.
+FRAME_INSIDE_TEXT = "the frame begins after {0} other bits"
+
+_FRAME = "(?P<frame>[01]{#})"
+_TAIL = "(?P<time_out>0*)(?P<behind>[01]*)$"
+
+_BISS_SLIPS = (
+    *(
+        FrameOffset(
+            "first_bit_missing",
+            "started one clock late: the first bit ({0}) is missing, and an extra bit follows",
+            missing=missing,
+            behind=1,
+        )
+        for missing in "01"
+    ),
+    FrameOffset(
+        "bits_in_front",
+        "started one clock early: an extra bit such as CDS is in front, and the last bit is missing",
+        front="?",
+        lost=1,
+    ),
+    FrameOffset(
+        "bits_in_front",
+        "started two clocks early: start bit and CDS are in front, and the last two bits are missing",
+        front="1?",
+        lost=2,
+    ),
+    FrameOffset("bits_in_front", "an extra bit in front, such as CDS", front="?"),
+    FrameOffset("bits_behind", "an extra bit at the end, such as the stop bit", behind=1),
+    FrameOffset("bits_in_front", "two extra bits in front: start bit and CDS", front="1?"),
+    FrameOffset(
+        "bits_in_front",
+        "an extra bit in front, such as CDS, and one at the end, such as the stop bit",
+        front="?",
+        behind=1,
+    ),
+    FrameOffset("bits_behind", "two extra bits at the end", behind=2),
+    *(FrameOffset("first_bit_missing", "the first bit ({0}) is missing", missing=missing) for missing in "01"),
+    FrameOffset("last_bits_missing", "the last bit is missing", lost=1),
+    FrameOffset("last_bits_missing", "the last two bits are missing", lost=2),
+)
+
+_BISS = Line(
+    slips=_BISS_SLIPS,
+    recordings=(
+        # The rule of the C receiver: the start bit is the first 1 after a 0.
+        Recording(
+            "raw_buffer",
+            "a raw buffer: acknowledge, start bit and CDS are in front of the frame",
+            f"^(?P<idle>1*)(?P<acknowledge>0+)(?P<start>1)(?P<CDS>[01]){_FRAME}(?P<stop>0?){_TAIL}",
+            proof=("stop",),
+        ),
+        Recording(
+            "bits_around",
+            "start bit and CDS are in front of the frame, and stop bit and time-out follow",
+            f"^(?P<start>1)(?P<CDS>[01]){_FRAME}(?P<stop>0){_TAIL}",
+            proof=("start", "stop"),
+        ),
+        Recording(
+            "bits_around",
+            "CDS is in front of the frame, and stop bit and time-out follow",
+            f"^(?P<CDS>[01]){_FRAME}(?P<stop>0){_TAIL}",
+            proof=("stop",),
+        ),
+        Recording(
+            "bits_around",
+            "stop bit and time-out follow the frame",
+            f"^{_FRAME}(?P<stop>0){_TAIL}",
+            proof=("stop",),
+        ),
+    ),
+    incomplete=(
+        Incomplete("as a raw buffer, it has no acknowledge (a 0 after the idle bits) and no frame", "^1+$"),
+        Incomplete("as a raw buffer, it has no start bit (a 1 after the acknowledge) and no frame", "^1*0+$"),
+        Incomplete("as a raw buffer, it ends at the start bit: CDS and the frame are missing", "^1*0+1$"),
+        Incomplete(
+            "as a raw buffer, it ends after {0} of the {1} bits of the frame. Bits still to be read: {2}",
+            "^1*0+1[01](?P<frame>[01]*)$",
+        ),
+    ),
+)
+
+_WORD_FIRST = Recording(
+    "zeros_behind", "the word comes first, and the other clocks read 0", f"^{_FRAME}(?P<zeros>0+)$", proof=("zeros",)
+)
+_WORD_TWICE = Recording(
+    "word_twice",
+    "the word is repeated after its last bit",
+    f"^{_FRAME}(?P<gap>0?)(?P<again>[01]+)$",
+    proof=("gap", "again"),
+)
+_BIT_IN_FRONT = Recording(
+    "bits_in_front",
+    "the first clock carries no data, and the word follows",
+    f"^(?P<front>[01]){_FRAME}(?P<zeros>0*)$",
+    proof=("zeros",),
+)
+_WORD_LAST = Recording(
+    "zeros_in_front", "zeros come first, and then the word", f"^(?P<zeros>0+){_FRAME}$", proof=("zeros",)
+)
+_OTHERS_BEHIND = Recording("bits_behind", "the word comes first, and other bits follow", f"^{_FRAME}(?P<other>[01]+)$")
+_OTHERS_IN_FRONT = Recording("bits_in_front", "other bits come first, and then the word", f"^(?P<other>[01]+){_FRAME}$")
+_TOO_SHORT = Incomplete("it is too short: it has {0} of the {1} bits. Clocks still needed: {2}", "^(?P<frame>[01]*)$")
+
+
+def _shifts(cause: str) -> tuple[FrameOffset, ...]:
+    """Return the shifts by one clock that leave the number of bits as it is."""
+    late = f"started one clock late{cause}: the first bit ({{0}}) is missing, and an extra bit follows"
+    early = f"started one clock early{cause}: an extra bit is in front, and the last bit is missing"
+    return (
+        FrameOffset("bits_in_front", early, front="?", lost=1),
+        *(FrameOffset("first_bit_missing", late, missing=missing, behind=1) for missing in "01"),
+    )
+
+
+#: Lines by name: an interface and, for SSI, the alignment of the word.
+LINES: Mapping[str, Line] = MappingProxyType(
+    {
+        "biss": _BISS,
+        "ssi_msb_left": Line(_shifts(""), (_WORD_TWICE, _WORD_FIRST, _BIT_IN_FRONT, _OTHERS_BEHIND), (_TOO_SHORT,)),
+        "ssi_lsb_right": Line(_shifts(""), (_WORD_LAST, _WORD_TWICE, _BIT_IN_FRONT, _OTHERS_IN_FRONT), (_TOO_SHORT,)),
+        "spi": Line(
+            _shifts(", as with the other clock edge"),
+            (_WORD_FIRST, _BIT_IN_FRONT, _WORD_LAST, _OTHERS_BEHIND, _OTHERS_IN_FRONT),
+            (_TOO_SHORT,),
+        ),
+    }
+)
+
+
+def line_name(interface: Interface) -> str:
+    """Return the name of the line in ``LINES``, or an empty string if it carries bytes."""
+    match interface:
+        case Ssi():
+            return f"ssi_{interface.alignment.end}"
+        case Biss() | Spi():
+            return interface.name
+        case _:
+            return ""
+
+
+def recorded_bits(text: BitText, bits: int) -> str:
+    """Return the bits as received, with those leading zeros that were typed.
+
+    A number that fits into the frame may only have been padded, so its zeros are not counted.
+    """
+    size = text.bits if text.exact or text.number >> bits == 0 else max(text.written, text.bits)
+    return f"{text.number:0{max(size, 1)}b}"
+
+
+def recording_tries(line: Line, placed: PlacedLayout, crc: Crc | None, received: str) -> Iterator[Try]:
+    """Yield the frames that the line's rules find in the bits."""
+    for recording in line.recordings:
+        match = _compiled(recording.pattern, placed.bits).match(received)
+        if match is None:
+            continue
+        parts = {name: bits for name, bits in match.groupdict().items() if bits}
+        frame = parts["frame"]
+        repeated = (frame + parts.get("gap", "") + frame)[len(frame) + len(parts.get("gap", "")) :]
+        attempt = read_as(
+            recording.kind,
+            recording.text,
+            placed,
+            crc,
+            int(frame, 2),
+            demanded=sum(len(parts.get(name, "")) for name in recording.proof),
+            holds=repeated.startswith(parts.get("again", "")),
+        )
+        yield replace(attempt, parts=tuple(parts.items()))
+
+
+def window_tries(placed: PlacedLayout, crc: Crc, received: str) -> Iterator[Try]:
+    """Yield the frames at every bit. Of many places, one matches by chance more often."""
+    places = len(received) - placed.bits + 1
+    for place in range(places):
+        frame = received[place : place + placed.bits]
+        attempt = read_as(FRAME_INSIDE, FRAME_INSIDE_TEXT.format(place), placed, crc, int(frame, 2))
+        around = (("before", received[:place]), ("frame", frame), ("behind", received[place + placed.bits :]))
+        parts = tuple((name, bits) for name, bits in around if bits)
+        yield replace(attempt, template=FRAME_INSIDE_TEXT, parts=parts, places=places)
+
+
+def missing_part(line: Line, bits: int, received: str) -> str:
+    """Return what a recording without a complete frame lacks, or an empty string."""
+    for incomplete in line.incomplete:
+        match = _compiled(incomplete.pattern, bits).match(received)
+        if match is None:
+            continue
+        count = len(match.groupdict().get("frame", ""))
+        if count < bits:
+            return incomplete.text.format(count, bits, bits - count)
+    return ""
+
+
+@lru_cache(maxsize=1024)
+def _compiled(pattern: str, bits: int) -> re.Pattern[str]:
+    return re.compile(pattern.replace("#", f"{bits}"))

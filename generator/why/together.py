@@ -1,0 +1,48 @@
+"""Judge several frames together. The mistake that was made explains all of them, and a coincidence only some."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import log2, prod
+
+from ..model.record import dataclass
+from .mistakes import Explanation, Why
+
+
+@dataclass(frozen=True, slots=True)
+class CommonMistake:
+    """A mistake that explains ``frames`` frames. By chance, it matches one of ``one_in`` sets of so many frames."""
+
+    text: str
+    frames: int
+    one_in: int
+    score: float
+
+
+def judge_together(whys: Sequence[Why]) -> list[CommonMistake]:
+    """Return the mistakes that explain the most frames, most likely first."""
+    explanations_by_mistake: dict[tuple[str, str, bool], list[Explanation]] = {}
+    for why in whys:
+        likeliest = {explanation.mistake: explanation for explanation in reversed(why.explanations)}
+        for mistake, explanation in likeliest.items():
+            explanations_by_mistake.setdefault(mistake, []).append(explanation)
+    most = max(map(len, explanations_by_mistake.values()), default=0)
+    mistakes = [
+        CommonMistake(
+            text=_common_text(explanations),
+            frames=most,
+            one_in=prod(explanation.one_in for explanation in explanations),
+            score=sum(log2(explanation.score) for explanation in explanations),
+        )
+        for explanations in explanations_by_mistake.values()
+        if len(explanations) == most
+    ]
+    return sorted(mistakes, key=lambda mistake: -mistake.score)
+
+
+def _common_text(explanations: Sequence[Explanation]) -> str:
+    """Return the text of the explanations, with the details of each frame."""
+    texts = dict.fromkeys(explanation.text for explanation in explanations)
+    if len(texts) == 1:
+        return explanations[0].text
+    return explanations[0].template.replace("({0}) ", "").format("some")

@@ -1,0 +1,219 @@
+"""Raw buffers of BiSS and words of SSI with another number of clocks. The right answers are those of public cases."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import pytest
+from codewheel.commands.cli import main
+from planted import crc
+
+Decode = Callable[..., dict[str, Any]]
+
+MANUFACTURER = """\
+codewheel: 1
+manufacturer: example
+title: Name of the manufacturer
+source: Cover
+"""
+#: A family with one order code, X-A, and one interface.
+FAMILY = """\
+codewheel: 1
+device: x
+manufacturer: example
+title: X encoder
+movement: rotary
+evidence: {{grade: manual, documents: {{manual: all pages}}}}
+manual: {{title: Guide, revision: "1.0", language: en, history: [{{revision: "1.0", changes: First issue.}}]}}
+parameters: {{}}
+order_code:
+  pattern: "X-{{output}}"
+  source: "1"
+  parts: [{{name: output, meaning: Interface, values: {{"A": {{meaning: the interface, interface: {interface}}}}}}}]
+measurement: {{of: position, counts_per_turn: {counts}, turns: {turns}, source: "1"}}
+interfaces:
+  {interface}:
+    source: "1"
+{setup}
+    layouts:
+      - name: position_frame
+        from: encoder
+        source: "1"
+{fields}
+"""
+SSI = """\
+    clock: {min_hz: 100000, max_hz: 1000000, source: "1"}
+    alignment: msb_left
+    output_code: binary"""
+#: The absolute encoder AS5045 of ams: the data of 18 bits follow a first clock without data.
+AS5045 = """\
+        fields:
+          - {name: position, bits: 12, unit: counts}
+          - {name: ocf, active: low, makes_position: not_usable, when_active: offset compensation not finished}
+          - {name: cof, active: high, makes_position: not_usable, when_active: CORDIC overflow}
+          - {name: lin, active: high, makes_position: usable_with_warning, when_active: linearity alarm}
+          - {name: mag_inc, bits: 1}
+          - {name: mag_dec, bits: 1}
+          - {name: parity, parity_of: [position, ocf, cof, lin, mag_inc, mag_dec]}"""
+PLAIN = """\
+        fields:
+          - {name: position, bits: 21, unit: counts}"""
+BISS = """\
+    clock: {max_hz: 10000000, source: "1"}"""
+#: RESOLUTE-32 of Renishaw: 32 bits of position, error and warning, which are active low, and a CRC.
+RESOLUTE = """\
+        fields:
+          - {name: position, bits: 32, unit: counts}
+          - {name: error, active: low, makes_position: not_usable, when_active: error}
+          - {name: warning, active: low, makes_position: usable_with_warning, when_active: warning}
+          - {name: crc, crc: biss_6}"""
+
+
+def write_family(folder: Path, interface: str, setup: str, fields: str, counts: str, turns: str = "1") -> Path:
+    """Write a family with the order code X-A."""
+    text = FAMILY.format(interface=interface, setup=setup, fields=fields, counts=counts, turns=turns)
+    (folder / "x.yaml").write_text(text, encoding="utf-8")
+    (folder / "manufacturer.yaml").write_text(MANUFACTURER, encoding="utf-8")
+    return folder
+
+
+@pytest.fixture
+def decode(capsys: pytest.CaptureFixture[str]) -> Decode:
+    """``codewheel decode --json`` with the specs of a folder."""
+
+    def run(folder: Path, *frame: str, code: str = "X-A") -> dict[str, Any]:
+        main(["decode", code, *frame, "--json", "--specs", str(folder)])
+        captured = capsys.readouterr()
+        assert captured.out, captured.err
+        data: dict[str, Any] = json.loads(captured.out)
+        return data
+
+    return run
+
+
+@pytest.fixture
+def resolute(tmp_path: Path) -> Path:
+    fields = RESOLUTE.replace("biss_6", "crc_6")
+    family = write_family(tmp_path, "biss", BISS, fields, "2^32")
+    text = (family / "x.yaml").read_text(encoding="utf-8")
+    biss_6 = "name: crc_6, width: 6, poly: 0x03, init: 0, refin: false, refout: false, xorout: 0x3F"
+    with_crc = f'crcs:\n  - {{{biss_6}, source: "1"}}\ninterfaces:'
+    (family / "x.yaml").write_text(text.replace("interfaces:", with_crc), encoding="utf-8")
+    return family
+
+
+def first(data: dict[str, Any]) -> dict[str, Any]:
+    explanation: dict[str, Any] = data["why"]["explanations"][0]
+    return explanation
+
+
+def parts(explanation: dict[str, Any]) -> list[str]:
+    return [f"{part['name']} {part['bits']}" for part in explanation["parts"]]
+
+
+#: Position 123456789 without error and warning. A test computes its CRC by division.
+FRAME = "0000011101011011110011010001010111110000"
+
+
+def test_the_frame_is_right() -> None:
+    assert FRAME[:32] == f"{123456789:032b}"
+    assert crc(FRAME[:34]) == FRAME[34:]
+
+
+@pytest.mark.parametrize(
+    ("text", "around"),
+    [
+        (f"0b010{FRAME}", ["acknowledge 0", "start 1", "CDS 0"]),
+        (
+            f"0b110010{FRAME}0001",
+            ["idle 11", "acknowledge 00", "start 1", "CDS 0", "stop 0", "time_out 00", "behind 1"],
+        ),
+        ("0xd03ade68af80", ["idle 11", "acknowledge 0", "start 1", "CDS 0", "stop 0", "time_out 00"]),
+        ("d0 3a de 68 af 80", ["idle 11", "acknowledge 0", "start 1", "CDS 0", "stop 0", "time_out 00"]),
+        (f"0b10{FRAME}0", ["start 1", "CDS 0", "stop 0"]),
+    ],
+)
+def test_a_raw_buffer_shows_its_parts(text: str, around: Sequence[str], resolute: Path, decode: Decode) -> None:
+    data = decode(resolute, *text.split())
+    assert first(data)["reads"] == {"position": 123456789}
+    assert [part for part in parts(first(data)) if not part.startswith("frame")] == list(around)
+    assert f"frame {FRAME}" in parts(first(data))
+
+
+def test_leading_zeros_of_a_buffer_count(resolute: Path, decode: Decode) -> None:
+    """Twelve zeros are the acknowledge of an encoder with a long line delay."""
+    buffer = f"{'0' * 12}11{FRAME}{'0' * 10}"
+    data = decode(resolute, f"0x{int(buffer, 2):016x}")
+    assert first(data)["kind"] == "raw_buffer"
+    assert parts(first(data))[0] == f"acknowledge {'0' * 12}"
+    assert first(data)["reads"] == {"position": 123456789}
+
+
+@pytest.mark.parametrize(
+    ("buffer", "words"),
+    [
+        ("1" * 30 + "0" * 18, "no start bit"),
+        ("1" * 10 + "0" * 37 + "1", "CDS and the frame are missing"),
+        ("1110" + "11" + "0" * 12 + "1" * 27, "39 of the 40 bits"),
+    ],
+)
+def test_a_buffer_without_a_frame_says_what_is_missing(buffer: str, words: str, resolute: Path, decode: Decode) -> None:
+    assert words in decode(resolute, f"0b{buffer}")["why"]["missing"]
+
+
+def test_a_frame_that_only_its_crc_finds_has_the_chance_of_all_places(resolute: Path, decode: Decode) -> None:
+    """After the start bit of the rule, the frame does not fit. It begins at bit 9 of 60: 21 places, so 64 / 21 = 3."""
+    text = f"0b101110111{FRAME}{'1' * 11}"
+    explanations = decode(resolute, text)["why"]["explanations"]
+    inside = [explanation for explanation in explanations if explanation["reads"] == {"position": 123456789}]
+    assert [(explanation["kind"], explanation["one_in"]) for explanation in inside] == [("frame_inside", 3)]
+
+
+def test_the_first_clock_carries_no_data(tmp_path: Path, decode: Decode) -> None:
+    """AS5045, 19 clocks: a public driver reads them all. The position is 1000, and OCF is set as always."""
+    folder = write_family(tmp_path, "ssi", SSI, AS5045, "2^12")
+    data = decode(folder, "0b1001111101000100001")
+    assert first(data)["kind"] == "bits_in_front"
+    assert first(data)["reads"]["position"] == 1000
+
+
+@pytest.mark.parametrize(
+    ("word", "kind"),
+    [
+        ("{word}000", "zeros_behind"),
+        ("{word}{zeros}", "zeros_behind"),
+        ("{word}{word}", "word_twice"),
+        ("{word}0{word}", "word_twice"),
+        ("{word}0{start}", "word_twice"),
+        ("1{word}000000", "bits_in_front"),
+    ],
+)
+def test_a_word_with_more_clocks(word: str, kind: str, tmp_path: Path, decode: Decode) -> None:
+    """21 bits, read with 24, 32, 42, 43, 28 and 28 clocks. The position is 0x12345A."""
+    folder = write_family(tmp_path, "ssi", SSI, PLAIN, "2^21")
+    position = 0x12345A
+    bits = f"{position:021b}"
+    data = decode(folder, "0b" + word.format(word=bits, zeros="0" * 11, start=bits[:6]))
+    readings = data["why"]["explanations"][:3]
+    assert (kind, position) in [(reading["kind"], reading["reads"]["position"]) for reading in readings]
+    assert data["verdict"] is None
+
+
+def test_the_alignment_decides_where_zeros_are(tmp_path: Path, decode: Decode) -> None:
+    folder = write_family(tmp_path, "ssi", SSI.replace("msb_left", "lsb_right"), PLAIN, "2^21")
+    data = decode(folder, f"0b000{0x12345A:021b}")
+    assert (first(data)["kind"], first(data)["reads"]) == ("zeros_in_front", {"position": 0x12345A})
+
+
+def test_nothing_is_certain_without_a_crc(tmp_path: Path, capsys: pytest.CaptureFixture[str], decode: Decode) -> None:
+    folder = write_family(tmp_path, "ssi", SSI, PLAIN, "2^21")
+    main(["decode", "X-A", f"0b{0x12345A:021b}000", "--specs", str(folder)])
+    assert "none of them is certain" in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_short_word_says_so(tmp_path: Path, decode: Decode) -> None:
+    folder = write_family(tmp_path, "ssi", SSI, PLAIN, "2^21")
+    assert "18 of the 21 bits" in decode(folder, "0b" + "01" * 9)["why"]["missing"]
