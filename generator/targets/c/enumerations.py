@@ -105,7 +105,9 @@ def _note(value: Value) -> str:
 
 
 #: Names of the other arguments and locals in the functions of a frame.
-_TAKEN = frozenset(("bytes", "crc", "flags", "in", "length", "out", "plain", "unused", "variant", "word"))
+_TAKEN = frozenset(
+    "bits bytes code crc flags frame in length out plain position received rx unused value variant verdict word".split()
+)
 
 
 @dataclass(frozen=True, slots=True)
