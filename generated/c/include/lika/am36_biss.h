@@ -454,10 +454,10 @@ static inline cw_verdict lika_am36_biss_position(
     lika_am36_biss variant, cw_word word, uint64_t *position)
 {
     lika_am36_biss_frame frame;
-    cw_verdict verdict = CW_NOT_USABLE;
-    if (lika_am36_biss_decode(variant, word, &frame) == CW_OK) {
-        verdict = lika_am36_biss_verdict(variant, &frame);
+    if (lika_am36_biss_decode(variant, word, &frame) != CW_OK) {
+        return CW_NOT_USABLE;
     }
+    const cw_verdict verdict = lika_am36_biss_verdict(variant, &frame);
     if (verdict != CW_NOT_USABLE) {
         *position = frame.position;
     }
@@ -474,11 +474,12 @@ CW_NODISCARD
 static inline cw_verdict lika_am36_biss_read(
     lika_am36_biss variant, const uint8_t *bytes, size_t length, uint64_t *position)
 {
-    cw_word word;
-    if (lika_am36_biss_receive(variant, bytes, length, &word) != CW_OK) {
+    const uint32_t bits = lika_am36_biss_bits(variant);
+    uint64_t word;
+    if (cw_biss_receive(bytes, length, bits, &word) != CW_OK) {
         return CW_NOT_USABLE;
     }
-    return lika_am36_biss_position(variant, word, position);
+    return lika_am36_biss_position(variant, cw_word_of(word, bits), position);
 }
 
 /** Return the active reports, as a mask of LIKA_AM36_BISS_REPORT_ bits. */

@@ -317,10 +317,10 @@ static inline cw_verdict lika_am36_ssi_position(
     lika_am36_ssi variant, cw_word word, uint32_t *position)
 {
     lika_am36_ssi_frame frame;
-    cw_verdict verdict = CW_NOT_USABLE;
-    if (lika_am36_ssi_decode(variant, word, &frame) == CW_OK) {
-        verdict = lika_am36_ssi_verdict(variant, &frame);
+    if (lika_am36_ssi_decode(variant, word, &frame) != CW_OK) {
+        return CW_NOT_USABLE;
     }
+    const cw_verdict verdict = lika_am36_ssi_verdict(variant, &frame);
     if (verdict != CW_NOT_USABLE) {
         *position = frame.position;
     }
@@ -337,11 +337,12 @@ CW_NODISCARD
 static inline cw_verdict lika_am36_ssi_read(
     lika_am36_ssi variant, const uint8_t *bytes, size_t length, uint32_t *position)
 {
-    cw_word word;
-    if (lika_am36_ssi_receive(variant, bytes, length, &word) != CW_OK) {
+    const uint32_t bits = lika_am36_ssi_bits(variant);
+    uint64_t word;
+    if (cw_ssi_receive(bytes, length, bits, &word) != CW_OK) {
         return CW_NOT_USABLE;
     }
-    return lika_am36_ssi_position(variant, word, position);
+    return lika_am36_ssi_position(variant, cw_word_of(word, bits), position);
 }
 
 /**

@@ -1044,10 +1044,10 @@ static inline cw_verdict lika_amm5_rs485_complete_reply_position(
     lika_amm5_rs485 variant, const uint8_t *bytes, size_t length, uint64_t *position)
 {
     lika_amm5_rs485_complete_reply frame;
-    cw_verdict verdict = CW_NOT_USABLE;
-    if (lika_amm5_rs485_complete_reply_decode(variant, bytes, length, &frame) == CW_OK) {
-        verdict = lika_amm5_rs485_complete_reply_verdict(variant, &frame);
+    if (lika_amm5_rs485_complete_reply_decode(variant, bytes, length, &frame) != CW_OK) {
+        return CW_NOT_USABLE;
     }
+    const cw_verdict verdict = lika_amm5_rs485_complete_reply_verdict(variant, &frame);
     if (verdict != CW_NOT_USABLE) {
         *position = frame.position;
     }

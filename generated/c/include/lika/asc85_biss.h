@@ -447,10 +447,10 @@ static inline cw_verdict lika_asc85_biss_position(
     lika_asc85_biss variant, lika_asc85_biss_zero_bit zero_bit, cw_word word, uint32_t *position)
 {
     lika_asc85_biss_frame frame;
-    cw_verdict verdict = CW_NOT_USABLE;
-    if (lika_asc85_biss_decode(variant, zero_bit, word, &frame) == CW_OK) {
-        verdict = lika_asc85_biss_verdict(variant, &frame);
+    if (lika_asc85_biss_decode(variant, zero_bit, word, &frame) != CW_OK) {
+        return CW_NOT_USABLE;
     }
+    const cw_verdict verdict = lika_asc85_biss_verdict(variant, &frame);
     if (verdict != CW_NOT_USABLE) {
         *position = frame.position;
     }
@@ -468,11 +468,12 @@ static inline cw_verdict lika_asc85_biss_read(
     lika_asc85_biss variant, lika_asc85_biss_zero_bit zero_bit, const uint8_t *bytes, size_t length,
     uint32_t *position)
 {
-    cw_word word;
-    if (lika_asc85_biss_receive(variant, zero_bit, bytes, length, &word) != CW_OK) {
+    const uint32_t bits = lika_asc85_biss_bits(variant, zero_bit);
+    uint64_t word;
+    if (cw_biss_receive(bytes, length, bits, &word) != CW_OK) {
         return CW_NOT_USABLE;
     }
-    return lika_asc85_biss_position(variant, zero_bit, word, position);
+    return lika_asc85_biss_position(variant, zero_bit, cw_word_of(word, bits), position);
 }
 
 /** Return the active reports, as a mask of LIKA_ASC85_BISS_REPORT_ bits. */

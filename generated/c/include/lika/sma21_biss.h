@@ -464,10 +464,10 @@ static inline cw_verdict lika_sma21_biss_position(
     lika_sma21_biss variant, cw_word word, uint32_t *position)
 {
     lika_sma21_biss_frame frame;
-    cw_verdict verdict = CW_NOT_USABLE;
-    if (lika_sma21_biss_decode(variant, word, &frame) == CW_OK) {
-        verdict = lika_sma21_biss_verdict(variant, &frame);
+    if (lika_sma21_biss_decode(variant, word, &frame) != CW_OK) {
+        return CW_NOT_USABLE;
     }
+    const cw_verdict verdict = lika_sma21_biss_verdict(variant, &frame);
     if (verdict != CW_NOT_USABLE) {
         *position = frame.position;
     }
@@ -484,11 +484,12 @@ CW_NODISCARD
 static inline cw_verdict lika_sma21_biss_read(
     lika_sma21_biss variant, const uint8_t *bytes, size_t length, uint32_t *position)
 {
-    cw_word word;
-    if (lika_sma21_biss_receive(variant, bytes, length, &word) != CW_OK) {
+    const uint32_t bits = lika_sma21_biss_bits(variant);
+    uint64_t word;
+    if (cw_biss_receive(bytes, length, bits, &word) != CW_OK) {
         return CW_NOT_USABLE;
     }
-    return lika_sma21_biss_position(variant, word, position);
+    return lika_sma21_biss_position(variant, cw_word_of(word, bits), position);
 }
 
 /** Return the active reports, as a mask of LIKA_SMA21_BISS_REPORT_ bits. */

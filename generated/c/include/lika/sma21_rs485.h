@@ -442,10 +442,10 @@ static inline cw_verdict lika_sma21_rs485_position_reply_position(
     lika_sma21_rs485 variant, const uint8_t *bytes, size_t length, uint32_t *position)
 {
     lika_sma21_rs485_position_reply frame;
-    cw_verdict verdict = CW_NOT_USABLE;
-    if (lika_sma21_rs485_position_reply_decode(variant, bytes, length, &frame) == CW_OK) {
-        verdict = lika_sma21_rs485_position_reply_verdict(variant, &frame);
+    if (lika_sma21_rs485_position_reply_decode(variant, bytes, length, &frame) != CW_OK) {
+        return CW_NOT_USABLE;
     }
+    const cw_verdict verdict = lika_sma21_rs485_position_reply_verdict(variant, &frame);
     if (verdict != CW_NOT_USABLE) {
         *position = frame.position;
     }
@@ -604,10 +604,10 @@ static inline cw_verdict lika_sma21_rs485_wide_position_reply_position(
     lika_sma21_rs485 variant, const uint8_t *bytes, size_t length, int64_t *position)
 {
     lika_sma21_rs485_wide_position_reply frame;
-    cw_verdict verdict = CW_NOT_USABLE;
-    if (lika_sma21_rs485_wide_position_reply_decode(variant, bytes, length, &frame) == CW_OK) {
-        verdict = lika_sma21_rs485_wide_position_reply_verdict(variant, &frame);
+    if (lika_sma21_rs485_wide_position_reply_decode(variant, bytes, length, &frame) != CW_OK) {
+        return CW_NOT_USABLE;
     }
+    const cw_verdict verdict = lika_sma21_rs485_wide_position_reply_verdict(variant, &frame);
     if (verdict != CW_NOT_USABLE) {
         *position = frame.position;
     }
@@ -812,10 +812,10 @@ static inline cw_verdict lika_sma21_rs485_identification_reply_position(
     lika_sma21_rs485 variant, const uint8_t *bytes, size_t length, uint32_t *position)
 {
     lika_sma21_rs485_identification_reply frame;
-    cw_verdict verdict = CW_NOT_USABLE;
-    if (lika_sma21_rs485_identification_reply_decode(variant, bytes, length, &frame) == CW_OK) {
-        verdict = lika_sma21_rs485_identification_reply_verdict(variant, &frame);
+    if (lika_sma21_rs485_identification_reply_decode(variant, bytes, length, &frame) != CW_OK) {
+        return CW_NOT_USABLE;
     }
+    const cw_verdict verdict = lika_sma21_rs485_identification_reply_verdict(variant, &frame);
     if (verdict != CW_NOT_USABLE) {
         *position = frame.position;
     }
