@@ -34,8 +34,8 @@ from jinja2 import (
 )
 from jinja2.bccache import Bucket, BytecodeCache
 
+from .language.problems import TEMPLATE_SUFFIX, TemplateFault
 from .say.plain_text import plain, wrapped
-from .template_fault import SUFFIX, TemplateFault
 
 
 class CompiledTemplates(BytecodeCache):
@@ -189,7 +189,7 @@ def _place(error: Exception, own_folder: Path) -> str:
     """Return file and line of an error, either in the user's template or in one of ours that includes it."""
     if isinstance(error, TemplateSyntaxError):
         return f"{error.filename or error.name}:{error.lineno}"
-    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.endswith(SUFFIX)]
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if frame.filename.endswith(TEMPLATE_SUFFIX)]
     theirs = [frame for frame in frames if Path(frame.filename).is_relative_to(own_folder)]
     return next((f"{Path(frame.filename).as_posix()}:{frame.lineno}" for frame in reversed(theirs or frames)), "")
 

@@ -11,7 +11,7 @@ from functools import partial
 from typing import Any
 
 from .cache import Cache, content_of
-from .loading.spec_files import packaged_masters
+from .language.files import packaged_masters
 from .loading.stored import digest_of
 from .model import Device
 from .targets import Library, Options, Target

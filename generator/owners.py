@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from .output_list import WriteError, families_in
-from .say.numbers import counted, first_of
+from .output_folder import WriteError, families_in
+from .say.plain_text import counted, first_of
 from .write import Change
 
 if TYPE_CHECKING:

@@ -13,8 +13,7 @@ from importlib import resources
 from pathlib import Path
 from typing import get_args
 
-from .language.problems import suggestion
-from .template_fault import SUFFIX
+from .language.problems import TEMPLATE_SUFFIX, suggestion
 
 _CAPITAL = re.compile(r"(?<=[a-z])(?=[A-Z])")
 
@@ -54,7 +53,7 @@ class Templates:
     @property
     def names(self) -> list[str]:
         """Return the file names of all templates, sorted."""
-        return sorted(path.name for path in self.folder.glob(f"*{SUFFIX}"))
+        return sorted(path.name for path in self.folder.glob(f"*{TEMPLATE_SUFFIX}"))
 
     def render(self, template: str, values: Mapping[str, object], own_folder: Path | None) -> str:
         """Render a template with these values.
@@ -94,7 +93,7 @@ def unused_templates(
     for target, templates in rendered.items():
         names = templates.names if templates else ()
         shipped_paths |= {f"{target}/{name}" for name in names}
-    own_paths = [path.relative_to(own_folder) for path in sorted(own_folder.rglob(f"*{SUFFIX}"))]
+    own_paths = [path.relative_to(own_folder) for path in sorted(own_folder.rglob(f"*{TEMPLATE_SUFFIX}"))]
     visible_paths = [path for path in own_paths if "/." not in f"/{path.as_posix()}"]
     if not visible_paths:
         example = f"; the path of a template in it looks like {min(shipped_paths)}" if shipped_paths else ""

@@ -17,8 +17,22 @@ from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
-from .output_folder import PATIENCE_S, PREFIX, Busy, Stage, locked, stages_in
-from .output_list import LIST, LIST_SIGN, WriteError, families_in, is_safe, list_text, listed_in, read_file
+from .output_folder import (
+    LIST,
+    LIST_SIGN,
+    PATIENCE_S,
+    PREFIX,
+    Busy,
+    Stage,
+    WriteError,
+    families_in,
+    is_safe,
+    list_text,
+    listed_in,
+    locked,
+    read_file,
+    stages_in,
+)
 
 _A_FOLDER = ", a folder in place of a file"
 

@@ -12,7 +12,7 @@ RESTRICTED = {"timings", "alarms", "contacts", "leds", "characteristics", "errat
 #: Modules that read them, by the reason why no order code gets the fact of another.
 READERS = {
     "keeps those of the order code, with applying or fits": {
-        "masters/cable.py",
+        "masters/frame_parts.py",
         "masters/record.py",
         "order_codes/reduction.py",
         "targets/python/readme.py",
@@ -36,7 +36,7 @@ READERS = {
         "loading/editions.py",
         "loading/library.py",
         "loading/overlays.py",
-        "loading/verdicts.py",
+        "loading/frame_kinds.py",
     },
     "reads the errata of a cable table, which the record has chosen": {
         "masters/text.py",
@@ -55,9 +55,8 @@ READERS = {
         "changes/interfaces.py",
         "dump/plain.py",
         "readings/interfaces.py",
-        "readings/surroundings.py",
         "say/errata.py",
-        "say/interface.py",
+        "say/order_code.py",
         "say/evidence.py",
         "targets/c/device.py",
         "targets/c/interfaces.py",

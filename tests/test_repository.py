@@ -29,8 +29,8 @@ def test_files_that_the_recipes_name_exist() -> None:
     named_paths = {path for path in re.findall(r"`([\w.-]+/[\w./-]*)`", CONTRIBUTING) if path.split("/")[0] in folders}
     missing_paths = {path for path in named_paths if not (ROOT / path).exists()}
     missing_paths = {path for path in missing_paths if not (ROOT / "generator" / path).exists()}
-    # The first one is from the recipe for an interface, and the others are examples of any target.
-    examples = {"generator/model/interfaces/endat.py", "generator/targets/NAME/files.py", "templates/NAME/"}
+    # Examples of any target.
+    examples = {"generator/targets/NAME/files.py", "templates/NAME/"}
     assert missing_paths == examples
 
 

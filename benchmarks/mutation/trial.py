@@ -11,14 +11,13 @@ from pathlib import Path
 
 from codewheel.commands.outputs import targets_named, tell_unfit
 from codewheel.language.document import Document
+from codewheel.language.files import packaged_masters, packaged_specs
 from codewheel.language.problems import Report
 from codewheel.language.read import read_specs
 from codewheel.loading.library import Family, families_of
 from codewheel.loading.repeated_facts import check_shared_facts
-from codewheel.loading.spec_files import packaged_masters, packaged_specs
 from codewheel.readings.compare import compare
-from codewheel.readings.fact import Facts
-from codewheel.readings.reading import Reading
+from codewheel.readings.reading import Facts, Reading
 from codewheel.readings.second_readings import (
     Coverage,
     SecondReading,

@@ -10,8 +10,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from codewheel.changes.change import TITLES
-from codewheel.changes.rules import RULES
+from codewheel.changes.rules import RULES, TITLES
 from codewheel.say.markdown import code, table, text
 
 ROOT = Path(__file__).resolve().parents[2]

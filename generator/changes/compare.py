@@ -12,11 +12,10 @@ from ..model.expressions import Expression
 from ..model.members import PARTS_BY_CLASS, WIDER, Member
 from ..order_codes.reduction import sent_crcs
 from ..say.names_and_places import register_at
-from ..say.numbers import first_of
-from .change import Change, Subject
-from .counterparts import in_section, recognised
-from .family_pair import FamilyPair
+from ..say.plain_text import first_of
+from .counterparts import FamilyPair, in_section, recognised
 from .pairs import Pair
+from .rules import Change, Subject
 from .values import NumberDifferences, arrow, differing_items, plain, short_value, without_words
 
 _Item = TypeVar("_Item")

@@ -1,20 +1,182 @@
-"""Compare two libraries, family by family."""
+"""Compare two libraries family by family: the family itself, its order codes, and the quantities that they set."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
+from operator import attrgetter
 
-from ..model import Device
-from .change import Change, Subject
-from .compare import compare_section
-from .counterparts import note_all
-from .family_pair import FamilyPair
-from .interfaces import contacts, displayed, interfaces, timings
-from .order_codes import family, order_codes, quantities, supply
-from .pairs import Pair, paired
-from .registers import procedure, register
+from ..model import Alternative, CodePart, Device, Manual, Parameter, Spelling, Supply, Variant
+from ..say.plain_text import first_of
+from .compare import compare_members, compare_parts, compare_section
+from .counterparts import FamilyPair, in_section, note_all
+from .interfaces import contacts, displayed, interfaces, procedure, register, timings
+from .pairs import Pair, both_of, paired
+from .rules import Change, Subject
+from .values import arrow, pattern
+
+
+def family(family_pair: FamilyPair) -> Iterator[Change]:
+    """Compare the family itself, its manufacturer and its manual."""
+    old, new = family_pair.old, family_pair.new
+    yield from family_pair.presence("family", Subject("device", f"family {new.name}"), old, new)
+    if old.title != new.title:
+        yield family_pair.change("words", Subject("title", new.name), ": title", old.title, new.title)
+    if old.movement != new.movement:
+        description = f": {arrow(old.movement, new.movement)}"
+        yield family_pair.change("movement", Subject("movement", new.name), description, old.movement, new.movement)
+    manufacturer = Subject(f"manufacturers.{new.manufacturer.name}", f"manufacturer {new.manufacturer.name}")
+    yield from compare_members(family_pair, manufacturer, old.manufacturer, new.manufacturer)
+    evidence = Subject("evidence", "evidence")
+    if old.evidence and new.evidence:
+        yield from compare_members(family_pair, evidence, old.evidence, new.evidence)
+    elif old.evidence or new.evidence:  # With --lenient, a spec in an older form of the language has none.
+        description = " is new" if new.evidence else " is gone"
+        yield family_pair.change("evidence", evidence, description, old.evidence, new.evidence)
+    if old.manual != new.manual:
+        texts = [_edition(manual) for manual in (old.manual, new.manual)]
+        description = f" {arrow(*texts)}" if texts[0] != texts[1] else ": details"
+        yield family_pair.change("manual", Subject("manual", "manual"), description, old.manual, new.manual)
+
+
+def _edition(manual: Manual) -> str:
+    """Return the revision and date of a manual as text."""
+    return f"{manual.revision} of {manual.date}" if manual.date else manual.revision
+
+
+def order_codes(family_pair: FamilyPair) -> Iterator[Change]:
+    old, new = family_pair.old, family_pair.new
+    yield from _report_codes(
+        family_pair, "gone", [variant for variant in old.variants if variant.code not in family_pair.shared]
+    )
+    yield from _report_codes(
+        family_pair, "new", [variant for variant in new.variants if variant.code not in family_pair.kept]
+    )
+    renamed = {old_code: new_code for old_code, new_code in family_pair.shared.items() if old_code != new_code}
+    if renamed:
+        renamings = first_of([" → ".join(names) for names in renamed.items()], 1)
+        label = f"order code{'s' * (len(renamed) > 1)} {renamings} (the same parts)"
+        yield family_pair.change(
+            "order-code-renamed", Subject("order_codes", label), "", list(renamed), list(renamed.values())
+        )
+    yield from _compare_codes(family_pair)
+    old_order_code = replace(old.order_code, pattern=new.order_code.pattern) if renamed else old.order_code
+    yield from compare_members(family_pair, Subject("order_code", "order codes"), old_order_code, new.order_code)
+    yield from compare_section(family_pair, "part", _compare_part_values)
+    yield from _compare_spellings(family_pair)
+
+
+def _report_codes(family_pair: FamilyPair, state: str, variants: list[Variant]) -> Iterator[Change]:
+    if not variants:
+        return
+    codes = [variant.code for variant in variants]
+    is_gone = state == "gone"
+    codes_text = pattern(family_pair.old if is_gone else family_pair.new, codes) or first_of(codes)
+    label = (
+        f"order codes {codes_text}: {len(codes)} {state}" if len(codes) > 1 else f"order code {codes_text} is {state}"
+    )
+    old, new = (codes, None) if is_gone else (None, codes)
+    yield family_pair.change(f"order-code-{state}", Subject("order_codes", label), "", old, new, codes)
+
+
+def _compare_codes(family_pair: FamilyPair) -> Iterator[Change]:
+    """Compare the interface and the numbers of order codes that both versions have."""
+    new_by_code = {variant.code: variant for variant in family_pair.new.variants}
+    shared = family_pair.shared
+    old_variants = [variant for variant in family_pair.old.variants if variant.code in shared]
+    pairs = [(variant, new_by_code[shared[variant.code]]) for variant in old_variants]
+    moved: dict[tuple[str, str], list[str]] = {}
+    for old, new in pairs:
+        if old.interface != new.interface:
+            moved.setdefault((old.interface, new.interface), []).append(new.code)
+    for names, codes in moved.items():
+        description = f": interface {arrow(*names)}"
+        yield family_pair.change(
+            "interface-of-code", Subject("order_codes.interface", "order codes"), description, *names, codes
+        )
+    for old_parameter, new_parameter in both_of(in_section(family_pair, "parameters")):
+        codes_by_numbers: dict[tuple[int, int], list[str]] = {}
+        for old, new in pairs if _is_of_code(old_parameter) and _is_of_code(new_parameter) else ():
+            numbers = old.parameters[old_parameter.name], new.parameters[new_parameter.name]
+            if numbers[0] != numbers[1]:
+                codes_by_numbers.setdefault(numbers, []).append(new.code)
+        for numbers, codes in codes_by_numbers.items():
+            subject = Subject(f"order_codes.parameters.{new_parameter.name}", new_parameter.name)
+            yield family_pair.change("parameter-of-code", subject, f" {arrow(*numbers)}", *numbers, codes)
+
+
+def _is_of_code(parameter: Parameter) -> bool:
+    """Return whether order codes set it, rather than a formula, a register or a decision."""
+    return parameter.equals is None and not parameter.read_from and not parameter.alternative
+
+
+def _compare_part_values(family_pair: FamilyPair, subject: Subject, old: CodePart, new: CodePart) -> Iterator[Change]:
+    """Compare the values that the part has in both versions. Other changes are visible in the order codes."""
+    for old_value, new_value in both_of(paired(old.values, new.values, name=attrgetter("text"))):
+        inner = subject.inside(new_value.text, f"{subject.label}: value {new_value.text}")
+        yield from compare_members(family_pair, inner, old_value, new_value)
+        variants = family_pair.new.variants
+        codes = tuple(variant.code for variant in variants if variant.parts.get(new.name) == new_value.text)
+        yield from supply(family_pair, inner, old_value.supply, new_value.supply, codes or family_pair.codes(""))
+
+
+def _compare_spellings(family_pair: FamilyPair) -> Iterator[Change]:
+    def same(spelling: Spelling) -> Hashable:
+        return replace(family_pair.in_new(spelling), where="", source=())
+
+    old_parts, new_parts = family_pair.old.order_code.also_written, family_pair.new.order_code.also_written
+    for pair in paired(old_parts, new_parts, same, name=attrgetter("where")):
+        subject = Subject("order_code.also_written", f"spelling by {pair.item.where}")
+        if pair.old is None or pair.new is None:
+            yield from family_pair.presence("spelling", subject, pair.old, pair.new)
+        elif pair.old.where != pair.new.where:
+            label = f"spelling by {pair.old.where} → {pair.new.where} (the same texts)"
+            yield family_pair.change(
+                "spelling-renamed", Subject(subject.path, label), "", pair.old.where, pair.new.where
+            )
+        else:
+            yield from compare_members(family_pair, subject, pair.old, pair.new)
+
+
+def supply(
+    family_pair: FamilyPair,
+    subject: Subject,
+    old: Supply | None,
+    new: Supply | None,
+    codes: tuple[str, ...] | None = None,
+) -> Iterator[Change]:
+    """Compare the supply of a family, or of an order code value that ``codes`` have."""
+    supply_subject = subject.inside("supply", f"{subject.label} supply".strip())
+    if old is not None and new is not None:
+        for change in compare_members(family_pair, supply_subject, old, new):
+            yield family_pair.change(
+                change.rule.name, Subject(change.path, change.text), "", change.old, change.new, codes
+            )
+    elif old is not new:
+        rule = "supply-wider" if new is None else "supply-narrower"
+        yield family_pair.change(rule, supply_subject, f" {arrow(old, new)}", old, new, codes)
+
+
+def quantities(family_pair: FamilyPair) -> Iterator[Change]:
+    """Compare parameters, decisions and the measurement."""
+    yield from compare_section(family_pair, "parameter")
+    yield from compare_section(family_pair, "decision", _compare_answers)
+    measured = [(Subject("measurement", "measurement"), family_pair.old.measurement, family_pair.new.measurement)]
+    for old, new in both_of(paired(family_pair.old.interfaces, family_pair.new.interfaces)):
+        subject = Subject(f"interfaces.{new.name}.measurement", f"{new.short} measurement", new.name)
+        measured.append((subject, old.measurement, new.measurement))
+    for subject, old_measurement, new_measurement in measured:
+        if old_measurement is not None and new_measurement is not None:
+            yield from compare_members(family_pair, subject, old_measurement, new_measurement)
+        elif old_measurement is not new_measurement:
+            yield from family_pair.presence("measurement", subject, old_measurement, new_measurement)
+
+
+def _compare_answers(family_pair: FamilyPair, subject: Subject, old: Alternative, new: Alternative) -> Iterator[Change]:
+    yield from compare_parts(
+        family_pair, "answer", old.answers, new.answers, replace(subject, label=f"{subject.label}: answer")
+    )
 
 
 def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:

@@ -1,18 +1,245 @@
-"""Compare interfaces with their frames and times, contacts, and facts without effect on code."""
+"""Compare interfaces with their frames, fields and times, registers, procedures, and facts without effect on code."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+import dataclasses
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
 
-from ..model import Biss, Connector, ControlField, Interface, Layout, LayoutRange, Rs485, Timing
-from .change import Change, Subject
+from ..model import (
+    Argument,
+    Biss,
+    Choice,
+    Connector,
+    Constant,
+    ControlField,
+    Decimal,
+    Device,
+    Field,
+    Interface,
+    Join,
+    Layout,
+    LayoutRange,
+    Number,
+    Procedure,
+    Register,
+    Rs485,
+    Sources,
+    Step,
+    Text,
+    Timing,
+    Unused,
+)
+from ..model.members import PARTS_BY_CLASS
+from ..say.register import access
 from .compare import compare_members, compare_pair, compare_parts
-from .family_pair import FamilyPair
-from .pairs import both_of, by_key, paired
-from .registers import layout
-from .values import arrow, short_value
+from .counterparts import FamilyPair, fields, step_in_new, without_words
+from .pairs import Pair, both_of, by_key, paired
+from .rules import Change, Subject
+from .values import arrow, plain, short_value
+
+#: Kinds among which a change affects only how bits are read.
+_PLAIN = (Number, Decimal, Text)
+
+
+def layout(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) -> Iterator[Change]:
+    """Yield the differences in the fields of a frame or register."""
+    for pair in fields(family_pair, old, new, subject.interface):
+        yield from _compare_field(family_pair, subject, pair)
+    yield from compare_parts(
+        family_pair, "joined", old.joins, new.joins, replace(subject, label=f"{subject.scope}: number")
+    )
+    part_subject = replace(subject, label=f"{subject.scope}: combination")
+    yield from compare_parts(family_pair, "combination", old.combinations, new.combinations, part_subject)
+    joined = {join.name: _type_of_parts(old, join) for join in old.joins}
+    for join in new.joins:
+        part_subject = replace(
+            subject, path=f"{subject.path}.{join.name}", label=f"{subject.scope}: number {join.name}"
+        )
+        yield from _compare_type(family_pair, part_subject, joined.get(join.name, ""), _type_of_parts(new, join))
+
+
+def _compare_field(family_pair: FamilyPair, subject: Subject, pair: Pair[Field]) -> Iterator[Change]:
+    field = pair.item
+    # A field of a group is in many frames, but its change is reported once, for the group.
+    path = f"field_groups.{field.group}.{field.name}" if field.group else f"{subject.path}.{field.name}"
+    part_subject = replace(subject, path=path, label=f"{field.group or subject.scope}: field {field.name}")
+    # The only field of a plain register has the register's name.
+    if not (
+        field.name == subject.scope and pair.old and family_pair.to_new("register", pair.old.name) == subject.scope
+    ):
+        yield from family_pair.presence("field", part_subject, pair.old, pair.new)
+    if pair.old is None or pair.new is None:
+        return
+    old, new = pair.old, pair.new
+    yield from compare_members(family_pair, part_subject, old, new)
+    yield from _compare_kind(family_pair, part_subject, old, new)
+    yield from _compare_type(family_pair, part_subject, _type_of(old), _type_of(new))
+    if isinstance(old.kind, Choice) and isinstance(new.kind, Choice) and not _of_data_ids(family_pair.new, new):
+        label = part_subject.label.replace(": field ", ".")
+        yield from compare_parts(
+            family_pair, "value", old.values, new.values, replace(part_subject, label=f"{label}: value")
+        )
+
+
+def _compare_type(family_pair: FamilyPair, subject: Subject, old: str, new: str) -> Iterator[Change]:
+    """Compare the types of a number in C. Other things have none."""
+    if old and new and old != new:
+        yield family_pair.change("field-type", subject, f": {old} → {new}", old, new)
+
+
+def _type_of(field: Field) -> str:
+    """Return the type of a number in C, or an empty string for another kind of field."""
+    if not isinstance(field.kind, (Number, Decimal)):
+        return ""
+    return _integer(max(field.widest, field.number.zero_means.bit_length()), "int" if field.number.signed else "uint")
+
+
+def _type_of_parts(layout: Layout, join: Join) -> str:
+    """Return the type of a number made of several fields in C."""
+    return _integer(sum(layout.field(name).widest for name in join.fields), "uint")
+
+
+def _integer(bits: int, kind: str) -> str:
+    return f"{kind}{next((size for size in (8, 16, 32) if bits <= size), 64)}_t"
+
+
+def _of_data_ids(device: Device, field: Field) -> bool:
+    """Return whether its values are the data IDs of an interface, which are compared separately."""
+    names = {value.name for value in field.values}
+    interfaces = [interface for interface in device.interfaces if isinstance(interface, Rs485)]
+    return any(names == _data_id_names(interface) for interface in interfaces)
+
+
+def _data_id_names(interface: Rs485) -> set[str]:
+    return {data_id.name for data_id in interface.data_ids}
+
+
+def _compare_kind(family_pair: FamilyPair, subject: Subject, old: Field, new: Field) -> Iterator[Change]:
+    """Compare the conversion of bits to a value."""
+    old_kind, new_kind = old.kind, new.kind
+    if isinstance(old_kind, Decimal) and isinstance(new_kind, Decimal):
+        yield from _compare_runs(family_pair, subject.inside("runs", subject.label), old_kind, new_kind)
+    elif type(old_kind) is type(new_kind):
+        yield from compare_members(family_pair, subject, old_kind, new_kind)
+    else:
+        rule = "field-kind"
+        if isinstance(old_kind, _PLAIN) and isinstance(new_kind, _PLAIN):
+            rule = "field-reads-otherwise"
+        elif isinstance(old_kind, Constant) and isinstance(new_kind, Unused):
+            rule = "field-constant"
+        yield family_pair.change(rule, subject, f": {old_kind.word} → {new_kind.word}", old_kind, new_kind)
+
+
+def _compare_runs(family_pair: FamilyPair, subject: Subject, old: Decimal, new: Decimal) -> Iterator[Change]:
+    if old == new:
+        return
+    old_digits, new_digits = _digits_by_name(old), _digits_by_name(new)
+    if list(old_digits.items()) == list(new_digits.items()):
+        yield family_pair.change("words", subject, ": digits", old.runs, new.runs)
+        return
+    texts = [_digits_text(old_digits), _digits_text(new_digits)]
+    rule = "field-kind" if old_digits.keys() - new_digits.keys() else "field-reads-otherwise"
+    yield family_pair.change(rule, subject, f": digits {' → '.join(texts)}", old.runs, new.runs)
+
+
+def _digits_by_name(kind: Decimal) -> dict[str, int]:
+    return {run.name: run.digits for run in kind.runs}
+
+
+def _digits_text(digits_by_name: dict[str, int]) -> str:
+    return short_value(", ".join(f"{name} ({digits})" for name, digits in digits_by_name.items()))
+
+
+_CAN_READ, _CAN_WRITE = ("read_only", "read_write"), ("write_only", "read_write")
+
+
+def register(family_pair: FamilyPair, subject: Subject, old: Register, new: Register) -> Iterator[Change]:
+    unnamed = subject.unnamed
+    if old.access != new.access:
+        is_lost = any(old.access in accesses and new.access not in accesses for accesses in (_CAN_READ, _CAN_WRITE))
+        description = f": {access(old)} → {access(new)}"
+        rule, subject = ("access-lost", subject) if is_lost else ("access-gained", unnamed)
+        yield family_pair.change(rule, subject.inside("access", subject.label), description, old.access, new.access)
+    yield from compare_parts(
+        family_pair, "meaning", old.meanings, new.meanings, replace(subject, label=f"{subject.label}: meaning")
+    )
+    # Everything else in the layout of a register follows from the register, which is compared separately.
+    compared = {name: getattr(old.layout, name) for name in ("fields", "joins", "gaps")}
+    old_layout = replace(new.layout, **compared)
+    yield from compare_members(family_pair, unnamed, old_layout, new.layout)
+    yield from layout(family_pair, unnamed, old_layout, new.layout)
+
+
+def procedure(family_pair: FamilyPair, subject: Subject, old: Procedure, new: Procedure) -> Iterator[Change]:
+    old_arguments, new_arguments = _signature(map(family_pair.in_new, old.arguments)), _signature(new.arguments)
+    inner = subject.inside("arguments", subject.label)
+    if old_arguments != new_arguments:
+        old_texts, new_texts = map(_argument_names, (old, new))
+        if old_texts == new_texts:  # Then the register that takes an argument differs, or its meaning.
+            old_texts, new_texts = map(_argument_texts, (old_arguments, new_arguments))
+        description = f": arguments {arrow(old_texts, new_texts)}"
+        yield family_pair.change("procedure-arguments", inner, description, old_arguments, new_arguments)
+    elif _meanings(old.arguments) != _meanings(new.arguments):
+        yield family_pair.change("words", inner.unnamed, ": arguments", old.arguments, new.arguments)
+    inner = subject.unnamed.inside("steps", subject.label)
+    old_steps = [step_in_new(family_pair, step) for step in old.steps]
+    new_steps = [without_words(step) for step in new.steps]
+    if old_steps != new_steps:
+        yield family_pair.change("procedure-steps", inner, _steps(old_steps, new_steps), old_steps, new_steps)
+    elif _meanings(old.steps) != _meanings(new.steps):
+        yield family_pair.change("words", inner, ": steps", old.steps, new.steps)
+    elif old.steps != new.steps and _sources(old.steps) != _sources(new.steps):
+        yield family_pair.change("source", inner, ": steps", None, None)
+
+
+def _argument_names(procedure: Procedure) -> list[str]:
+    return [argument.name for argument in procedure.arguments]
+
+
+def _signature(arguments: Iterable[Argument]) -> list[tuple[str, str, str]]:
+    """Return the name of each argument, the register or field that takes it, and how it is meant."""
+    return [(argument.name, argument.of, argument.meant_as) for argument in arguments]
+
+
+def _argument_texts(signature: list[tuple[str, str, str]]) -> list[str]:
+    texts = []
+    for name, owner, meaning in signature:
+        as_meaning = f" as {meaning}" if meaning else ""
+        texts.append(f"{name} for {owner}{as_meaning}")
+    return texts
+
+
+def _meanings(parts: Sequence[Argument | Step]) -> list[str]:
+    return [part.meaning for part in parts]
+
+
+def _sources(steps: Sequence[Step]) -> list[Sources]:
+    return [step.source for step in steps]
+
+
+def _steps(old_steps: list[Step], new_steps: list[Step]) -> str:
+    if len(old_steps) != len(new_steps):
+        return f": {len(old_steps)} steps → {len(new_steps)} steps"
+    numbered = enumerate(zip(old_steps, new_steps, strict=True), 1)
+    differing = {number: pair for number, pair in numbered if pair[0] != pair[1]}
+    steps = f": step{'s' * (len(differing) > 1)} {', '.join(map(str, differing))}"
+    details = {_step(old, new) for old, new in differing.values()}
+    return f"{steps}: {details.pop()}" if len(details) == 1 else f"{steps} differ"
+
+
+def _step(old: Step, new: Step) -> str:
+    """Describe the difference between two steps."""
+    if type(old) is not type(new):
+        return f"{old.do} → {new.do}"
+    part_members, texts = PARTS_BY_CLASS[type(new).__name__].by_attribute, []
+    for attribute in dataclasses.fields(new):
+        old_value, new_value = getattr(old, attribute.name), getattr(new, attribute.name)
+        if old_value != new_value:
+            member = part_members[attribute.name]
+            texts.append(f"{member.words} {arrow(plain(old_value), plain(new_value), member.notation)}")
+    return ", ".join(texts)
 
 
 def interfaces(family_pair: FamilyPair) -> Iterator[Change]:

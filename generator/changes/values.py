@@ -11,7 +11,7 @@ from typing import Any
 from ..model import CodedValue, Device, Scale, Supply, Variant
 from ..model.expressions import Expression, ExpressionError
 from ..order_codes.parameters import with_changed
-from ..say.numbers import counted, first_of, formula
+from ..say.plain_text import counted, first_of, formula
 from ..say.text import hertz, microseconds, volts
 
 Parameters = Mapping[str, int]

@@ -14,9 +14,8 @@ from pathlib import Path
 from typing import Any, TypedDict
 
 from ..cache import Cache, content_of, key_of
-from ..language.files import find_files, is_folder, top_keys
+from ..language.files import family_files, find_files, is_folder, packaged_masters, top_keys
 from ..language.problems import Report
-from ..loading.spec_files import family_files, packaged_masters
 
 #: Keys of overlays, which may refer to specs in other folders.
 _OVERLAY_KEYS = frozenset(("overlay", "changes"))

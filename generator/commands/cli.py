@@ -55,8 +55,7 @@ class Command(Protocol):
 
 def command_named(name: str) -> Command:
     """Import a command."""
-    module = "generate_command" if name == "generate" else name
-    return cast("Command", import_module(f"{__package__}.{module}"))
+    return cast("Command", import_module(f"{__package__}.{name}"))
 
 
 def parser_for(arguments: Sequence[str]) -> argparse.ArgumentParser:

@@ -13,14 +13,14 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..changes.change import IMPACTS, Impact
+from ..changes.rules import IMPACTS, Impact
 from .arguments import FORMATS, FORMATS_HELP, Parser, a_path, add_cache_option, cache_for
 from .terminal import Stop, print_json, refuse_missing
 
 if TYPE_CHECKING:
     from ..cache import Cache
-    from ..changes.change import Change
     from ..changes.report import DiffResult, Files
+    from ..changes.rules import Change
     from ..language.document import Document
     from ..language.document import Path as SpecPath
     from ..language.problems import Problem, Report
@@ -154,7 +154,7 @@ def _print_comparison(comparison: DiffResult, before: _Side, after: _Side, chose
 
 def _changed_files(olds: Sequence[Device], news: Sequence[Device], cache: Cache) -> Files | None:
     """Return the generated files that differ, or None if nothing can be generated."""
-    files: Files | None = import_module(f"{__package__}.changed_files").changed_files(olds, news, cache)
+    files: Files | None = import_module(f"{__package__}.generate.files").changed_files(olds, news, cache)
     return files
 
 
@@ -169,7 +169,7 @@ def _without_accepted(changes: Sequence[Change], chosen: argparse.Namespace) -> 
     Raises:
         Stop: The file with accepted changes is missing or not valid. The exit code is 2.
     """
-    from ..changes.release_files import NAME, NotAccepted, read_accepted, still_open
+    from ..changes.report import NAME, NotAccepted, read_accepted, still_open
 
     new = Path(chosen.new)
     place = chosen.accepted or (new if new.is_dir() else new.parent) / NAME
@@ -183,9 +183,9 @@ def _without_accepted(changes: Sequence[Change], chosen: argparse.Namespace) -> 
 
 def _compare(before: _Side, after: _Side, cache: Cache) -> DiffResult:
     """Return the changes in the families that could be read on both sides."""
-    from ..changes.change import packages
     from ..changes.families import compare
     from ..changes.report import DiffResult
+    from ..changes.rules import packages
 
     olds, news = _devices(before, after), _devices(after, before)
     changes = compare(olds, news)
@@ -209,7 +209,7 @@ def _record(comparison: DiffResult, after: _Side) -> DiffResult:
     Raises:
         Stop: Part of a family could not be compared, or a file cannot be written.
     """
-    from ..changes.release_files import NotRecorded, records
+    from ..changes.report import NotRecorded, records
 
     if comparison.notices:
         raise Stop(f"nothing is recorded: {comparison.notices[0]}", 1)
@@ -232,7 +232,7 @@ def _load_side(text: str, cache: Cache, lenient: bool, *, is_old: bool) -> _Side
         Stop: The specs do not exist, or have problems that prevent a comparison.
     """
     from ..loading.library import sound_families
-    from ..say.numbers import counted
+    from ..say.plain_text import counted
 
     families, report, file_names = _read_side(text, cache, is_old)
     problems = [replace(problem, file=file_names.get(problem.file, problem.file)) for problem in report.problems]
@@ -291,7 +291,7 @@ def _print_first(problems: Sequence[Problem]) -> None:
 
 
 def _not_comparable(text: str, problems: Sequence[Problem], is_old: bool) -> Stop:
-    from ..say.numbers import counted
+    from ..say.plain_text import counted
 
     _print_first(problems)
     count = counted(len(problems), "problem")

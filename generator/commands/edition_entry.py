@@ -8,7 +8,7 @@ from typing import Any
 
 import yaml
 
-from ..changes.change import Change
+from ..changes.rules import Change
 from ..language.document import label_of, resolve, steps_of, value_at
 from ..language.rules.values import HEXADECIMAL
 from ..loading.library import Family

@@ -104,8 +104,7 @@ def _describe_rule_of_check(name: str, examples: dict[str, Example]) -> list[str
 
 
 def _describe_rule_of_diff(name: str) -> list[str]:
-    from ..changes.change import OUTPUTS, TITLES
-    from ..changes.rules import RULES
+    from ..changes.rules import OUTPUTS, RULES, TITLES
     from ..say.plain_text import WIDTH, wrapped
 
     rule = RULES.get(name)

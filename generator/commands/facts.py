@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..say.numbers import counted
+from ..say.plain_text import counted
 from .arguments import Parser, add_specs_option
 from .terminal import Stop, print_json, problems
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from ..loading.library import Family
-    from ..reread.citing import Citing
+    from ..reread.passages import Citing
 
 EXAMPLES = ("codewheel facts my_encoder --section 6.2", "codewheel facts my_encoder --section 1 --json")
 JSON_VERSION = 1
@@ -35,7 +35,7 @@ def run(chosen: argparse.Namespace) -> int:
     Raises:
         Stop: There is no such family, or neither page nor section was given.
     """
-    from ..reread.citing import citing
+    from ..reread.passages import citing
     from .read_specs import specs_to_judge
 
     paths = specs_to_judge(chosen.specs, "facts FAMILY").paths

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..say.numbers import counted
+from ..say.plain_text import counted
 from .arguments import Parser, add_specs_argument
 from .terminal import Stop
 

@@ -1,4 +1,4 @@
-"""Find the targets that the user named, with their options, and report the parts that they cannot express."""
+"""Find the targets that the user named, with their options and families, and report what they cannot express."""
 
 from __future__ import annotations
 
@@ -7,17 +7,49 @@ import textwrap
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
-from ..language.problems import Report, listed, suggestion
+from ..language.problems import Report, TemplateFault, listed, suggestion
 from ..loading.configuration import NO_FILTERS, FamilyFilters
-from ..loading.library import Family, load_families, sound_families
+from ..loading.library import load_families, sound_families
+from ..loading.overlays import Family
 from ..model import Device
+from ..owners import family_of
 from ..render import unused_templates
+from ..say.plain_text import first_of
 from ..targets import Library, OptionError, Options, Target, TargetError
 from ..targets.registry import BUILT_IN, PackageMissing, files_of, load_target, problems_of, target_names
-from ..template_fault import TemplateFault
-from .accepted_families import accepted_devices
 from .encoder_options import edition_devices
 from .terminal import Stop
+
+_MOST_FAMILIES = 8
+
+
+def accepted_devices(target: str, devices: Sequence[Device], filters: FamilyFilters) -> tuple[Device, ...]:
+    """Return the devices that a target writes. An edition is written if its family is."""
+    if target not in filters:
+        return tuple(devices)
+    accepts = filters[target].accepts
+    return tuple(device for device in devices if accepts(family_of(device), device.evidence.grade))
+
+
+def devices_by_target(
+    targets: Iterable[str], devices: Sequence[Device], filters: FamilyFilters
+) -> dict[str, tuple[Device, ...]]:
+    """Return the devices that each target writes.
+
+    Raises:
+        Stop: A target writes no family. The exit code is 1.
+    """
+    accepted = {target: accepted_devices(target, devices, filters) for target in targets}
+    for target, target_devices in accepted.items():
+        if devices and not target_devices:
+            grades = [f"{device.name} ({device.evidence.grade})" for device in devices]
+            raise Stop(
+                f"the setting 'only.{target}' accepts no family that was read: {first_of(grades, _MOST_FAMILIES)}; "
+                "change it, or name the other targets with --target",
+                1,
+            )
+    return accepted
+
 
 _WIDTH = 79
 

@@ -1,18 +1,331 @@
-"""The specs that a command reads: found from its arguments, and named in its output with their placeholders."""
+"""The specs and settings that a command reads: found by one rule, and named in its output.
+
+The nearest file with settings holds, in the current folder or above it, but not above the repository that the current
+folder is in. The parsers are imported only for a file with settings, because every command looks for it.
+
+docs/which-specs.md explains it to users.
+"""
 
 from __future__ import annotations
 
 import os
+import sys
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ..say.numbers import counted, first_of
+from ..language.files import (
+    CONFIGURATION,
+    LINK,
+    REPOSITORY,
+    UNREADABLE,
+    describes_encoders,
+    find_files,
+    is_folder,
+    is_spec,
+    packaged_families,
+)
+from ..loading.configuration import PYPROJECT, Configuration, Faulty
+from ..say.plain_text import counted, first_of
+from .terminal import Stop, problems, refuse_missing
 
 if TYPE_CHECKING:
+    from ..language.document import Path as Place
     from ..language.problems import Report
-    from .which_specs import Specs
+
+
+#: Text that a pyproject.toml with the section must contain. Others are not parsed.
+_NEEDED = b"tool.codewheel"
+
+
+def configuration_above() -> Configuration | None:
+    """Return the settings that hold for the current folder, or None if there are none.
+
+    Raises:
+        Faulty: There are errors in the settings.
+    """
+    for folder in _folders_above():
+        files = [path for path in (folder / PYPROJECT, folder / CONFIGURATION) if _has_settings(path)]
+        if len(files) > 1:
+            raise Faulty(*files)
+        if files:
+            from ..loading.configuration_file import read_configuration
+
+            configuration = read_configuration(files[0])
+            if configuration is not None:
+                return configuration
+        if os.path.lexists(folder / REPOSITORY):
+            return None
+    return None
+
+
+def _folders_above() -> Iterator[Path]:
+    """Yield the current folder and those above it, relative to it, so that messages have short paths."""
+    try:
+        above = len(Path.cwd().parents)
+    except OSError:  # The current folder has been removed.
+        return
+    yield Path()
+    for count in range(1, above + 1):
+        yield Path(*[os.pardir] * count)
+
+
+def _has_settings(file: Path) -> bool:
+    """Return True if a file may have settings.
+
+    Raises:
+        Faulty: The file cannot be read.
+    """
+    if not os.path.isfile(file):
+        return False
+    if file.name == CONFIGURATION:
+        return not is_spec(file)
+    try:
+        return _NEEDED in file.read_bytes()
+    except OSError:
+        raise Faulty(file) from None
+
+
+#: Number of files and folders after which the search below the current folder ends. It takes less than 50 ms.
+MOST_NAMES = 10_000
+_MOST_SHOWN = 8
+
+
+@dataclass(frozen=True, slots=True)
+class Specs:
+    """The specs of the user, and the packaged ones that a command that only reads also knows.
+
+    Attributes:
+        paths: Files and folders of the user. Empty if there are none.
+        packaged: Files and folders of the packaged specs, without those among ``paths``.
+        settings: The user's settings, or None.
+        is_complete: False if the search for specs ended at its limit.
+        not_entered: Folders that were not searched but may contain specs, each with the reason.
+    """
+
+    paths: tuple[Path, ...]
+    packaged: tuple[Path, ...] = ()
+    settings: Configuration | None = None
+    is_complete: bool = True
+    not_entered: tuple[tuple[Path, str], ...] = ()
+
+    @property
+    def groups(self) -> list[tuple[Path, ...]]:
+        """The specs of the user, and then the packaged ones. Groups without specs are omitted."""
+        return [group for group in (self.paths, self.packaged) if group]
+
+
+def find_specs(named: Sequence[Path]) -> Specs:
+    """Return the specs that a command reads.
+
+    These are the ones named on the command line. Without any, they are those in the settings of the project. Without
+    settings, they are those in the current folder and below it. A command that only reads also uses the packaged ones,
+    unless specs were named.
+
+    Raises:
+        Stop: A named path does not exist (exit code 2), or there are errors in the settings (exit code 1).
+    """
+    refuse_missing(named)
+    settings = find_settings()
+    if named:
+        return Specs(tuple(named), (), settings)
+    if settings is None:
+        found = _below(Path(), ())
+    elif settings.specs:
+        found = Specs(tuple(_without_output(settings)))
+    else:
+        found = _below(settings.folder, _outputs(settings))
+    return replace(found, packaged=tuple(_packaged_beside(found.paths)), settings=settings)
+
+
+def find_settings() -> Configuration | None:
+    """Return the settings that hold for the current folder, or None.
+
+    Raises:
+        Stop: There are errors in them. The exit code is 1.
+    """
+    try:
+        return configuration_above()
+    except Faulty as error:
+        from ..loading.configuration_file import errors_in
+
+        raise problems(errors_in(error.files)) from None
+
+
+def find_specs_to_judge(named: Sequence[Path], command: str) -> Specs:
+    """Return the specs for a command that writes or judges. It never uses the packaged ones instead.
+
+    Raises:
+        Stop: There are no specs, or more than the search can find (exit code 2), or as for ``find_specs``.
+    """
+    specs = find_specs(named)
+    folder = specs.settings.folder if specs.settings is not None else Path()
+    option = " --specs" if command in ("reread OLD NEW", "facts FAMILY") else ""
+    if not specs.is_complete:
+        raise Stop(
+            f"{_place(folder)} has more than {MOST_NAMES:,} files and folders, so not all of its specs were found; "
+            f"name the folder of the specs: codewheel {command}{option} FOLDER, or list it under [tool.codewheel]",
+            2,
+        )
+    if not specs.paths:
+        packaged = f"; outputs for a packaged encoder: codewheel generate --packaged {_packaged_family()} -o out"
+        others = packaged if command == "generate" else ""
+        raise Stop(
+            f"there are no specs in {_place(folder)} or below it{_output_with_specs(specs)}; name them: "
+            f"codewheel {command}{option} FOLDER, or list them under [tool.codewheel] in pyproject.toml{others}",
+            2,
+        )
+    _report_not_entered(specs, folder)
+    return replace(specs, packaged=())
+
+
+def _output_with_specs(specs: Specs) -> str:
+    """Return the part of a message that says that the output folder has specs, or an empty string."""
+    output = specs.settings.output if specs.settings is not None else None
+    if output is None or not is_folder(output) or not find_files(output).specs:
+        return ""
+    return f", apart from those in {output.as_posix()}, which is the output folder and is not searched"
+
+
+def _packaged_family() -> str:
+    """Return the name of a packaged family, for an example."""
+    files = (path for folder in packaged_families() for path in find_files(folder).specs)
+    return next(path.stem for path in files if describes_encoders(path))
+
+
+def _real_folder(path: Path) -> str:
+    """Return the real path of a folder with a separator at its end."""
+    return os.path.join(os.path.realpath(path), "")
+
+
+def _report_not_entered(specs: Specs, folder: Path) -> None:
+    """Report the folders that may contain specs but are not searched, so that a user does not take them for checked."""
+    folders = [path for path in specs.paths if is_folder(path)]
+    searched = tuple(_real_folder(path) for path in folders or [folder])
+    not_entered = list(specs.not_entered)
+    for path in folders:
+        found_files = find_files(path, lambda _: False)
+        not_entered += [(path, reason) for path, reason in found_files.not_entered if reason != UNREADABLE]
+    shown = []
+    for path, reason in not_entered:
+        is_searched_anyway = reason == LINK and _real_folder(path).startswith(searched)
+        if not is_searched_anyway:
+            shown.append(f"{path.as_posix()} ({reason})")
+    if shown:
+        print(f"codewheel: not searched for specs: {first_of(shown, _MOST_SHOWN)}", file=sys.stderr)
+
+
+def find_specs_to_read(named: Sequence[Path]) -> Specs:
+    """Return the specs for a command that only reads, and report on standard error if some were not found.
+
+    Raises:
+        Stop: As for ``find_specs``.
+    """
+    specs = find_specs(named)
+    if not specs.is_complete:
+        print(
+            f"codewheel: searched only {MOST_NAMES:,} files and folders for specs; name yours with --specs, or list "
+            "them under [tool.codewheel]",
+            file=sys.stderr,
+        )
+    return specs
+
+
+def _place(folder: Path) -> str:
+    return "this folder" if folder == Path() else folder.as_posix()
+
+
+def _outputs(settings: Configuration) -> list[str]:
+    """Return the real path of the output folder in the settings."""
+    return [os.path.realpath(settings.output)] if settings.output is not None else []
+
+
+def _without_output(settings: Configuration) -> Iterator[Path]:
+    """Yield the specs in the settings. A folder that contains the output folder is replaced by its specs."""
+    outputs = _outputs(settings)
+    for path in settings.specs:
+        inside = os.path.join(os.path.realpath(path), "")
+        if any(output.startswith(inside) for output in outputs):
+            yield from find_files(path, outputs=outputs).specs
+        else:
+            yield path
+
+
+def _below(folder: Path, outputs: Sequence[str]) -> Specs:
+    """Return the specs in a folder and below it, if at least one of them is about an encoder."""
+    found = find_files(folder, outputs=outputs, most_names=MOST_NAMES)
+    unreadable = {path for path, reason in found.not_entered if reason == UNREADABLE}
+    specs = tuple(path for path in found.specs if path not in unreadable)
+    has_encoders = any(map(describes_encoders, specs))
+    return Specs(specs if has_encoders else (), is_complete=found.is_complete, not_entered=found.not_entered)
+
+
+def _packaged_beside(paths: Sequence[Path]) -> Iterator[Path]:
+    """Yield the packaged specs without those among ``paths``, which may be the same files."""
+    own = [os.path.realpath(path) for path in paths]
+    for folder in packaged_families():
+        real = os.path.realpath(folder)
+        if any(os.path.join(real, "").startswith(os.path.join(path, "")) for path in own):
+            continue
+        if any(path.startswith(os.path.join(real, "")) for path in own):
+            yield from (path for path in find_files(folder).specs if os.path.realpath(path) not in own)
+        else:
+            yield folder
+
+
+def refuse_unknown_targets(settings: Configuration | None) -> None:
+    """Check that the targets in the settings exist, without loading them.
+
+    Raises:
+        Stop: There is no such target. The exit code is 1.
+    """
+    if settings is None or not (settings.targets or settings.only):
+        return
+    from ..targets.registry import target_names
+
+    known_names = target_names()
+    places: list[tuple[str, Place]] = [(name, ("targets", index)) for index, name in enumerate(settings.targets)]
+    places += [(name, ("only", name)) for name in settings.only]
+    unknown_places = [(name, place) for name, place in places if name not in known_names]
+    if unknown_places:
+        raise problems(_unknown_targets(settings.file, unknown_places, known_names))
+
+
+def _unknown_targets(file: Path, places: Iterable[tuple[str, Place]], known_names: Iterable[str]) -> Report:
+    from ..language.problems import Report, suggestion
+    from ..loading.configuration_file import add_error
+
+    report = Report()
+    for name, place in places:
+        message = f"there is no target '{name}'{suggestion(name, known_names, 'there are')}"
+        add_error(report, file, place, "undefined-reference", message, at_key=place[0] == "only")
+    return report
+
+
+def report_unknown_families(settings: Configuration | None, family_names: Iterable[str], report: Report) -> None:
+    """Report families in the settings that none of the specs describes.
+
+    Args:
+        settings: The settings.
+        family_names: Names of the families that were read from all specs of the settings.
+        report: The report on these specs, to which the errors are added.
+    """
+    if settings is None or not settings.only:
+        return
+    from ..language.problems import suggestion
+    from ..loading.configuration_file import add_error
+
+    # A spec with problems may have no family yet. Its name is that of its file.
+    spec_names = [Path(file).stem for file in report.files] if report else []
+    known_names = list(family_names)
+    for target, family_filter in settings.only.items():
+        for index, name in enumerate(family_filter.families):
+            if name not in known_names and name not in spec_names:
+                message = f"there is no family '{name}' among the specs{suggestion(name, known_names, 'there are')}"
+                place = ("only", target, "families", index)
+                add_error(report, settings.file, place, "undefined-reference", message)
+
 
 _MOST_FILES = 8
 
@@ -21,12 +334,9 @@ def specs_to_judge(named: Sequence[Path], command: str) -> Specs:
     """Return the specs for a command that writes or judges, after a check of the targets in the settings.
 
     Raises:
-        Stop: As for ``which_specs.specs_to_judge``, or there is no such target.
+        Stop: As for ``find_specs_to_judge``, or there is no such target.
     """
-    from . import which_specs
-    from .settings_targets import refuse_unknown_targets
-
-    specs = which_specs.specs_to_judge(named, command)
+    specs = find_specs_to_judge(named, command)
     refuse_unknown_targets(specs.settings)
     return specs
 
@@ -35,12 +345,9 @@ def specs_to_read(named: Sequence[Path]) -> Specs:
     """Return the specs for a command that only reads, after a check of the targets in the settings.
 
     Raises:
-        Stop: As for ``which_specs.specs_to_read``, or there is no such target.
+        Stop: As for ``find_specs_to_read``, or there is no such target.
     """
-    from . import which_specs
-    from .settings_targets import refuse_unknown_targets
-
-    specs = which_specs.specs_to_read(named)
+    specs = find_specs_to_read(named)
     refuse_unknown_targets(specs.settings)
     return specs
 

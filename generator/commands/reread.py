@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from ..say.numbers import counted
+from ..say.plain_text import counted
 from .arguments import Parser, a_path, add_specs_option
 from .facts import facts_data
 from .terminal import Stop, print_json, problems
@@ -16,8 +16,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from ..loading.library import Family
-    from ..reread.citing import Citing
-    from ..reread.passages import Passage
+    from ..reread.passages import Citing, Passage
     from ..reread.sections import Manual
 
 EXAMPLES = ("codewheel reread manual-1.0.txt manual-1.1.txt --family my_encoder",)
@@ -59,8 +58,7 @@ def run(chosen: argparse.Namespace) -> int:
     Raises:
         Stop: A manual cannot be read, or the family is not known.
     """
-    from ..reread.citing import citing
-    from ..reread.passages import changed, numbers_changed, same_language
+    from ..reread.passages import changed, citing, numbers_changed, same_language
     from ..reread.sections import NoText, read
     from .read_specs import specs_to_judge
 
@@ -125,7 +123,7 @@ def _unnumbered_sections(family: Family) -> Mapping[int, str]:
 def _with_facts(
     passage: Passage, facts: Sequence[Citing], old: Manual, titles_by_page: Mapping[int, str]
 ) -> _ChangedPassage:
-    from ..reread.citing import ranked
+    from ..reread.passages import ranked
 
     section = passage.section
     sections = {section.number} | old.without_heading_after(section.number)

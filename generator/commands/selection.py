@@ -11,13 +11,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..cache import Cache
-from ..language.files import find_files
+from ..language.files import MANUFACTURER, find_files, packaged_families
 from ..loading.configuration import NO_FILTERS, Configuration, FamilyFilters
-from ..loading.spec_files import MANUFACTURER, packaged_families
 from .find_encoder import find_family_or_code
-from .settings_targets import refuse_unknown_targets
+from .read_specs import Specs, find_settings, find_specs, find_specs_to_judge, refuse_unknown_targets
 from .terminal import Stop, refuse_missing
-from .which_specs import Specs, find_settings, find_specs, specs_to_judge
 
 if TYPE_CHECKING:
     from ..model import Device
@@ -79,7 +77,7 @@ def selected(chosen: argparse.Namespace, cache: Cache) -> Selection:
         settings = find_settings()
         paths = (*named, *packaged)
     else:
-        specs = specs_to_judge(named, "generate")
+        specs = find_specs_to_judge(named, "generate")
         paths, packaged, implied, settings = specs.paths, (), (), specs.settings
     refuse_unknown_targets(settings)
     _fill_in(chosen, settings)

@@ -13,8 +13,7 @@ from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TextIO
 
-from ..say.numbers import counted
-from ..say.plain_text import STAND_INS
+from ..say.plain_text import STAND_INS, counted
 
 if TYPE_CHECKING:
     from ..language.problems import Report

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 from .document import Document
+from .read import LINE_BREAK
 from .schema import renamed_keys, value_at
-from .yaml import LINE_BREAK
 
 
 @dataclass(frozen=True, slots=True)

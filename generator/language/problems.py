@@ -1,4 +1,4 @@
-"""Problems in a spec: the place, the error and the correction.
+"""Problems in a spec: the place, the error and the correction. Also the error in a user's template.
 
 A broken spec never raises an exception. Every step adds to a :class:`Report` and continues with the remaining data,
 so that one run reports everything.
@@ -339,3 +339,10 @@ def _fitting(pieces: Sequence[str], room: int) -> int:
         if used > room:
             return count
     return len(pieces)
+
+
+TEMPLATE_SUFFIX = ".jinja"
+
+
+class TemplateFault(ValueError):
+    """An error in a user's template. The message gives the location and the reason in one line."""

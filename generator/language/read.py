@@ -1,4 +1,7 @@
-"""Read YAML files into plain data, with the place of each value.
+"""Read YAML files into plain data, with the place of each value, within bounds.
+
+Events are used instead of PyYAML's nodes, so that depth and aliases are bounded before anything is built. The cost of
+any file, even a hostile one, is then limited by its size.
 
 PyYAML handles the syntax. Scalars are resolved here, by the YAML 1.2 core schema. PyYAML's own resolver follows YAML
 1.1, where ``7:0`` is the number 420, ``010`` is 8 and ``no`` is false. A person who transcribes a manual intends none
@@ -9,14 +12,294 @@ from __future__ import annotations
 
 import os
 import pathlib
+import re
 import stat
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import yaml
 
 from . import files
-from .document import Document, Path
-from .problems import Report
+from .document import Document, Mark, Path
+from .problems import Report, quoted
 from .schema_files import family_of, is_second
-from .yaml import FORBIDDEN, LINE_BREAK, MAX_BYTES, Unreadable, parse
+from .yaml_mistakes import CorrectedEvents, explain
+
+MAX_BYTES = 4 * 2**20
+#: Largest number of values in a spec, including repetitions by aliases. The largest manuals need about 20,000.
+MAX_VALUES = 200_000
+#: Largest nesting depth of maps and lists. The language needs 9.
+MAX_DEPTH = 60
+#: Largest number of digits in a number. 64 bits need 20.
+MAX_DIGITS = 40
+
+# Forbidden in addition to YAML's own rules: line breaks of YAML 1.1 that are not in 1.2 (they would shift the line
+# numbers), characters that reorder the text around them, and invisible ones (a spec, and the comments generated from
+# it, would look different from their content). A class of the allowed characters would take ten times as long to
+# compile.
+_UNSEEN = r"\u00ad\u061c\u180e\u200b\u200e\u200f\u2028-\u202e\u2060-\u206f\ufeff\ufff9-\ufffb\U000e0000-\U000e0fff"
+FORBIDDEN = re.compile(f"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff{_UNSEEN}]")
+
+LINE_BREAK = re.compile(r"\r\n|\r|\n")
+_LOADER: Any = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
+
+_NULL = frozenset(("", "~", "null", "Null", "NULL"))
+_BOOLEAN = {"true": True, "True": True, "TRUE": True, "false": False, "False": False, "FALSE": False}
+_INTEGER = re.compile(r"[-+]?[0-9]+|0o[0-7]+|0x[0-9a-fA-F]+")
+_FLOAT = re.compile(r"[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?")
+_SPECIAL_FLOAT = re.compile(r"[-+]?\.(inf|Inf|INF)|\.(nan|NaN|NAN)")
+
+_CORE = "tag:yaml.org,2002:"
+_TAGGED_TYPES: dict[str, tuple[type, ...]] = {
+    f"{_CORE}null": (type(None),),
+    f"{_CORE}bool": (bool,),
+    f"{_CORE}int": (int,),
+    f"{_CORE}float": (int, float),
+}
+
+
+class Unreadable(Exception):
+    """Something that cannot be read.
+
+    ``rule`` and ``message`` are those of a problem. The path is given if the rest of the file can be read.
+    """
+
+    def __init__(self, line: int, column: int, rule: str, message: str, path: Path = ()) -> None:
+        super().__init__(message)
+        self.line, self.column, self.rule, self.message, self.path = line, column, rule, message, path
+
+
+@dataclass(slots=True)
+class _Value:
+    """A value that was read: its data, its mark, and its count and depth for repetition by an alias."""
+
+    data: Any
+    mark: Mark
+    count: int
+    depth: int
+
+
+def parse(
+    text: str, complain: Callable[[Unreadable], None], stand_in: Callable[[Path], None]
+) -> tuple[dict[str, Any], Mark]:
+    """Parse a YAML text and return its data and marks.
+
+    Args:
+        text: The text, without characters that YAML forbids.
+        complain: Called with each error that does not prevent reading the rest, such as a duplicate key.
+        stand_in: Called with the path of each value that could not be read and was replaced by None.
+
+    Raises:
+        Refused: Nothing can be read: broken syntax, too deep, too many values, not a map.
+    """
+    try:
+        return _Parser(text, complain, stand_in).document()
+    except yaml.MarkedYAMLError as error:
+        raise Unreadable(*explain(error, text)) from None
+    except yaml.YAMLError as error:
+        raise Unreadable(1, 1, "yaml-syntax", f"not valid YAML: {str(error).splitlines()[0]}") from None
+
+
+class _Parser:
+    def __init__(self, text: str, complain: Callable[[Unreadable], None], stand_in: Callable[[Path], None]) -> None:
+        self._complain = complain
+        lines = LINE_BREAK.split(text)
+        self._events = iter(
+            CorrectedEvents(
+                iter(yaml.parse(text, Loader=_LOADER)),
+                lines,
+                lambda scalar: isinstance(_resolved(scalar), str),
+                self._refuse,
+            )
+        )
+        self._stand_in = stand_in
+        self._anchors: dict[str, _Value | None] = {}
+        self._count = 0
+
+    def _refuse(self, event: Any, rule: str, message: str, path: Path = ()) -> None:
+        self._complain(_refused(event, rule, message, path))
+
+    def document(self) -> tuple[dict[str, Any], Mark]:
+        next(self._events)  # The start of the stream.
+        start = next(self._events)
+        if isinstance(start, yaml.StreamEndEvent):
+            raise Unreadable(1, 1, "empty", "the file is empty; a spec begins with 'codewheel: 1'")
+        if getattr(start, "version", None) not in (None, (1, 2)):
+            raise _refused(start, "yaml-syntax", "specs are read as YAML 1.2; remove the %YAML line")
+        value = self._value(next(self._events), (), 1)
+        next(self._events)  # The end of the document.
+        following = next(self._events)
+        if not isinstance(following, yaml.StreamEndEvent):
+            raise _refused(following, "several-documents", "a second document begins here; a file holds one")
+        if value.data is None:
+            raise Unreadable(1, 1, "empty", "the file is empty; a spec begins with 'codewheel: 1'")
+        if not isinstance(value.data, dict):
+            message = (
+                "a spec is a map of keys and begins with 'codewheel: 1'; "
+                f"this is {'a list' if isinstance(value.data, list) else 'one value'}"
+            )
+            raise Unreadable(value.mark.line, value.mark.column, "not-a-map", message)
+        return value.data, value.mark
+
+    def _value(self, event: Any, path: Path, depth: int) -> _Value:
+        """Return the value that begins with ``event``.
+
+        Raises:
+            Refused: A bound is exceeded, or an alias cannot be followed.
+        """
+        if isinstance(event, yaml.AliasEvent):
+            return self._alias(event, depth)
+        self._add(1, event)
+        if depth > MAX_DEPTH:
+            raise _refused(event, "too-deep", f"maps and lists are nested more than {MAX_DEPTH} levels deep")
+        anchor = event.anchor
+        if anchor is not None:
+            self._anchors[anchor] = None  # Open: an alias to it from inside would never end.
+        line, column = event.start_mark.line + 1, event.start_mark.column + 1
+        mark = Mark(line, column, line, column)
+        if isinstance(event, yaml.ScalarEvent):
+            value = _Value(self._scalar(event, path), mark, 1, 0)
+        else:
+            self._check_container_tag(event)
+            value = (self._map if isinstance(event, yaml.MappingStartEvent) else self._list)(mark, path, depth)
+        if anchor is not None:
+            self._anchors[anchor] = value
+        return value
+
+    def _alias(self, event: Any, depth: int) -> _Value:
+        if event.anchor not in self._anchors:
+            raise _refused(event, "alias", f"there is no anchor '&{event.anchor}' before this alias")
+        value = self._anchors[event.anchor]
+        if value is None:
+            raise _refused(event, "alias", f"the alias '*{event.anchor}' is inside the value that it repeats")
+        self._add(value.count, event)
+        if depth + value.depth > MAX_DEPTH:
+            raise _refused(
+                event, "too-deep", f"maps and lists are nested more than {MAX_DEPTH} levels deep through this alias"
+            )
+        # The values keep the place where they are written. Only the item itself is located at the alias.
+        line, column = event.start_mark.line + 1, event.start_mark.column + 1
+        return _Value(value.data, Mark(line, column, line, column, value.mark.children), value.count, value.depth)
+
+    def _add(self, count: int, event: Any) -> None:
+        self._count += count
+        if self._count > MAX_VALUES:
+            raise _refused(
+                event,
+                "too-large",
+                f"there are more than {MAX_VALUES} values up to this point, counting those repeated by aliases; remove"
+                " the aliases",
+            )
+
+    def _list(self, mark: Mark, path: Path, depth: int) -> _Value:
+        list_data: list[Any] = []
+        count, deepest = 1, 0
+        while not isinstance(event := next(self._events), yaml.SequenceEndEvent):
+            value = self._value(event, (*path, len(list_data)), depth + 1)
+            mark.children[len(list_data)] = value.mark
+            list_data.append(value.data)
+            count, deepest = count + value.count, max(deepest, value.depth)
+        return _Value(list_data, mark, count, deepest + 1)
+
+    def _map(self, mark: Mark, path: Path, depth: int) -> _Value:
+        map_data: dict[str, Any] = {}
+        count, deepest = 1, 0
+        while not isinstance(event := next(self._events), yaml.MappingEndEvent):
+            key = self._key(event, path, depth)
+            value = self._value(next(self._events), (*path, "" if key is None else key), depth + 1)
+            count, deepest = count + value.count, max(deepest, value.depth)
+            if key is None:
+                continue
+            if key in map_data:
+                first = mark.children[key].key_line
+                self._refuse(
+                    event,
+                    "duplicate-key",
+                    f"duplicate key {quoted(key)}, already on line {first}; keep one of them",
+                    (*path, key),
+                )
+                continue
+            value.mark.key_line, value.mark.key_column = event.start_mark.line + 1, event.start_mark.column + 1
+            mark.children[key] = value.mark
+            map_data[key] = value.data
+        return _Value(map_data, mark, count, deepest + 1)
+
+    def _key(self, event: Any, path: Path, depth: int) -> str | None:
+        """Return the key as written, or None if it is not usable.
+
+        Keys are never numbers: an order code part ``01`` remains ``01``.
+        """
+        if not isinstance(event, yaml.ScalarEvent):
+            self._value(event, (), depth + 1)
+            self._refuse(event, "bad-key", "a key is one word, not a list, a map or an alias", path)
+            return None
+        if event.value == "<<" and not event.style:
+            self._refuse(event, "merge-key", "merge keys are not part of YAML 1.2; write out the entries", path)
+            return None
+        if event.value == "" or FORBIDDEN.search(event.value) or event.tag not in (None, "!", f"{_CORE}str"):
+            self._refuse(event, "bad-key", "a key is one word, without a tag and without control characters", path)
+            return None
+        return str(event.value)
+
+    def _scalar(self, event: Any, path: Path) -> Any:
+        """Return the value of a scalar by the core schema, or None, noted as a stand-in, if it is not valid."""
+        text, tag = event.value, event.tag
+        forbidden = FORBIDDEN.search(text) if event.style == '"' else None
+        if forbidden is not None:  # Only an escape in double quotes can contain one.
+            return self._unusable(
+                event,
+                path,
+                "not-text",
+                f"the character U+{ord(forbidden[0]):04X} is not allowed in text; remove its escape",
+            )
+        if tag in ("!", f"{_CORE}str") or (tag is None and event.style):
+            return text
+        if tag is not None and tag not in _TAGGED_TYPES:
+            return self._unusable(event, path, "tag", f"the tag {quoted(_short(tag))} is not supported; remove it")
+        if len(text) > MAX_DIGITS and _INTEGER.fullmatch(text):
+            return self._unusable(
+                event,
+                path,
+                "number-too-long",
+                f"a number of {len(text)} digits is too long; put it in quotes if it is text",
+            )
+        value = _resolved(text)
+        if tag is not None and not isinstance(value, _TAGGED_TYPES[tag]):
+            return self._unusable(event, path, "tag", f"{quoted(text)} is not of type {_short(tag)}")
+        return value
+
+    def _unusable(self, event: Any, path: Path, rule: str, message: str) -> None:
+        self._refuse(event, rule, message)
+        self._stand_in(path)
+
+    def _check_container_tag(self, event: Any) -> None:
+        kind = "map" if isinstance(event, yaml.MappingStartEvent) else "seq"
+        if event.tag not in (None, "!", f"{_CORE}{kind}"):
+            self._refuse(event, "tag", f"the tag {quoted(_short(event.tag))} is not supported; remove it")
+
+
+def _resolved(text: str) -> str | int | float | bool | None:
+    """Resolve an unquoted scalar by the core schema of YAML 1.2."""
+    if text in _NULL:
+        return None
+    if text in _BOOLEAN:
+        return _BOOLEAN[text]
+    if _INTEGER.fullmatch(text):
+        if text.startswith(("0x", "0o")):
+            return int(text[2:], 16 if text[1] == "x" else 8)
+        return int(text)
+    if _FLOAT.fullmatch(text):
+        return float(text)
+    return float(text.replace(".", "")) if _SPECIAL_FLOAT.fullmatch(text) else text
+
+
+def _short(tag: str) -> str:
+    return tag.replace(_CORE, "!!")
+
+
+def _refused(event: Any, rule: str, message: str, path: Path = ()) -> Unreadable:
+    return Unreadable(event.start_mark.line + 1, event.start_mark.column + 1, rule, message, path)
 
 
 def read_document(path: pathlib.Path, report: Report, shown_as: str | None = None) -> Document | None:

@@ -46,7 +46,7 @@ from .editions import editions
 from .evidence import with_placeholders
 from .examples import build_examples, check_examples, samples
 from .fields import Context, Site
-from .frame_kinds import check_frame_kinds
+from .frame_kinds import check_errata, check_frame_kinds
 from .from_mapping import (
     Raw,
     build_procedures,
@@ -66,7 +66,6 @@ from .parameters import check_named_widths, check_reach, coded_values, held_in_r
 from .position_rules import check_measurements, check_position_widths
 from .repeated_facts import check_agreement
 from .valid_parts import valid_parts_so_far
-from .verdicts import check_errata
 
 
 def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -> Device | None:

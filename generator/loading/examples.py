@@ -45,9 +45,8 @@ from ..model import (
 )
 from ..order_codes.labels import UnknownOrderCode, find
 from ..order_codes.parameters import with_answers
-from ..reference.bits import covered, from_gray, join_value
+from ..reference.bits import compute_bytes, covered, from_gray, in_order, join_value, start_for
 from ..reference.codec import Decoded, EncodeError, decode, decode_bits, decode_bytes, decode_placed, encode
-from ..reference.crc import compute_bytes, in_order, start_for
 from ..reference.registers import register_writes
 from .from_mapping import Raw, record
 from .valid_parts import valid_parts_so_far

@@ -26,7 +26,7 @@ from ..model import (
     Spi,
 )
 from ..model.expressions import Expression
-from ..say.numbers import counted
+from ..say.plain_text import counted
 from .fields import Context, Site, build_values
 from .from_mapping import Raw, record, sources
 from .layouts import build_layout

@@ -16,9 +16,9 @@ from ..model.expressions import Expression
 from ..model.kinds import WIDEST
 from ..model.record import dataclass
 from .fields import Context, Site, bit_range, build_combinations, expected_value, kind_of, pieces, zero_field
+from .frame_kinds import with_verdicts_of_reserved_bits
 from .from_mapping import Raw, record, sources
 from .layout_rules import check_layout
-from .verdicts import with_verdicts_of_reserved_bits
 
 ZERO = Expression(0)
 #: More bits than any frame has. Without this limit, a typo could take hours to process.

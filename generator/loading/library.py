@@ -1,10 +1,10 @@
-"""Load the library from paths: read, check and build every spec, with all problems in one report."""
+"""Load the library from paths with all problems in one report, and reduce it to what a user names."""
 
 from __future__ import annotations
 
 import keyword
 import sys
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -14,18 +14,18 @@ from typing import Any
 from ..cache import NO_CACHE, Cache, content_of
 from ..language.check import check_document
 from ..language.document import Document
-from ..language.problems import Report, listed
+from ..language.files import family_files, packaged_families, spec_files
+from ..language.problems import Report, listed, nearest_choice
 from ..language.read import read_document, read_specs
-from ..model import Device, Manufacturer
+from ..model import Device, Manufacturer, Variant
+from ..order_codes.reduction import for_codes
 from .device import build_device
 from .editions import check_editions, edition_of, notes
-from .evidence import read_counts
+from .evidence import read_counts, read_history
 from .from_mapping import build_manufacturer
-from .history import read_history
 from .overlays import Family as Family
 from .overlays import apply_overlays, is_overlay, overlays_beside
 from .repeated_facts import check_shared_facts
-from .spec_files import family_files, packaged_families, spec_files
 from .stored import store_device, stored_device
 
 #: Names of Python packages, and of the folder next to them, that do not belong to a manufacturer.
@@ -300,3 +300,52 @@ def _compare_with_others(device: Device, other_devices: Sequence[Device], docume
             message = f"the order code {variant.code} also belongs to '{codes[variant.code].name}'"
             report.add("order-code-ambiguous", document, ("order_code", "pattern"), message)
             return
+
+
+class UnknownName(ValueError):
+    """A name matches no order code, interface or family. The message lists those that exist."""
+
+
+def narrowed_to(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
+    """Return the devices with the order codes that ``only`` names, and all of them if it is empty.
+
+    Raises:
+        UnknownName: A name matches no order code, interface or family.
+    """
+    words = [word.strip() for word in only.split(",") if word.strip()]
+    if not words:
+        return tuple(devices)
+    known_names = {name for device in devices for variant in device.variants for name in _names(device, variant)}
+    for word in words:
+        if word.upper() not in known_names:
+            raise UnknownName(_unknown_message(devices, word))
+    wanted_names = {word.upper() for word in words}
+    narrowed_devices = []
+    for device in devices:
+        codes = {variant.code for variant in device.variants if wanted_names & set(_names(device, variant))}
+        narrowed_devices += [for_codes(device, codes)] if codes else []
+    return tuple(narrowed_devices)
+
+
+def _names(device: Device, variant: Variant) -> tuple[str, ...]:
+    """Return the names that stand for an order code, in upper case."""
+    family, kind = device.name.upper(), variant.interface.upper()
+    return variant.code.upper(), kind, family, f"{family}_{kind}"
+
+
+def _words(devices: Sequence[Device]) -> Iterator[str]:
+    for device in devices:
+        yield device.name
+        yield from (f"{device.name}_{interface.name}" for interface in device.interfaces)
+    yield from sorted({interface.name for device in devices for interface in device.interfaces})
+
+
+def _unknown_message(devices: Sequence[Device], word: str) -> str:
+    """Return the message, with the order codes of the family if the word begins like one of them."""
+    families = [device for device in devices if word.upper().startswith(device.name.upper())]
+    codes = [variant.code for device in families for variant in device.variants]
+    nearest = nearest_choice(word, [*_words(devices), *codes, *map(str.lower, codes)])
+    first = next((variant.code for device in devices for variant in device.variants), "")
+    valid_names = codes or [f"order codes, such as {first}", *_words(devices)]
+    hint = f"did you mean '{nearest}'?" if nearest else f"valid are {', '.join(valid_names)}"
+    return f"there is no order code, interface or family '{word}'; {hint}"

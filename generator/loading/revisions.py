@@ -20,7 +20,7 @@ from typing import IO
 
 from ..language.files import SUFFIXES
 from ..language.problems import suggestion, visible
-from ..language.yaml import MAX_BYTES
+from ..language.read import MAX_BYTES
 
 _MOST_FILES = 1000
 #: Largest total size of the specs in a revision, in bytes.

@@ -13,13 +13,12 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from enum import Enum
 from types import MappingProxyType, ModuleType
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from .. import model
 from ..cache import Cache
 from ..model import (
     device,
-    examples,
     expressions,
     facts,
     fields,
@@ -31,6 +30,11 @@ from ..model import (
     registers,
     steps,
 )
+from ..model import facts as examples
+
+if TYPE_CHECKING:
+    pass
+
 
 _MODULES: tuple[ModuleType, ...] = (
     *(

@@ -11,7 +11,7 @@ from typing import Any
 from ..language.master_items import TYPES
 from ..language.problems import listed
 from ..model.record import dataclass
-from ..say.numbers import counted
+from ..say.plain_text import counted
 
 Raw = Mapping[str, Any]
 

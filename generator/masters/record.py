@@ -1,4 +1,4 @@
-"""Record of the facts about one order code that BiSS and SSI masters need, the same for every master.
+"""Clock for a cable length, from the table in the encoder's manual or, for BiSS, from a public one.
 
 The rules for masters in ``specs/masters`` refer to its items by name. An item that the manual does not give is None. A
 rule that needs it reports it as unknown.
@@ -6,8 +6,9 @@ rule that needs it reports it as unknown.
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from types import MappingProxyType
 
@@ -19,8 +20,17 @@ from ..say.evidence import Subject, document, mentions
 from ..say.names_and_places import addresses
 from ..say.order_code import initial
 from ..say.text import hertz, timeout_words
-from .cable import CableRow, CableTable, cable_table
-from .frame_parts import NoRecord, Part, bit_counts, frame_parts, parity_of_frame, position_coding
+from .frame_parts import (
+    CableRow,
+    CableTable,
+    NoRecord,
+    Part,
+    bit_counts,
+    cable_table,
+    frame_parts,
+    parity_of_frame,
+    position_coding,
+)
 
 _NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
 
@@ -33,7 +43,7 @@ class Undecided(NoRecord):
         self.layout = layout
 
 
-@dataclass(frozen=True, slots=True)
+@dataclasses.dataclass(frozen=True, slots=True)
 class Record:
     """Facts about one order code. ``parts`` are in the order sent, ``notes`` are whole sentences.
 
@@ -69,7 +79,7 @@ class Record:
 _WITHOUT_UNIT = Measurement("position", None, None, None, None, None, ())
 
 
-@dataclass(frozen=True, slots=True)
+@dataclasses.dataclass(frozen=True, slots=True)
 class _PositionFrame:
     """The frame of an order code that carries the position."""
 

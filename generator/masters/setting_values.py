@@ -12,7 +12,7 @@ from typing import Any
 
 from ..language.master_items import NUMBERS, STEPS
 from ..model.expressions import Expression, ExpressionError
-from ..say.numbers import decimal
+from ..say.plain_text import decimal
 from ..say.text import hertz
 from .frame_parts import Part
 from .record import Record

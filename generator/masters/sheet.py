@@ -13,13 +13,13 @@ from pathlib import Path
 from typing import Any
 
 from ..language.check import check_document
+from ..language.files import packaged_masters
 from ..language.problems import Report, listed
 from ..language.read import read_specs
-from ..loading.spec_files import packaged_masters
 from ..model import INTERFACES, Device, Document, Interface, Variant, choices
 from ..model.expressions import Expression
 from ..model.record import dataclass
-from ..say.interface import clocks_in_use
+from ..say.order_code import clocks_in_use
 from .frame_parts import NoRecord, Part
 from .places import MasterDevice, Place, WriteCondition, devices_of, places_of, reason_for_misfit, writing_of
 from .record import Record, Undecided, record

@@ -12,7 +12,7 @@ from ..language.problems import listed
 from ..model import INTERFACES, Biss, Device
 from ..order_codes.labels import Match
 from ..say.evidence import Subject, origin
-from ..say.interface import clocks_in_use
+from ..say.order_code import clocks_in_use
 from ..say.plain_text import WIDTH, pairs, wrapped
 from ..say.text import BY_NAME, counted, hertz, microseconds, volts
 from .places import WriteCondition, place_lines, write_order

@@ -6,17 +6,6 @@ integer whose byte order is in the layout.
 """
 
 from .device import Device, Release, ReleasedChange, TimesRead, Variant
-from .examples import (
-    CrcExample,
-    Example,
-    FrameExample,
-    MeasureExample,
-    ProcedureExample,
-    RegisterExample,
-    Sample,
-    Values,
-    Write,
-)
 from .facts import (
     LEFT_OUT,
     NOT_KNOWN,
@@ -24,11 +13,14 @@ from .facts import (
     Characteristic,
     Connector,
     Contact,
+    CrcExample,
     Document,
     Edition,
     EditionTest,
     Erratum,
     Evidence,
+    Example,
+    FrameExample,
     Input,
     Led,
     LedState,
@@ -36,14 +28,20 @@ from .facts import (
     Manual,
     ManualEdition,
     Manufacturer,
+    MeasureExample,
     Overlay,
+    ProcedureExample,
     Quantity,
+    RegisterExample,
     Revision,
+    Sample,
     Source,
     Sources,
     Supply,
     Table,
     Timing,
+    Values,
+    Write,
     cite,
 )
 from .fields import Combination, Crc, Field, Join, Piece, PlacedField, Sign

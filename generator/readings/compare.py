@@ -1,22 +1,126 @@
-"""Compare two readings fact by fact: equal facts, different facts, and facts that only the first has."""
+"""Compare two readings fact by fact, also the numbers and sources of their texts.
+
+They are compared by their places in the file, because two readers use different words for them.
+"""
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import partial
 from itertools import chain
+from typing import Any
 
 from ..changes.pairs import by_key
-from ..language.problems import Path
+from ..language.document import Path, label_of
+from ..language.schema_files import PROSE
+from ..loading.from_mapping import parse_sources
 from ..say.names_and_places import bits
-from ..say.numbers import first_of
-from .cited import NUMBERS
-from .fact import NOTHING, Bit, Case, Fact, Facts, Key, Names, Sort, Value, Word, WordCase, are_settled, mistaken_pairs
+from ..say.plain_text import first_of
 from .frame_bits import continues_item, describe_bits
-from .reading import same_name
+from .reading import (
+    NOTHING,
+    Bit,
+    Case,
+    Fact,
+    Facts,
+    Key,
+    Names,
+    Reading,
+    Sort,
+    Value,
+    Word,
+    WordCase,
+    are_settled,
+    mistaken_pairs,
+    same_name,
+)
+
+#: First part of the keys of numbers in texts, and of cited sections.
+NUMBERS, CITED = "numbers", "cited"
+_UNITS = (
+    r"(?:[mµ]?[VA](?:pp)?|[km]?Nm|[mckµ]?m(?:²|/s)?|[mµn]?s|min(?:ute)?s?|[kMG]?Hz|°[CF]?|%|[kM]?Ω(?:/km)?|AWG|k?g)"
+)
+_NUMBER = re.compile(rf"[±−+-]?(?:[^\W\d_][\w-]*)?\d[\w.,-]*(?:/s|/km|²| ?{_UNITS}(?!\w))?")
+#: Maps of a second reading by path, which are not texts.
+_WITHOUT = frozenset((("found",), ("sections",)))
+_TEXTS = PROSE | {"printed", "used"}
+_COMMA = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
+
+
+def numbers_in(text: str) -> str:
+    """Return the numbers in a text, each with its unit, in their order. Empty if there is none."""
+    numbers = (match.rstrip(".,-").replace(" ", "").lstrip("+") for match in _NUMBER.findall(_COMMA.sub("", text)))
+    return " ".join(numbers).replace("−", "-")
+
+
+def contents(reading: Reading) -> Iterator[Fact]:
+    """Yield the page of every section and entry in the table of contents."""
+    for section, section_contents in reading.document.data["manual"].get("contents", {}).items():
+        place: Path = ("manual", "contents", section)
+        pages = {(*place, "page"): section_contents.get("page")}
+        pages |= {(*place, "entries", name): page for name, page in section_contents.get("entries", {}).items()}
+        for path, page in pages.items():
+            if page is not None:
+                description = f"page of {'.'.join(map(str, path[2:]))} in the contents"
+                yield Fact(Sort.CONTENTS, ("contents", *path), str(page), description, path)
+
+
+def texts(reading: Reading) -> Iterator[Fact]:
+    """Yield the numbers in every text, and the sections that every source cites."""
+    for place, text in _texts((), reading.document.data):
+        if value := _compared_text(place[-1], text):
+            is_source, path_text = _is_source(place[-1]), ".".join(map(str, place))
+            key, description = (CITED, "section cited at") if is_source else (NUMBERS, "numbers in")
+            yield Fact(
+                Sort.SECTION if is_source else Sort.TEXT, (key, *place), value, f"{description} {path_text}", place
+            )
+
+
+def _is_source(key: str | int) -> bool:
+    return key == "source" or str(key).endswith("_source")
+
+
+def _compared_text(key: str | int, text: str) -> str:
+    """Return what is compared of a text: its numbers, or the sections of the manual itself that a source cites."""
+    if not _is_source(key):
+        return numbers_in(text)
+    return ", ".join(sorted({cited.section for cited in parse_sources(text) if not cited.document and cited.section}))
+
+
+def by_path(reading: Reading) -> dict[str, tuple[str, Path]]:
+    """Return what a second reading gives for texts and sources by their paths, with the places there."""
+    numbers_and_places: dict[str, tuple[str, Path]] = {}
+    for path, text in reading.document.data.get("found", {}).items():
+        key = path.rpartition(".")[2]
+        numbers_and_places[path] = (_compared_text(key, text), ("found", path))
+    return numbers_and_places
+
+
+def sections_by_path(reading: Reading) -> dict[str, list[str]]:
+    """Return the sections that a second reading gives for everything under a path."""
+    cited_sections: dict[str, list[str]] = {}
+    for section, paths in reading.document.data.get("sections", {}).items():
+        for path in paths:
+            cited_sections.setdefault(path, []).append(section)
+    return cited_sections
+
+
+def _texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
+    """Yield every text and source, with its place by names."""
+    if isinstance(node, dict):
+        for key, value in node.items():
+            if (*place, key) not in _WITHOUT:
+                yield from _texts((*place, key), value)
+    elif isinstance(node, list):
+        for index, value in enumerate(node):
+            yield from _texts((*place, label_of(value) or index), value)
+    elif isinstance(node, str) and (place[-1] in _TEXTS or (place[0], place[-1]) == ("characteristics", "value")):
+        yield place, node
+
 
 #: Items that each reader defines as needed, so that none is missing if the other has a different set.
 _OWN = frozenset(("parameter",))

@@ -28,8 +28,7 @@ from ..model import (
 )
 from ..order_codes.parameters import deciding_parameters
 from ..say.names_and_places import bits
-from .fact import Bit, Case, Fact, Facts, Sort, Word, WordCase
-from .reading import Parameters, as_delivered, in_hex, interface_label
+from .reading import Bit, Case, Fact, Facts, Parameters, Sort, Word, WordCase, as_delivered, in_hex, interface_label
 from .stated import Subject
 
 

@@ -9,8 +9,7 @@ from ..language.problems import Path
 from ..model import Interface, Layout, Parameter
 from ..order_codes.labels import spelled
 from ..say.names_and_places import bits
-from .fact import Case, Fact, Facts, Sort
-from .reading import Reading, short
+from .reading import Case, Fact, Facts, Reading, Sort, short
 from .stated import Subject
 
 

@@ -18,11 +18,12 @@ from ..loading.device import build_device
 from ..loading.overlays import Family
 from ..model import Manufacturer, TimesRead
 from ..model.record import dataclass
-from . import cited, interfaces, order_codes, procedures, surroundings
+from . import compare as cited
+from . import interfaces, order_codes, stated
 from . import interfaces as registers
+from . import interfaces as surroundings
 from .compare import Comparison, Disagreement, Read, compare
-from .fact import NOTHING, Facts, Sort
-from .reading import Reading
+from .reading import NOTHING, Facts, Reading, Sort
 
 
 def facts_of(reading: Reading) -> Facts:
@@ -31,7 +32,7 @@ def facts_of(reading: Reading) -> Facts:
     order_codes.add_codes(reading, facts)
     interfaces.add_interfaces(reading, facts)
     registers.add_registers(reading, facts)
-    facts.add(procedures.procedures(reading))
+    facts.add(stated.procedures(reading))
     facts.add(surroundings.surroundings(reading))
     facts.add(cited.contents(reading))
     facts.add(cited.texts(reading))

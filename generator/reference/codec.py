@@ -27,11 +27,11 @@ from ..model import (
     assert_never,
     number_from_bytes,
 )
-from ..model.positions import PositionRange
+from ..model.device import PositionRange
 from ..model.record import dataclass
-from ..say import frame_errors
+from ..say import report
 from ..say.layout import as_one_number
-from ..say.numbers import counted
+from ..say.plain_text import counted
 from .bits import compute, documented_bits, from_gray, join_value, parity_bit, to_gray, unused_bits
 
 Values = Mapping[str, "int | str | bool"]
@@ -117,9 +117,9 @@ def select(
     layout = candidates[0]
     selected_value = _selected_value(layout.place(variant.parameters), data)
     if selected_value is None:
-        return None, (Problem(Fault.LENGTH, "", frame_errors.too_few_bytes(counted(len(data), "byte"))),)
+        return None, (Problem(Fault.LENGTH, "", report.too_few_bytes(counted(len(data), "byte"))),)
     choices = ", ".join(f"{value:X}" for value in sorted(allowed))
-    message = frame_errors.no_frame(layout.selector, f"{selected_value:X}", choices)
+    message = report.no_frame(layout.selector, f"{selected_value:X}", choices)
     return None, (Problem(Fault.RANGE, layout.selector, message),)
 
 
@@ -158,7 +158,7 @@ def decode_bits(device: Device, placed: PlacedLayout, number: int, bits: int) ->
 
 
 def _other_length(placed: PlacedLayout, number: int, needed: str, length_text: int) -> Decoded:
-    message = frame_errors.length(placed.name, needed, f"{length_text}")
+    message = report.length(placed.name, needed, f"{length_text}")
     return Decoded(placed, number, (), None, (Problem(Fault.LENGTH, "", message),))
 
 
@@ -175,13 +175,13 @@ def decode(device: Device, placed: PlacedLayout, number: int) -> Decoded:
         if isinstance(placed_field.field.kind, Parity):
             expected = parity_bit(placed, placed_field.field.kind, number)
             if raw != expected:
-                message = frame_errors.parity(
+                message = report.parity(
                     placed_field.name, f"{raw}", ", ".join(placed_field.field.kind.of), f"{expected}"
                 )
                 problems.append(Problem(Fault.CONSTANT, placed_field.name, message))
         elif placed_field.name == placed.layout.selector and raw not in placed.layout.selects:
             problems.append(
-                Problem(Fault.RANGE, placed_field.name, frame_errors.of_other_frame(placed_field.name, f"{raw:X}"))
+                Problem(Fault.RANGE, placed_field.name, report.of_other_frame(placed_field.name, f"{raw:X}"))
             )
     valid = device.range_in(placed.layout)
     limited = placed.find_field(valid.field.name) if valid is not None else None
@@ -206,8 +206,8 @@ def _range_message(valid: PositionRange, placed_field: PlacedField, raw: int, pl
     if lowest <= position <= highest:
         return ""
     if placed_field.field.number.signed:
-        return frame_errors.outside(f"{placed_field.name} {position}", f"{lowest}", f"{highest}")
-    return frame_errors.too_high(placed_field.name, f"{position}", f"{highest}")
+        return report.outside(f"{placed_field.name} {position}", f"{lowest}", f"{highest}")
+    return report.too_high(placed_field.name, f"{position}", f"{highest}")
 
 
 def _decode_crc(device: Device, placed: PlacedLayout, number: int, problems: list[Problem]) -> CrcResult | None:
@@ -217,7 +217,7 @@ def _decode_crc(device: Device, placed: PlacedLayout, number: int, problems: lis
     crc = device.crc(placed_field.field.kind.crc)
     result = CrcResult(crc.name, number >> placed_field.low & placed_field.mask, compute(crc, placed, number))
     if not result.ok:
-        message = frame_errors.crc(f"{result.received:#04x}", f"{result.computed:#04x}")
+        message = report.crc(f"{result.received:#04x}", f"{result.computed:#04x}")
         problems.append(Problem(Fault.CRC, placed_field.name, message))
     return result
 
@@ -272,11 +272,11 @@ def _value_problem(field: Field, raw: int) -> Problem | None:
     name = field.name
     match field.kind:
         case Choice(values) if all(candidate.value != raw for candidate in values):
-            return Problem(Fault.RANGE, name, frame_errors.no_value(name, f"{raw:#x}"))
+            return Problem(Fault.RANGE, name, report.no_value(name, f"{raw:#x}"))
         case Constant(constant) if raw != constant:
-            return Problem(Fault.CONSTANT, name, frame_errors.constant(name, f"{raw:#x}", f"{constant:#x}"))
+            return Problem(Fault.CONSTANT, name, report.constant(name, f"{raw:#x}", f"{constant:#x}"))
         case Decimal() as decimal if raw >= decimal.limit:
-            return Problem(Fault.RANGE, name, frame_errors.digits(name, f"{raw}", f"{decimal.digits}"))
+            return Problem(Fault.RANGE, name, report.digits(name, f"{raw}", f"{decimal.digits}"))
         case _:
             return None
 
@@ -390,7 +390,7 @@ def _raw(placed: PlacedLayout, placed_field: PlacedField, values: Values) -> int
         raise EncodeError(f"'{name}' is missing")
     raw = _raw_value(kind, placed_field, values[name])
     if raw < 0 or raw > placed_field.mask:
-        raise EncodeError(frame_errors.too_wide(name, f"{raw}", f"{placed_field.width}"))
+        raise EncodeError(report.too_wide(name, f"{raw}", f"{placed_field.width}"))
     return raw
 
 
@@ -416,9 +416,9 @@ def _raw_value(
 def _bits_of(number: Number, placed_field: PlacedField, value: int) -> int:
     raw = 0 if value == number.zero_means else value & placed_field.mask
     if _number_of(number, raw, placed_field.width) != value:
-        raise EncodeError(frame_errors.too_wide(placed_field.name, f"{value}", f"{placed_field.width}"))
+        raise EncodeError(report.too_wide(placed_field.name, f"{value}", f"{placed_field.width}"))
     if number.power_of_two and value.bit_count() != 1:
-        raise EncodeError(frame_errors.no_power_of_two(placed_field.name, f"{value}"))
+        raise EncodeError(report.no_power_of_two(placed_field.name, f"{value}"))
     return raw
 
 

@@ -27,9 +27,8 @@ from ..model import (
 from ..model.order_codes import fits
 from ..model.record import dataclass
 from ..order_codes.labels import Match, edition_before, tests_of
-from ..say import frame_errors
-from ..say.frame_errors import of_older_edition
-from ..say.report import alarm_of, meaning, remedy, source
+from ..say import report
+from ..say.report import alarm_of, meaning, of_older_edition, remedy, source
 from .codec import Decoded, DecodedField, number_of_text
 from .codec import decode as decode_word
 
@@ -164,8 +163,8 @@ def _differences(
 def _message(name: str, variant: Variant, actual: int | str, documented: int | str, of_register: bool) -> str:
     actual_text, documented_text = _value_text(actual), _value_text(documented)
     if of_register:
-        return frame_errors.other_content(name, actual_text, variant.code, documented_text)
-    return frame_errors.other_value(name, actual_text, documented_text)
+        return report.other_content(name, actual_text, variant.code, documented_text)
+    return report.other_value(name, actual_text, documented_text)
 
 
 def _value_text(value: int | str) -> str:
@@ -218,9 +217,7 @@ def _compare_register(
             )
             message = f"{place}: the given part is {actual_digits}, {variant.code} has {documented_digits}"
             if known_bits == placed_field.mask:
-                message = frame_errors.other_content(
-                    place, f"{actual_bits:#04x}", variant.code, f"{documented_bits:#04x}"
-                )
+                message = report.other_content(place, f"{actual_bits:#04x}", variant.code, f"{documented_bits:#04x}")
             yield Difference(place, actual_bits, documented_bits, message, True)
 
 

@@ -23,9 +23,9 @@ from ..model import (
 from ..model.expressions import Expression
 from ..model.registers import bounded, bounds
 from ..order_codes.parameters import RegisterError, after_write
-from ..say import frame_errors
-from ..say.frame_errors import register_length
-from ..say.numbers import counted
+from ..say import report
+from ..say.plain_text import counted
+from ..say.report import register_length
 from . import codec
 
 
@@ -138,4 +138,4 @@ def _check_argument(register: Register, name: str, value: int, placed: PlacedLay
     # The limits of a meaning apply to the field or register to which the argument is written.
     has_meaning = limits != (register.min, register.max)
     if (has_meaning or name == bounded(register)) and not low <= value <= high:
-        raise codec.EncodeError(frame_errors.outside(f"{value}", f"{low}", f"{high}"))
+        raise codec.EncodeError(report.outside(f"{value}", f"{low}", f"{high}"))

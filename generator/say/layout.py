@@ -28,7 +28,7 @@ from ..model import (
     choices,
 )
 from .errata import answer_names, errata, erratum, needed_answers
-from .numbers import counted
+from .plain_text import counted
 from .report import conditions
 from .text import WORTH, Code, Part, Statement, listed, sentence, spec_text, statement
 

@@ -1,16 +1,62 @@
-"""Statements about an order code: its parts, its parameters, and other spellings on labels."""
+"""Statements about an order code and its interface: parts, parameters, labels, clock, port, times and inputs."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
-from ..model import CodePart, CodeValue, Device, Parameter, Spelling
+from ..model import (
+    Alignment,
+    BankSelect,
+    Biss,
+    CableLength,
+    Clock,
+    CodePart,
+    CodeValue,
+    ControlField,
+    DataId,
+    DescriptionFile,
+    Device,
+    Exchange,
+    Fact,
+    Input,
+    Interface,
+    MemoryAccess,
+    Network,
+    OutputCode,
+    Parameter,
+    Port,
+    Profile,
+    Rs485,
+    Signals,
+    Spelling,
+    Spi,
+    Ssi,
+    Timeout,
+    Timing,
+    WordFormat,
+    assert_never,
+)
 from ..model.expressions import Expression
 from .errata import errata, erratum
-from .names_and_places import hexadecimal, register_at, register_field
-from .numbers import number
-from .register import limits
-from .text import Code, Part, Ref, Statement, parted, spec_text, statement
+from .names_and_places import hexadecimal, printed, register_at, register_field, words
+from .names_and_places import register as named
+from .plain_text import counted, number
+from .register import limits, value
+from .text import (
+    Code,
+    Part,
+    Ref,
+    Statement,
+    hertz,
+    listed,
+    microseconds,
+    parted,
+    printed_timeout_words,
+    sentence,
+    spec_text,
+    statement,
+    timeout_words,
+)
 
 
 def order_code(device: Device) -> Iterator[Statement]:
@@ -104,3 +150,224 @@ def initial(device: Device) -> str:
 def parameter_value(device_parameter: Parameter, count: int) -> str:
     """Return its value for an order code. IDs and other codes are in the hexadecimal notation of manuals."""
     return hexadecimal(count) if device_parameter.hexadecimal else number(count)
+
+
+def timing(printed_time: Timing) -> Statement:
+    """Return its duration, labelled with the symbol in the manual or with our name."""
+    description = f": {printed_time.meaning}" if printed_time.meaning else ""
+    description += f" (only with {printed_time.only})" if printed_time.only else ""
+    return statement(
+        bounds(printed_time), description, label=printed_time.symbol or printed_time.name, source=printed_time.source
+    )
+
+
+def bounds_with_codes(printed_time: Timing) -> str:
+    """Return the duration as text, with the order codes to which it applies unless these are all."""
+    return f"{bounds(printed_time)} (only with {printed_time.only})" if printed_time.only else bounds(printed_time)
+
+
+def bounds(printed_time: Timing) -> str:
+    """Return the duration as text, such as ``at least 12 µs``."""
+    bounds_by_word = (
+        ("at least", printed_time.at_least_us),
+        ("typically", printed_time.typical_us),
+        ("at most", printed_time.at_most_us),
+    )
+    return ", ".join(f"{word} {microseconds(count)}" for word, count in bounds_by_word if count is not None)
+
+
+_ALIGNMENT = {
+    "msb_left": "left: the most significant bit comes with the first clock, and zeros follow the word",
+    "lsb_right": "right: zeros come before the word",
+}
+#: Words in which an encoder answers over SPI.
+REPLIES = {
+    "same_word": "each reply is in the same word as its request",
+    "next_word": "each reply is in the word after its request",
+}
+_CODE = {"binary": "binary", "gray": "Gray", "by_order_code": "binary or Gray, by order code"}
+
+
+#: Effects of requests.
+PURPOSES = {"position": "requests the position", "read": "reads a register", "write": "writes a register", "other": ""}
+
+
+def interface(device: Device, line: Interface) -> Iterator[Statement]:
+    """Yield all statements that follow its title in running text, without the errata."""
+    yield from spec_text(line.note)
+    yield from facts(device, line)
+
+
+def facts(device: Device, line: Interface) -> Iterator[Statement]:
+    """Yield its settings, its times, and the requests and control data sent over it."""
+    yield from settings(device, line)
+    yield from map(timing, line.timings)
+    match line:
+        case Ssi():
+            pass
+        case Biss():
+            yield from spec_text(line.control_data_note, label="Control data")
+            yield from map(control_field, line.control_data)
+        case Rs485():
+            yield from map(data_id, line.data_ids)
+            yield from map(memory_access, line.memory_access)
+            yield from map(exchange, line.exchanges)
+        case Spi():
+            yield from map(exchange, line.exchanges)
+        case _:
+            assert_never(line)
+
+
+def settings(device: Device, line: Interface) -> Iterator[Statement]:
+    """Yield the settings and the electrical characteristics."""
+    return (_fact(device, fact) for fact in line.facts())
+
+
+def _fact(device: Device, fact: Fact) -> Statement:
+    label, part = _labelled(device, fact)
+    return statement(part, label=label, source=fact.source)
+
+
+def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
+    match fact:
+        case Clock():
+            return "Clock", clock_words(fact)
+        case CableLength(metres, clock):
+            return "Clock", f"below {hertz(clock)} with a cable shorter than {metres} m"
+        case BankSelect(register):
+            return "Bank select", named(device, register)
+        case Network():
+            return "Network", _network(fact)
+        case Timeout():
+            return "Time-out", _timeout(fact)
+        case Port():
+            return "Baud rate", _port(fact)
+        case WordFormat():
+            return "Words", _words(fact)
+        case Signals() | Alignment() | OutputCode() | Profile() | DescriptionFile():
+            return _labelled_text(fact)
+        case _:
+            return assert_never(fact)
+
+
+def _labelled_text(fact: Signals | Alignment | OutputCode | Profile | DescriptionFile) -> tuple[str, str]:
+    match fact:
+        case Signals(text):
+            return "Signals", text
+        case Alignment(end):
+            return "Alignment", _ALIGNMENT[end]
+        case OutputCode(code):
+            return "Code", _CODE[code]
+        case Profile(text):
+            return "Profile", text
+        case DescriptionFile(text):
+            return "Description file", f"{text}, which the manufacturer supplies"
+
+
+def clock_words(clock: Clock) -> str:
+    """Return the limits, then the clocks in use with the limits that are not known."""
+    lowest, highest = clock.min_hz, clock.max_hz
+    limits = f"up to {hertz(highest)}" if highest is not None else ""
+    if lowest is not None:
+        limits = f"{hertz(lowest)} to {hertz(highest)}" if highest is not None else f"at least {hertz(lowest)}"
+    if not clock.used_hz:
+        return limits
+    return ", ".join(filter(None, (limits, clocks_in_use(clock.used_hz), unknown_limits(clock))))
+
+
+def clocks_in_use(clocks: Sequence[int]) -> str:
+    """Return a clause about clocks that programs or masters use, such as "1 MHz and 5 MHz are in use"."""
+    clocks_text = "".join(map(str, listed([hertz(hz) for hz in clocks])))
+    return f"{clocks_text} {'is' if len(clocks) == 1 else 'are'} in use"
+
+
+def unknown_limits(clock: Clock) -> str:
+    """Return a clause about the limits that are not known. Empty if both are known."""
+    if not clock.has_limits:
+        return "the limits are not known"
+    if clock.min_hz is not None and clock.max_hz is not None:
+        return ""
+    return f"the {'lowest' if clock.min_hz is None else 'highest'} clock is not known"
+
+
+def _words(fact: WordFormat) -> str:
+    idle = "high" if fact.mode & 2 else "low"
+    edge = "second" if fact.mode & 1 else "first"
+    clock = f"SPI mode {fact.mode} (the clock idles {idle}, data is taken on the {edge} edge)"
+    return f"{word_lengths(fact.lengths)}, {clock}, {REPLIES[fact.reply]}"
+
+
+def word_lengths(lengths: Iterable[Expression]) -> str:
+    """Return the numbers of bits that words have, such as "16 or 32 bits"."""
+    return f"{' or '.join(length.render() for length in lengths)} bits"
+
+
+def _timeout(timeout: Timeout) -> str:
+    """Return the rule with its limits, followed by the values that the manual calculates from it."""
+    printed_timeouts = timeout.printed if timeout.half_clock_periods is not None else ()
+    values = ", ".join(map(printed_timeout_words, printed_timeouts))
+    return timeout_words(timeout) + (f" ({values})" if values else "")
+
+
+def _port(port: Port) -> str:
+    parity = f"{port.parity.replace('none', 'no')} parity"
+    flow = f"{port.flow_control.replace('none', 'no')} flow control"
+    stop = counted(port.stop_bits, "stop bit")
+    return f"{number(port.baud)} Bd, {port.data_bits} data bits, {parity}, {stop}, {flow}"
+
+
+def _network(network: Network) -> str:
+    slaves = "several slaves allowed" if network.multiple_slaves else "one slave only"
+    return f"{network.topology.replace('_', ' ')}, {slaves}"
+
+
+def data_id(request: DataId) -> Statement:
+    meaning_text = f": {request.meaning}" if request.meaning else ""
+    return statement(
+        f"{request.control:02X}h, {request.purpose}{meaning_text}",
+        label=f"Data ID {request.id:X}",
+        source=request.source,
+    )
+
+
+def memory_access(access: MemoryAccess) -> Statement:
+    text = f"{sentence(access.meaning)} Address: {access.address}. Data: {access.data}"
+    return statement(text, label=f"Memory {access.access}, busy {access.busy}", source=access.source)
+
+
+def exchange(request: Exchange) -> Statement:
+    """Return a request with its reply."""
+    effect = PURPOSES[request.purpose]
+    reply_text = (" is answered by ", Code(request.reply)) if request.reply else (" has no reply",)
+    words_text = f", in words of {word_lengths([request.word_bits])}" if request.word_bits is not None else ""
+    return statement(
+        Code(request.request), *reply_text, f", and {effect}" if effect else "", words_text, source=request.source
+    )
+
+
+def control_field(bits_field: ControlField) -> Statement:
+    values: list[tuple[Part, ...]] = [value(named_value, bits_field.bits).parts for named_value in bits_field.values]
+    description = (
+        f"{counted(bits_field.bits, 'bit')}: {bits_field.meaning}"
+        if bits_field.meaning
+        else counted(bits_field.bits, "bit")
+    )
+    return statement(
+        *parted([(description,), *values], "; "),
+        label=printed(bits_field) or words(bits_field.name),
+        source=bits_field.source,
+    )
+
+
+def input_facts(device: Device, hardware_input: Input) -> Iterator[Statement]:
+    """Yield the meanings of its levels, its effect, and the rules for its use."""
+    yield from spec_text(hardware_input.low, label="Low level")
+    yield from spec_text(hardware_input.high, label="High level")
+    if hardware_input.pulse_at_least_us is not None:
+        yield statement(f"at least {microseconds(hardware_input.pulse_at_least_us)}", label="Pulse")
+    if hardware_input.inverts:
+        yield statement("A high level inverts ", register_field(device, hardware_input.inverts))
+    if hardware_input.needs:
+        yield statement("Has an effect only if enabled by ", register_field(device, hardware_input.needs))
+    if hardware_input.when_unused:
+        yield statement(f"Connect it to {hardware_input.when_unused} when it is not used")

@@ -32,7 +32,7 @@ from .commands import remedied
 from .errata import errata, erratum, needed_answers
 from .names_and_places import Named, hexadecimal, own_names, printed, register_at, register_field
 from .names_and_places import register as named
-from .numbers import formula
+from .plain_text import formula
 from .text import WORTH, Amount, Code, Hex, Level, Part, Ref, Statement, listed, parted, spec_text, statement
 
 _ACCESS = {"read_only": "read only", "read_write": "read and write", "write_only": "write only"}

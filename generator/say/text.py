@@ -8,9 +8,9 @@ from enum import Enum
 from ..model import PrintedTimeout, Sources, Timeout, Verdict, cite
 from ..model.expressions import Expression
 from ..model.record import dataclass
-from .numbers import counted as counted
-from .numbers import number as number
-from .numbers import with_unit as with_unit
+from .plain_text import counted as counted
+from .plain_text import number as number
+from .plain_text import with_unit as with_unit
 
 _RULE = {"follows_clock": "varies with the clock", "fixed": "fixed"}
 #: Verdicts on the position, as clauses.

@@ -9,7 +9,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Generator
 
 from ..model import Crc, Layout
-from ..reference.crc import compute_bits
+from ..reference.bits import compute_bits
 from .encoder import VirtualEncoder
 from .faults import BUSY_S, disturbed
 

@@ -7,10 +7,8 @@ from dataclasses import replace
 
 from ..model import Answer, Crc, Device, Flag, Kind, Number, PlacedLayout, Unused, Variant, choices
 from ..model.record import dataclass
-from ..reference.bits import binary_to_gray, gray_to_binary
-from ..reference.crc import reflect
-from .other_encoders import other_codes
-from .tries import NOT_INVERTED, BitText, Try, covered_number, fixed_bits, likelihood, read_as
+from ..reference.bits import binary_to_gray, gray_to_binary, reflect
+from .tries import NOT_INVERTED, BitText, Try, covered_number, fixed_bits, likelihood, other_codes, read_as
 
 #: Polynomials, including their top bit, that BiSS masters offer: those of the Microchip dsPIC33A by length, and 0x97,
 #: which Beckhoff names next to 0x43.

@@ -1,4 +1,4 @@
-"""Explain why a CRC fails by trying common mistakes.
+"""Explain why a CRC fails by trying common mistakes, also those with a frame of bytes on RS-485.
 
 For each mistake, the CRC is computed as if it had been made. All that match are listed, most likely first. A mistake
 may match by coincidence: with a 6-bit CRC, one random frame in 64 does. So each explanation, and the list as a whole,
@@ -7,16 +7,140 @@ comes with its chance.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from math import prod
 
-from ..model import Crc, Device, Number, PlacedLayout, Rs485, Variant
+from ..model import (
+    Constant,
+    Crc,
+    Device,
+    Number,
+    Parity,
+    PlacedLayout,
+    Rs485,
+    Variant,
+    number_from_bytes,
+    number_to_bytes,
+)
 from ..model.record import dataclass
 from ..reference import codec
-from . import in_bytes
-from .in_bits import as_sent, other_answers, tries
+from ..reference.bits import parity_bit
+from .in_bits import POLYNOMIALS, OtherCrc, as_sent, other_answers, tries
 from .tries import MISTAKES, NOT_INVERTED, BitText, Try, read_as
+
+#: More extra bytes than this do not come from an echoed request.
+_MOST_MORE = 4
+
+
+def tries_with_bytes(
+    device: Device, variant: Variant, sender: str, expected: PlacedLayout | None, data: bytes
+) -> Iterator[Try]:
+    """Yield every single mistake that could have turned a valid frame of the sender into ``data``.
+
+    ``expected`` is the layout of ``data``, or None if that is not known.
+    """
+    for layout in device.interface(variant.interface).layouts:
+        if layout.sender != sender or not layout.in_bytes:
+            continue
+        placed = layout.place(variant.parameters)
+        crc = device.crc_of(placed.layout)
+        if crc is None or crc.width != 8:
+            continue
+        if expected is not None and expected.name == placed.name and 8 * len(data) == placed.bits:
+            yield from _computed_otherwise(placed, crc, data)
+        yield from _moved_byte_tries(placed, crc, data)
+
+
+def is_valid(device: Device, placed: PlacedLayout, data: bytes) -> bool:
+    """Return whether the CRC and the constants of the frame are correct."""
+    crc = device.crc_of(placed.layout)
+    return crc is not None and crc.width == 8 and _read_as("", "", placed, crc, data).fits
+
+
+def _computed_otherwise(placed: PlacedLayout, crc: Crc, data: bytes) -> Iterator[Try]:
+    """Yield tries of the frame as sent with another CRC."""
+    try_as_sent = _over_bytes(as_sent(placed, crc, number_from_bytes(placed.layout, data)), data)
+    for kind, description, other_crc in other_crcs(crc):
+        yield replace(try_as_sent, kind=kind, text=description, crc=other_crc)
+    without_first_byte = int.from_bytes(data[1:-1], "big")
+    yield replace(
+        try_as_sent,
+        kind="first_byte_left_out",
+        text="the CRC does not cover the first byte",
+        data=without_first_byte,
+        bits=try_as_sent.bits - 8,
+    )
+
+
+def other_crcs(crc: Crc) -> Iterator[OtherCrc]:
+    """Yield the CRC with its inversion changed, with another start value, or with another polynomial of its length."""
+    change = "the CRC is inverted" if not crc.xorout else "the CRC is not inverted"
+    # With x^8 + 1 a start value only adds itself to the result.
+    remark = f", or its start value is {crc.mask ^ crc.init:#x} (the same here)" if crc.is_xor else ""
+    yield NOT_INVERTED, change + remark, replace(crc, xorout=crc.xorout ^ crc.mask)
+    for start in () if crc.is_xor else sorted({0, crc.mask} - {crc.init}):
+        yield "start_value", f"the start value of the CRC is {start:#x}", replace(crc, init=start)
+    for polynomial in POLYNOMIALS:
+        if polynomial.bit_length() == 9:
+            for reflected in (False, True):
+                description = (
+                    f"the polynomial is {polynomial:#x}, {'least' if reflected else 'most'} significant bit first"
+                )
+                yield (
+                    "other_polynomial",
+                    description,
+                    replace(crc, poly=polynomial & 0xFF, refin=reflected, refout=reflected),
+                )
+
+
+def _moved_byte_tries(placed: PlacedLayout, crc: Crc, data: bytes) -> Iterator[Try]:
+    """Yield tries in which the bytes do not begin and end with the frame, or are inverted."""
+    size = placed.bits // 8
+    extra_bytes = len(data) - size
+    if 0 < extra_bytes <= _MOST_MORE:
+        plural = f"{extra_bytes} extra bytes" if extra_bytes > 1 else "an extra byte"
+        description = f"{plural} before the frame, such as an echo of the request"
+        yield _read_as("bytes_in_front", description, placed, crc, data[extra_bytes:])
+        yield _read_as("bytes_behind", f"{plural} after the frame", placed, crc, data[:size])
+    if extra_bytes in (-1, 0):
+        for first in _first_bytes(placed):
+            behind = "" if extra_bytes else ", and an extra byte follows the frame"
+            description = f"the first byte ({first:02X}) is missing{behind}"
+            yield _read_as("first_byte_lost", description, placed, crc, bytes([first, *data[: size - 1]]))
+    if extra_bytes == 0:
+        yield _read_as("all_inverted", "every bit is inverted", placed, crc, bytes(byte ^ 0xFF for byte in data))
+
+
+def _read_as(kind: str, description: str, placed: PlacedLayout, crc: Crc, data: bytes) -> Try:
+    return _over_bytes(read_as(kind, description, placed, crc, number_from_bytes(placed.layout, data)), data)
+
+
+def _over_bytes(try_as_sent: Try, data: bytes) -> Try:
+    """Return the try with the CRC over the bytes as sent, independent of the byte order of the number."""
+    return replace(try_as_sent, data=int.from_bytes(data[:-1], "big"), received=data[-1], by_bytes=True)
+
+
+def _first_bytes(placed: PlacedLayout) -> Iterator[int]:
+    """Yield the possible first bytes of a frame, if that byte only identifies the layout."""
+    first = number_from_bytes(placed.layout, bytes([0xFF, *bytes(placed.bits // 8 - 1)]))
+    first_fields = [placed_field for placed_field in placed.fields if first >> placed_field.low & placed_field.mask]
+    selector = placed.layout.selector
+    other_fields = [placed_field for placed_field in first_fields if placed_field.name != selector]
+    if not all(isinstance(placed_field.field.kind, (Constant, Parity)) for placed_field in other_fields):
+        return
+    for selected in placed.layout.selects:
+        number = 0
+        for placed_field in first_fields:
+            if placed_field.name == selector:
+                number |= selected << placed_field.low
+            elif isinstance(placed_field.field.kind, Constant):
+                number |= placed_field.field.kind.value << placed_field.low
+        for placed_field in first_fields:
+            if isinstance(placed_field.field.kind, Parity):
+                number |= parity_bit(placed, placed_field.field.kind, number) << placed_field.low
+        yield number_to_bytes(placed.layout, number, placed.bits)[0]
+
 
 #: A mistake that matches more than one random frame in eight explains nothing.
 _LEAST_BITS = 3
@@ -103,7 +227,7 @@ def explain_bytes(
     stuck = _explain_equal_bits(variant, number, 8 * len(data), "")
     if stuck is not None:
         return stuck
-    attempts = list(in_bytes.tries(device, variant, sender, placed, data))
+    attempts = list(tries_with_bytes(device, variant, sender, placed, data))
     crcs = tuple({attempt.crc.name: device.crc(attempt.crc.name) for attempt in attempts}.values())
     # For an unknown frame the user has not chosen anything, so values that depend on a choice are not read.
     undecided = frozenset(name for alternative in device.alternatives for name in alternative.answers[0].sets)
@@ -111,7 +235,7 @@ def explain_bytes(
     if why is None or placed is None or 8 * len(data) != placed.bits:
         return why
     flipped = ((number ^ 1 << bit).to_bytes(len(data), "big") for bit in range(placed.bits))
-    return replace(why, disturbed=_fitting_bits([in_bytes.is_valid(device, placed, frame) for frame in flipped]))
+    return replace(why, disturbed=_fitting_bits([is_valid(device, placed, frame) for frame in flipped]))
 
 
 def _fitting_bits(fits: Sequence[bool]) -> tuple[int, ...]:

@@ -15,7 +15,7 @@ from codewheel.dump.plain import device_dump
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.targets import Library
-from codewheel.targets.biss.comments import ascii_only, ascii_text, comment
+from codewheel.targets.biss.data_channels import ascii_only, ascii_text, comment
 from codewheel.targets.biss.files import generate
 from codewheel.targets.biss.identity import device_bits
 from codewheel.targets.docs.files import generate as generate_docs

@@ -11,7 +11,7 @@ from codewheel.dump.plain import variant_dump
 from codewheel.order_codes.labels import find
 from codewheel.targets import Library
 from codewheel.targets.biss.files import generate
-from codewheel.targets.shared_files import names_of_codes
+from codewheel.targets.registry import names_of_codes
 from lxml import etree
 from xml_reader import from_xml, read_xml
 

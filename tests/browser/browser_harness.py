@@ -18,7 +18,7 @@ import pytest
 from codewheel.model import Device, Layout, PlacedLayout, Register, Variant, number_to_bytes
 from codewheel.reference import codec
 from codewheel.reference.findings import findings, strange_values
-from codewheel.say.numbers import quantity
+from codewheel.say.plain_text import quantity
 from rust_frames import numbers
 from test_c_codec import run_time_variants
 from working_tools import require

@@ -35,9 +35,8 @@ from codewheel.model import Device, Text
 from codewheel.targets import Library
 from codewheel.targets.c.codec import StructCodec
 from codewheel.targets.c.device import DeviceView, views_of
-from codewheel.targets.c.expr import unsigned
 from codewheel.targets.c.files import generate
-from codewheel.targets.c.names import c_name
+from codewheel.targets.c.names import c_name, unsigned
 from codewheel.targets.c.procedures import ProcedureCode
 from codewheel.targets.c.registers import IdentityCode
 from working_tools import require
@@ -214,7 +213,7 @@ def answers(codec: StructCodec) -> str:
 
 
 def word_of(codec: StructCodec) -> str:
-    """Return the word that a decoder takes, from its number in ``text``. Too high a number is a word that is too long."""
+    """Return the word that a decoder takes, from its number in ``text``. If that is too high, the word is too long."""
     if not codec.word_has_length:
         return "number(text)"
     taken = "".join(f", {question.type}_taken" for question in codec.length_alternatives)

@@ -27,9 +27,16 @@ from codewheel.model import (
 )
 from codewheel.order_codes.parameters import with_answers, with_registers
 from codewheel.plan.crcs import crc_functions
-from codewheel.reference.bits import binary_to_gray, compute, from_gray, join_value, unused_bits
+from codewheel.reference.bits import (
+    binary_to_gray,
+    compute,
+    compute_bits,
+    compute_bytes,
+    from_gray,
+    join_value,
+    unused_bits,
+)
 from codewheel.reference.codec import UNUSED, decode, encode
-from codewheel.reference.crc import compute_bits, compute_bytes
 from codewheel.targets.c.device import views_of
 from codewheel.targets.c.names import c_name
 

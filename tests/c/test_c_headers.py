@@ -28,9 +28,8 @@ from codewheel.model import Biss, Device, Ssi
 from codewheel.targets import Library, TargetError
 from codewheel.targets.c.comments import break_lines, comment, end_comment, in_comment
 from codewheel.targets.c.device import views_of
-from codewheel.targets.c.expr import string
 from codewheel.targets.c.files import generate
-from codewheel.targets.c.names import RESERVED, c_name
+from codewheel.targets.c.names import RESERVED, c_name, string
 from hostile_texts import TEXTS, spoilt
 from uses import without_texts
 from working_tools import require

@@ -10,9 +10,8 @@ from typing import Any
 
 import pytest
 import yaml
-from codewheel.changes.change import OUTPUTS, Impact
 from codewheel.changes.families import compare
-from codewheel.changes.rules import RULES
+from codewheel.changes.rules import OUTPUTS, RULES, Impact
 from codewheel.commands.explain import explain
 from codewheel.commands.terminal import Stop
 from codewheel.model import Device

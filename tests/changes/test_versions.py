@@ -8,7 +8,7 @@ from pathlib import Path
 from shutil import copytree
 
 import pytest
-from codewheel.changes.change import Impact, due_version
+from codewheel.changes.rules import Impact, due_version
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.targets import Library

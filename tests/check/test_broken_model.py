@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.commands.outputs import load_for, targets_named
-from codewheel.loading.spec_files import packaged_specs
+from codewheel.language.files import packaged_specs
 from codewheel.order_codes.labels import find
 from codewheel.targets import Library
 

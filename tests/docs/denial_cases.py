@@ -17,7 +17,7 @@ from typing import Any
 
 from codewheel.commands.new import write_spec
 from codewheel.loading.library import load_library
-from codewheel.masters.cable import cable_table
+from codewheel.masters.frame_parts import cable_table
 from codewheel.masters.record import record
 from codewheel.masters.text import facts as record_facts
 from codewheel.model import (
@@ -59,12 +59,13 @@ from codewheel.model import (
     WriteStep,
 )
 from codewheel.model.expressions import Expression
-from codewheel.say import commands, evidence, interface, layout, names_and_places, order_code, register, report
+from codewheel.say import commands, evidence, layout, names_and_places, order_code, register, report
 from codewheel.say import errata as erratum
 from codewheel.say import evidence as origin
-from codewheel.say import interface as hardware_input
-from codewheel.say import interface as timing
 from codewheel.say import layout as crc
+from codewheel.say import order_code as hardware_input
+from codewheel.say import order_code as interface
+from codewheel.say import order_code as timing
 from codewheel.say import register as field
 from codewheel.say import register as measurement
 from codewheel.say import report as alarm
@@ -74,7 +75,6 @@ from codewheel.targets.docs import (
     bytes_to_send,
     cross_family_pages,
     family_pages,
-    frame_facts,
     inline_errata,
     layout_pictures,
     order_code_tables,
@@ -83,6 +83,7 @@ from codewheel.targets.docs import (
     verdict_page,
     wiring_tables,
 )
+from codewheel.targets.docs import order_code_tables as frame_facts
 from codewheel.targets.registry import load_target
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "example"

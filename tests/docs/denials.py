@@ -14,8 +14,8 @@ _DENIES = re.compile(
     r"|(?:is|are|do|does|did|was|were|can|has|have|should|would)n't)\b"
 )
 _MODULES = ("generator/say", "generator/targets", "generator/masters")
-#: Files without sentences: build scripts, styles, lists of reserved words, and the licence.
-_WITHOUT_SENTENCES = re.compile(r"cmake|CMakeLists|\.toml\.|style\.js$|reserved\.py$|python/names\.py$|licence\.py$")
+#: Files without sentences: build scripts and styles.
+_WITHOUT_SENTENCES = re.compile(r"cmake|CMakeLists|\.toml\.|style\.js$")
 _SENTENCE_ENDS = re.compile(r"(?<=[.!?:])\s+|\n\s*\n|\n\s*[-*] |\|")
 _C_TEXTS = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"', re.DOTALL)
 _PYTHON_TEXTS = re.compile(r'"""(?:.*?)"""|#[^\n]*|"(?:\\.|[^"\\\n])*"', re.DOTALL)

@@ -16,7 +16,7 @@ from codewheel.order_codes.reduction import with_quantities
 from codewheel.targets import Library
 from codewheel.targets.docs.order_code_page import RESERVED_NAMES
 from codewheel.targets.docs.order_code_tables import patterns
-from codewheel.targets.shared_files import names_of_codes
+from codewheel.targets.registry import names_of_codes
 
 Files = Mapping[str, str]
 

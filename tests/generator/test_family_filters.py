@@ -11,9 +11,8 @@ from codewheel.cache import default_folder
 from codewheel.commands.cli import main
 from codewheel.language.document import Mark
 from codewheel.loading.configuration import FamilyFilter
-from codewheel.loading.configuration_file import read_configuration
-from codewheel.loading.toml_places import places_in
-from codewheel.output_list import LIST, families_in
+from codewheel.loading.configuration_file import places_in, read_configuration
+from codewheel.output_folder import LIST, families_in
 
 ROOT = Path(__file__).parents[2]
 BISS, DOCS = ("--target", "biss"), ("--target", "docs")

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.say.numbers import decimal
+from codewheel.say.plain_text import decimal
 
 ENCODERS = Path(__file__).parents[2] / "examples" / "encoders"
 #: A frame of real hardware, whose position is 2,979,902,961.

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 from codewheel import output_folder, write
 from codewheel.commands.cli import main
-from codewheel.output_list import WriteError
+from codewheel.output_folder import WriteError
 
 TARGETS = ("c", "docs", "python")
 HEAD = """

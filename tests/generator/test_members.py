@@ -22,8 +22,7 @@ from codewheel.model.members import PARTS, PARTS_BY_CLASS, Member, Part
 from codewheel.model.record import dataclass
 from codewheel.readings import stated
 from codewheel.readings.compare import compare
-from codewheel.readings.fact import Sort
-from codewheel.readings.reading import Reading
+from codewheel.readings.reading import Reading, Sort
 from codewheel.readings.second_readings import facts_of
 from codewheel.targets.python import facts
 from codewheel.targets.python.facts import register_rows

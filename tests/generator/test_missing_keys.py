@@ -13,7 +13,7 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.commands.encoder_options import check_editions, edition_devices
 from codewheel.commands.terminal import Stop
-from codewheel.language.yaml import parse
+from codewheel.language.read import parse
 from codewheel.loading.library import load_families
 
 # Loads a library for each missing key.

@@ -8,10 +8,10 @@ import shutil
 from pathlib import Path
 
 import pytest
-from codewheel.commands import which_specs
+from codewheel.commands import read_specs
 from codewheel.commands.cli import main
 from codewheel.loading.configuration import Configuration, FamilyFilter
-from codewheel.output_list import LIST
+from codewheel.output_folder import LIST
 
 ROOT = Path(__file__).parents[2]
 JUDGING = (
@@ -286,14 +286,14 @@ def test_the_settings_of_the_page(two: Path, language: str, file: str) -> None:
     page = (ROOT / "docs/which-specs.md").read_text(encoding="utf-8")
     block = page.partition(f"```{language}\n")[2].partition("```")[0]
     (two / file).write_text(block, encoding="utf-8")
-    settings = which_specs.find_settings()
+    settings = read_specs.find_settings()
     only = {"docs": FamilyFilter(grades=("manual", "quoted"))}
     assert settings == Configuration(Path(file), (Path("specs"),), Path("generated"), ("c", "docs"), only)
 
 
 def test_the_limit_is_that_of_the_page() -> None:
     page = (ROOT / "docs/which-specs.md").read_text(encoding="utf-8")
-    assert f"ends after {which_specs.MOST_NAMES:,} files and folders" in page
+    assert f"ends after {read_specs.MOST_NAMES:,} files and folders" in page
 
 
 # ------------------------------------------------------------------------------------------------------ the search
@@ -326,7 +326,7 @@ def test_a_link_to_a_spec_is_read_once(capsys: pytest.CaptureFixture[str], two: 
 def test_the_search_has_a_limit_and_says_so(
     capsys: pytest.CaptureFixture[str], two: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(which_specs, "MOST_NAMES", 3)
+    monkeypatch.setattr(read_specs, "MOST_NAMES", 3)
     code, out, err = run(capsys, "check")
     assert (code, out) == (2, "")
     assert err.startswith(

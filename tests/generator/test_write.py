@@ -12,8 +12,7 @@ from pathlib import Path
 
 import pytest
 from codewheel import output_folder as stage_module
-from codewheel.output_folder import Stage
-from codewheel.output_list import LIST, LIST_HEAD, WriteError
+from codewheel.output_folder import LIST, LIST_HEAD, Stage, WriteError
 from codewheel.write import Change, changes, digest_of, digest_on_disk, write
 
 FILES = {"python/a.py": "a\n", "python/pkg/b.py": "b\n"}

@@ -40,8 +40,7 @@ from codewheel.reference.codec import Decoded, EncodeError, decode, decode_bytes
 from codewheel.reference.findings import findings
 from codewheel.reference.registers import register_writes
 from codewheel.targets import Library
-from codewheel.targets.python.context import Context
-from codewheel.targets.python.names import CLASS_NAMES, attribute
+from codewheel.targets.python.names import CLASS_NAMES, Context, attribute
 
 pytestmark = pytest.mark.slow
 

@@ -10,7 +10,7 @@ import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.plan.crcs import Carrier, crc_functions
-from codewheel.reference.crc import compute_bits, compute_bytes
+from codewheel.reference.bits import compute_bits, compute_bytes
 from codewheel.targets import Library
 
 SPEC = Path(__file__).parents[1] / "c" / "specs"

@@ -28,8 +28,7 @@ from codewheel.model import (
     Variant,
 )
 from codewheel.order_codes.labels import UnknownOrderCode, find
-from codewheel.targets.python.context import Context
-from codewheel.targets.python.names import CLASS_NAMES, attribute
+from codewheel.targets.python.names import CLASS_NAMES, Context, attribute
 
 _Kind = TypeVar("_Kind", bound=Example)
 ERRORS = {"length": "LengthError", "crc": "CrcError", "constant": "ConstantError", "range": "RangeError"}

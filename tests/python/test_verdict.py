@@ -20,7 +20,7 @@ from codewheel.model import Device, Flag, Layout, PlacedLayout, Variant, number_
 from codewheel.reference import codec
 from codewheel.reference.findings import findings
 from codewheel.say.report import alarm_of, meaning, remedy
-from codewheel.targets.python.context import Context
+from codewheel.targets.python.names import Context
 from python_path import python_path
 
 #: The manual's only reply to data ID 5, with a bit set in SF that is 0 in the manual (7.3.4).

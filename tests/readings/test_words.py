@@ -9,8 +9,8 @@ import pytest
 from codewheel.commands.check.specs import check_specs
 from codewheel.language.problems import Report
 from codewheel.loading.library import load_families
-from codewheel.readings.cited import numbers_in
-from codewheel.readings.fact import Sort
+from codewheel.readings.compare import numbers_in
+from codewheel.readings.reading import Sort
 from codewheel.readings.second_readings import Coverage, comparable_specs, compare_readings
 
 pytestmark = pytest.mark.slow

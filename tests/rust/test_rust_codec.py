@@ -9,9 +9,9 @@ import pytest
 from codewheel.model import Choice, Decimal, Flag, PlacedField, Register, Text, Variant, number_to_bytes
 from codewheel.order_codes.parameters import RegisterError, with_registers
 from codewheel.plan.crcs import Carrier, Form
-from codewheel.plan.registers import HoldingRegister
+from codewheel.plan.frames import HoldingRegister
 from codewheel.reference import codec
-from codewheel.reference.crc import compute_bits, compute_bytes
+from codewheel.reference.bits import compute_bits, compute_bytes
 from rust_frames import Case, cases, check, decoding, first_fault, numbers
 from rust_harness import SPECS, Program, Workshop, masks
 

@@ -13,7 +13,8 @@ from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.model.expressions import Expression
 from codewheel.order_codes.labels import find
-from codewheel.say import interface, layout, order_code, register
+from codewheel.say import layout, order_code, register
+from codewheel.say import order_code as interface
 from codewheel.say import register as field
 from codewheel.say.markdown import STYLE as MARKDOWN
 from codewheel.say.text import (

@@ -27,7 +27,7 @@ from codewheel.reference import codec as reference
 from codewheel.reference.codec import UNUSED
 from codewheel.reference.findings import findings
 from codewheel.targets.c.names import c_name
-from codewheel.targets.python.context import Context
+from codewheel.targets.python.names import Context
 from frames import chunks, input_of, wires
 from test_c_reports import report_key
 from tools import tool

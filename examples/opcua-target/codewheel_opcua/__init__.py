@@ -14,7 +14,7 @@ from codewheel.model import Biss, Device, Ssi, Variant
 from codewheel.render import Templates
 from codewheel.say.plain_text import plain
 from codewheel.targets import NO_OPTIONS, Library, Options, Target
-from codewheel.targets.shared_files import licence_in, names_of_codes
+from codewheel.targets.registry import licence_in, names_of_codes
 
 #: Values of EncoderType (7.8.9) and EncoderProtocol (7.8.13) with their names.
 _SINGLE_TURN, _MULTI_TURN, _LINEAR = (0, "ROT_SINGLE_TURN"), (1, "ROT_MULTI_TURN"), (4, "LINEAR_ABSOLUTE")

@@ -8,10 +8,9 @@ from dataclasses import dataclass, replace
 from codewheel.model import Answer, Device, Field, Interface, Layout, Register, Value
 from codewheel.plan.codec import Codec, characters, codec_of
 from codewheel.plan.crcs import CrcFunction, crc_functions, function_of
-from codewheel.plan.frames import dispatches
+from codewheel.plan.frames import dispatches, held_parameters
 from codewheel.plan.limits import Limits, limits_of
 from codewheel.plan.operations import AlwaysIs, Bits, Fixed, ParityIs, ParityOf, Term
-from codewheel.plan.registers import held_parameters
 from codewheel.plan.values import Characters, meaning_of
 from codewheel.targets import TargetProblem
 

@@ -107,7 +107,7 @@ def _check(
     from ...targets.registry import WITH_PROBLEMS
     from ..cached_result import specs_read
     from ..outputs import are_built_in, targets_named
-    from ..settings_targets import report_unknown_families
+    from ..read_specs import report_unknown_families
     from . import specs as coverage
     from .specs import check_specs
 
@@ -160,7 +160,7 @@ def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     """
     if form in ("github", "sarif"):
         return _for_review(report, form)
-    from ...say.numbers import counted
+    from ...say.plain_text import counted
     from ..read_specs import placeholder_lines, read_line
 
     lines = [problem.format() for problem in report.shown]

@@ -11,14 +11,14 @@ from typing import Any
 
 from ...cache import NO_CACHE, Cache, content_of
 from ...language.document import Path as SpecPath
+from ...language.files import family_files
 from ...language.problems import Report
 from ...language.schema_files import coverage_path, second_reading_path
 from ...loading.evidence import RULE, counts_text
 from ...loading.library import contents, is_clean, load_families
 from ...loading.overlays import Family
-from ...loading.spec_files import family_files
 from ...model import TimesRead
-from ...readings.fact import Sort
+from ...readings.reading import Sort
 from ...readings.second_readings import (
     Coverage,
     Reader,
@@ -28,7 +28,7 @@ from ...readings.second_readings import (
     compare_readings,
     read_beside,
 )
-from ...say.numbers import counted
+from ...say.plain_text import counted
 from ...targets import Target
 from ..encoder_options import check_editions
 from ..outputs import tell_unfit

@@ -14,7 +14,7 @@ from ...model import INTERFACES, Constant, CrcValue, Device, Fault, Layout, Pari
 from ...model.layout import have_lengths
 from ...reference import codec
 from ...reference.registers import decode_register
-from ...say import frame_errors as say
+from ...say import report as say
 from ...why.tries import BitText
 
 if TYPE_CHECKING:

@@ -14,11 +14,10 @@ from ...order_codes.labels import Match
 from ...order_codes.parameters import parameters_of
 from ...reference import codec
 from ...reference.findings import Findings, Report
-from ...say import frame_errors as say
+from ...say import report as say
 from ...say.evidence import origin, placeholders
 from ...say.names_and_places import words
-from ...say.numbers import decimal, quantity
-from ...say.plain_text import WIDTH
+from ...say.plain_text import WIDTH, decimal, quantity
 from ...say.plain_text import wrapped as wrapped_anew
 from ...say.text import BY_NAME, WORTH, counted, sentence, with_unit
 from .frames import Line, is_frame_of_other_kind

@@ -27,8 +27,8 @@ from ...order_codes.labels import Match
 from ...order_codes.parameters import parameters_of, run_time_names, run_time_widths
 from ...order_codes.reduction import for_interface, reduced_to_codes, with_output_code
 from ...say import errata as say_errata
-from ...say import interface as say_interface
 from ...say import layout as say_layout
+from ...say import order_code as say_interface
 from ...say import order_code as say_order_code
 from ...say import register as say_field
 from ...say import register as say_measurement
@@ -37,9 +37,8 @@ from ...say.errata import answer as say_answer
 from ...say.errata import needed_answers, question
 from ...say.evidence import grade, origin
 from ...say.names_and_places import bits, field_at, hexadecimal
-from ...say.numbers import decimal
 from ...say.order_code import open_values, spelling
-from ...say.plain_text import WIDTH, pairs, wrapped
+from ...say.plain_text import WIDTH, decimal, pairs, wrapped
 from ...say.text import BY_NAME, Style, counted, language
 from ..decode.text import bit_place, label_differences
 

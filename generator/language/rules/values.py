@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from itertools import pairwise
 
 from ...model import INTERFACES, Biss
-from ...say.numbers import counted
+from ...say.plain_text import counted
 from ..document import Path
 from ..problems import DocumentReport, missing, quoted, suggestion
 from ..schema_files import is_second

@@ -1,4 +1,8 @@
-"""Data channels of a device in a BiSS file: lengths, profiles, CRC and settings of the master.
+"""Data channels of a device in a BiSS file, and its comments and texts in ASCII.
+
+Only the beginning of one idbiss file is public. Our file uses only the elements and attributes found there. Comments
+mark every further interpretation as inferred. Facts with no publicly known place in the format are in the full
+description, for which we have our own schema.
 
 Only the beginning of one idbiss file is public. Our file uses only the elements and attributes found there. Comments
 mark every further interpretation as inferred. Facts with no publicly known place in the format are in the full
@@ -7,21 +11,64 @@ description, for which we have our own schema.
 
 from __future__ import annotations
 
+import textwrap
 from collections.abc import Sequence
+from functools import lru_cache
 
+from markupsafe import Markup, escape
+
+from ...dump.xml import clean
 from ...model import Biss, Crc, Device, Field, Layout, assert_never
 from ...model.record import dataclass
 from ...order_codes.parameters import run_time_widths
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
-from ...say import interface as say_interface
+from ...say import order_code as say_order_code
 from ...say.errata import errata, erratum
 from ...say.layout import crc_parameters
 from ...say.names_and_places import field_at
-from ...say.numbers import counted
 from ...say.order_code import initial
-from ...say.plain_text import plain
+from ...say.plain_text import counted, in_ascii, plain
 from ...say.text import BY_NAME
 from .identity import DataLength, IdBits, profile_ids
+
+_WIDTH = 132
+#: Signs that comments spell in their own way.
+_OWN = {"±": "+/-", "→": "to", "°": " deg", "\N{OHM SIGN}": "Ohm"}
+
+
+def ascii_only(text: object) -> str:
+    """Return ``text`` in ASCII for comments, where XML allows no character references."""
+    return in_ascii(plain(text), _OWN)
+
+
+def comment_text(text: object) -> Markup:
+    """Return ``text`` for a comment, without double hyphens, which would end it."""
+    comment_line = ascii_only(text)
+    while "--" in comment_line:
+        comment_line = comment_line.replace("--", "- -")
+    return Markup(comment_line + " " if comment_line.endswith("-") else comment_line)
+
+
+def comment(text: object, indent: str) -> Markup:
+    """Return a complete comment, wrapped if necessary. Line breaks in the text are preserved."""
+    lines = str(text).split("\n")
+    if len(lines) == 1 and len(indent) + len(whole := comment_text(lines[0])) + 9 <= _WIDTH:
+        return Markup(f"{indent}<!-- {whole} -->")
+    wrapped = [piece for line in lines for piece in _wrapped(line, _WIDTH - len(indent) - 5)]
+    return Markup("\n".join([f"{indent}<!--", *(f"{indent}     {line}" for line in wrapped), f"{indent}-->"]))
+
+
+# The files for the order codes of a family have most lines in common.
+@lru_cache(maxsize=1024)
+def _wrapped(line: str, width: int) -> Sequence[str]:
+    """Return the lines of a comment for one line of its text. An indented one is an item of a list."""
+    first, indent = ("  ", "    ") if line.startswith("  ") else ("", "")
+    return textwrap.wrap(str(comment_text(line)), width, initial_indent=first, subsequent_indent=indent)
+
+
+def ascii_text(text: object) -> Markup:
+    """Return ``text`` for an element, in ASCII and with character references."""
+    return Markup(str(escape(clean(plain(text)))).encode("ascii", "xmlcharrefreplace").decode())
 
 
 @dataclass(frozen=True)
@@ -115,7 +162,7 @@ def master_settings(
     lines.append(f"  code: {_code(device, layout)}")
     lines.append(f"  CRC: {_crc_words(device, crc)}. CrcPoly is the polynomial with its top bit")
     lines += _other_channels(device, layout)
-    facts = say_interface.settings(device, device.interface("biss"))
+    facts = say_order_code.settings(device, device.interface("biss"))
     lines += [f"  {BY_NAME.sentence(setting)}" for setting in facts]
     lines += _one_profile(device, lengths)
     paths = [f"interfaces.biss.{layout.name}", *dict.fromkeys(f"registers.{id_bits.register}" for id_bits in ids)]

@@ -18,9 +18,8 @@ from ...order_codes.labels import Match
 from ...order_codes.parameters import run_time_widths
 from ...render import Templates, our_templates
 from .. import NO_OPTIONS, Library, Option, Options, Target
-from ..shared_files import licence_in, names_of_codes
-from .comments import ascii_text, comment, comment_text
-from .data_channels import Node, channels_by_length, master_settings
+from ..registry import licence_in, names_of_codes
+from .data_channels import Node, ascii_text, channels_by_length, comment, comment_text, master_settings
 from .identity import IdBits, data_lengths, device_bits, manufacturer_bits, single_cycle_data
 
 _EACH = "each"

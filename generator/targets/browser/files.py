@@ -1,4 +1,6 @@
-"""Browser target: a page and a script that decode frames and registers without a server.
+"""Browser target: a page and a script that decode frames and registers, with the data of each family.
+
+Regular expressions are those of ``order_codes.labels`` in the notation of JavaScript.
 
 The script contains the plan of every frame as a table, and the runtime that interprets it. Other pages can embed the
 decoder box.
@@ -8,63 +10,233 @@ from __future__ import annotations
 
 import base64
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, TypedDict
+from typing import Annotated, Any, TypedDict
 
 from ...language.problems import LONGEST_QUOTE, listed
-from ...model import UNEXPLAINED, Device, Fault
+from ...model import UNEXPLAINED, Alternative, Answer, CodePart, Crc, Device, Fault, Interface, Spelling, Variant
+from ...model.layout import have_lengths
 from ...order_codes import labels
-from ...order_codes.labels import LONGEST, NEAR
+from ...order_codes.labels import AFTER, LONGEST, NEAR, as_listed, regex
+from ...plan.crcs import Carrier, carriers
+from ...plan.frames import Dispatch, HeldParameter, dispatches, held_parameters
+from ...plan.verdicts import reportings
 from ...render import Templates, our_templates
-from ...say import frame_errors
+from ...say import report
+from ...say.evidence import grade, origin
 from ...say.layout import as_one_number
 from ...say.markdown import text
+from ...say.names_and_places import field_at
 from ...say.plain_text import plain
-from ...say.text import WORTH
+from ...say.text import BY_NAME, WORTH
+from ...why import in_bits, mistakes
 from ...why.in_bits import SLIPS
 from .. import NO_OPTIONS, Library, Options, Target
-from ..shared_files import licence_in, our_runtime
-from .family import family_data
-from .layouts import Data, script_json
+from ..registry import licence_in, our_runtime
+from .layouts import (
+    Data,
+    SharedParts,
+    expression_data,
+    frame_data,
+    json_number,
+    optional_expression_data,
+    register_data,
+    script_json,
+    without_empty,
+)
+
+
+def label_grammar(device: Device) -> Data:
+    """Return the notations of the order codes of a family."""
+    order_code = device.order_code
+    listed_spelling = as_listed(order_code)
+    spellings = (listed_spelling, *order_code.also_written)
+    return {
+        "pattern": order_code.pattern,
+        "written": [_spelling_data(device, spelling) for spelling in spellings],
+        "wrong": [_javascript_pattern(regex(order_code, listed_spelling, part.name)) for part in order_code.parts],
+        "parts": [_part_data(part) for part in order_code.parts],
+    }
+
+
+def _part_data(part: CodePart) -> Data:
+    values = [value.text for value in part.values]
+    return without_empty(name=part.name, values=values, only_with=dict(part.open_only_with))
+
+
+def _spelling_data(device: Device, spelling: Spelling) -> Data:
+    values: dict[str, dict[str, str]] = {}
+    for value in spelling.values:
+        values.setdefault(value.part, {})[value.text.upper()] = value.value
+    return without_empty(
+        label=_javascript_pattern(regex(device.order_code, spelling)), where=spelling.where, values=values
+    )
+
+
+def _javascript_pattern(expression: str) -> str:
+    """Return a regular expression for a whole label in the notation of JavaScript."""
+    return f"^{expression}{AFTER}$".replace("(?P<", "(?<")
+
+
+def family_data(device: Device) -> Data:
+    """Return all data of a family for the script."""
+    parameter_names = [parameter.name for parameter in device.parameters if parameter.equals is None]
+    interface_names = [interface.name for interface in device.interfaces]
+    held = [parameter for register in held_parameters(device) for parameter in register.parameters]
+    shared = SharedParts()
+    return without_empty(
+        name=device.name,
+        title=device.title,
+        base=device.base,
+        special=next((overlay.special for overlay in device.overlays if overlay.special), ""),
+        special_codes=device.order_code.special,
+        about=[BY_NAME.sentence(fact) for fact in origin(device)],
+        evidence=BY_NAME.sentence(grade(device)),
+        given=parameter_names,
+        derived=[[name, expression_data(value)] for name, value in device.definitions.items()],
+        held=[_held_parameter_data(device, parameter) for parameter in held],
+        alternatives=[_alternative_data(alternative) for alternative in device.alternatives],
+        crcs={crc.name: _crc_data(device, crc) for crc in device.crcs},
+        interfaces=[_interface_data(device, interface, shared) for interface in device.interfaces],
+        shared=shared.parts,
+        labels=label_grammar(device),
+        codes=[_order_code_row(variant, interface_names, parameter_names) for variant in device.variants],
+    )
+
+
+def _order_code_row(variant: Variant, interface_names: Sequence[str], parameter_names: Sequence[str]) -> list[Any]:
+    """Return an order code, the index of its interface, and the values of its parameters."""
+    values = (json_number(variant.parameters[name]) for name in parameter_names)
+    return [variant.code, interface_names.index(variant.interface), *values]
+
+
+def _held_parameter_data(device: Device, register_parameter: HeldParameter) -> Data:
+    """Return a parameter that is held in a register, with its limits."""
+    parameter = register_parameter.parameter
+    return without_empty(
+        name=parameter.name,
+        meaning=parameter.meaning,
+        at=field_at(device, parameter.read_from),
+        min=parameter.min,
+        max=parameter.max,
+        values=sorted({row.value for row in parameter.by_code}),
+    )
+
+
+def _alternative_data(alternative: Alternative) -> Data:
+    return without_empty(
+        name=alternative.name,
+        meaning=alternative.meaning,
+        answers=[_answer_data(answer) for answer in alternative.answers],
+        default=alternative.default,
+    )
+
+
+def _answer_data(answer: Answer) -> list[Any]:
+    return [answer.name, answer.meaning, {name: json_number(value) for name, value in answer.sets.items()}]
+
+
+def _crc_data(device: Device, crc: Crc) -> Data:
+    """Return the parameters of a CRC, and those of similar CRCs that may be used by mistake."""
+    is_over_bytes = Carrier.BYTES in carriers(device, crc)
+    similar_crcs = mistakes.other_crcs(crc) if is_over_bytes else in_bits.other_crcs(crc)
+    others = [[difference, _crc_parameters(similar)] for _, difference, similar in similar_crcs if similar != crc]
+    return _crc_parameters(crc) | {"text": crc.polynomial, "others": others}
+
+
+def _crc_parameters(crc: Crc) -> Data:
+    return without_empty(
+        width=crc.width,
+        poly=json_number(crc.poly),
+        init=json_number(crc.init),
+        refin=int(crc.refin),
+        refout=int(crc.refout),
+        xorout=json_number(crc.xorout),
+    )
+
+
+def _interface_data(device: Device, interface: Interface, shared: SharedParts) -> Data:
+    reportings_by_name = {reporting.codec.layout.name: reporting for reporting in reportings(device)}
+    frames = [frame_data(device, layout, reportings_by_name.get(layout.name)) for layout in interface.layouts]
+    registers = [register_data(device, register) for register in device.registers_over(interface.name)]
+    return without_empty(
+        name=interface.name,
+        title=interface.title,
+        measure=_position_unit(device, interface),
+        exact=[sender for sender in ("encoder", "master") if have_lengths(interface.layouts, sender)],
+        frames=list(map(shared.with_indexes, frames)),
+        told=[_dispatch_data(interface, dispatch) for dispatch in dispatches(interface.layouts)],
+        registers=list(map(shared.with_indexes, registers)),
+    )
+
+
+def _position_unit(device: Device, interface: Interface) -> Data:
+    """Return the unit of the position. If the position is not sent as a whole, ``part`` contains the angle."""
+    measurement = device.measurement_of(interface.name)
+    if measurement is None:
+        return {}
+    joins = (join for layout in interface.layouts for join in layout.joins if join.name == measurement.of)
+    return without_empty(
+        of=measurement.of,
+        part=next((join.fields[-1] for join in joins), ""),
+        step_um=optional_expression_data(measurement.step_um),
+        step_nm=optional_expression_data(measurement.step_nm),
+        per_counts=optional_expression_data(measurement.per_counts),
+        counts_per_turn=optional_expression_data(measurement.counts_per_turn),
+        turns=optional_expression_data(measurement.turns),
+    )
+
+
+def _dispatch_data(interface: Interface, dispatch: Dispatch) -> Data:
+    """Return the pieces of bytes that form the selector of a sender's frames, and the frames keyed by its value."""
+    indexes = {layout.name: index for index, layout in enumerate(interface.layouts)}
+    return without_empty(
+        sender=dispatch.sender,
+        selector=dispatch.selector.name,
+        pieces=[[piece.byte, piece.right, piece.mask, piece.left] for piece in dispatch.bits.pieces],
+        needs=dispatch.needs,
+        frames=[[indexes[branch.layout.name], *map(json_number, branch.values)] for branch in dispatch.branches],
+    ) | {"fallback": indexes[dispatch.fallback.name] if dispatch.fallback is not None else -1}
+
 
 #: Error messages, with placeholders for numbers and names: ``{0} is {1}``.
 _MESSAGES = {
-    "length": frame_errors.length("{0}", "{1}", "{2}"),
-    "crc": frame_errors.crc("{0}", "{1}"),
-    "constant": frame_errors.constant("{0}", "{1}", "{2}"),
-    "parity": frame_errors.parity("{0}", "{1}", "{2}", "{3}"),
-    "no_value": frame_errors.no_value("{0}", "{1}"),
-    "too_high": frame_errors.too_high("{0}", "{1}", "{2}"),
-    "digits": frame_errors.digits("{0}", "{1}", "{2}"),
-    "of_other_frame": frame_errors.of_other_frame("{0}", "{1}"),
-    "too_few_bytes": frame_errors.too_few_bytes("{0}"),
-    "no_frame": frame_errors.no_frame("{0}", "{1}", "{2}"),
-    "other_value": frame_errors.other_value("{0}", "{1}", "{2}"),
-    "other_content": frame_errors.other_content("{0}", "{1}", "{2}", "{3}"),
-    "too_wide": frame_errors.too_wide("{0}", "{1}", "{2}"),
-    "no_power_of_two": frame_errors.no_power_of_two("{0}", "{1}"),
-    "outside": frame_errors.outside("{0}", "{1}", "{2}"),
+    "length": report.length("{0}", "{1}", "{2}"),
+    "crc": report.crc("{0}", "{1}"),
+    "constant": report.constant("{0}", "{1}", "{2}"),
+    "parity": report.parity("{0}", "{1}", "{2}", "{3}"),
+    "no_value": report.no_value("{0}", "{1}"),
+    "too_high": report.too_high("{0}", "{1}", "{2}"),
+    "digits": report.digits("{0}", "{1}", "{2}"),
+    "of_other_frame": report.of_other_frame("{0}", "{1}"),
+    "too_few_bytes": report.too_few_bytes("{0}"),
+    "no_frame": report.no_frame("{0}", "{1}", "{2}"),
+    "other_value": report.other_value("{0}", "{1}", "{2}"),
+    "other_content": report.other_content("{0}", "{1}", "{2}", "{3}"),
+    "too_wide": report.too_wide("{0}", "{1}", "{2}"),
+    "no_power_of_two": report.no_power_of_two("{0}", "{1}"),
+    "outside": report.outside("{0}", "{1}", "{2}"),
     "as_one_number": as_one_number("{0}"),
-    "frame_empty": frame_errors.EMPTY,
-    "frame_too_long": frame_errors.TOO_LONG,
-    "not_hex": frame_errors.not_hex("{0}"),
-    "one_digit": frame_errors.one_digit("{0}", "{1}"),
-    "odd": frame_errors.odd("{0}"),
-    "bits_or_bytes": frame_errors.bits_or_bytes("{0}"),
-    "no_bits": frame_errors.no_bits("{0}", "{1}", "{2}"),
-    "write_number": frame_errors.write_number("{0}"),
-    "write_bits": frame_errors.write_bits("{0}", "{1}"),
-    "no_order_code": frame_errors.no_order_code("{0}", "{1}"),
-    "write_any": frame_errors.write_any(),
-    "write_one_of": frame_errors.write_one_of("{0}"),
-    "if_decimal": frame_errors.if_decimal("{0}"),
-    "if_hex": frame_errors.if_hex("{0}"),
-    "if_bits": frame_errors.if_bits("{0}"),
-    "also": frame_errors.also_possible("{0}"),
-    "instead": frame_errors.possible_instead("{0}"),
-    "valid_other": frame_errors.valid_other("{0}"),
-    "register_length": frame_errors.register_length("{0}", "{1}", "{2}"),
+    "frame_empty": report.EMPTY,
+    "frame_too_long": report.TOO_LONG,
+    "not_hex": report.not_hex("{0}"),
+    "one_digit": report.one_digit("{0}", "{1}"),
+    "odd": report.odd("{0}"),
+    "bits_or_bytes": report.bits_or_bytes("{0}"),
+    "no_bits": report.no_bits("{0}", "{1}", "{2}"),
+    "write_number": report.write_number("{0}"),
+    "write_bits": report.write_bits("{0}", "{1}"),
+    "no_order_code": report.no_order_code("{0}", "{1}"),
+    "write_any": report.write_any(),
+    "write_one_of": report.write_one_of("{0}"),
+    "if_decimal": report.if_decimal("{0}"),
+    "if_hex": report.if_hex("{0}"),
+    "if_bits": report.if_bits("{0}"),
+    "also": report.also_possible("{0}"),
+    "instead": report.possible_instead("{0}"),
+    "valid_other": report.valid_other("{0}"),
+    "register_length": report.register_length("{0}", "{1}", "{2}"),
     "too_long": labels.too_long("{0}", "{1}", "{2}"),
     "cannot_be_combined": labels.cannot_be_combined("{0}", "{1}", "{2}"),
     "not_of_family": labels.not_of_family("{0}", "{1}", "{2}"),
@@ -112,7 +284,7 @@ def script_table(library: Library) -> Data:
         "worth": {verdict.value: words for verdict, words in WORTH.items()},
         "unexplained": UNEXPLAINED,
         "said": _MESSAGES,
-        "limits": {"text": frame_errors.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
+        "limits": {"text": report.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
         "slips": [[slip.text, slip.front, slip.missing, slip.lost, slip.behind] for slip in SLIPS],
         "families": [library.part(_family_data, device, NO_OPTIONS) for device in library.devices],
     }

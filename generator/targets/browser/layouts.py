@@ -29,10 +29,9 @@ from ...plan.operations import (
     ZerosAbove,
 )
 from ...plan.verdicts import ReportCause, Reporting, explained
-from ...say.frame_errors import of_older_edition
 from ...say.names_and_places import register_at, title
 from ...say.register import facts
-from ...say.report import alarm_of, meaning, remedy, source, states
+from ...say.report import alarm_of, meaning, of_older_edition, remedy, source, states
 from ...say.text import BY_NAME, spec_text
 
 Data = dict[str, Any]

@@ -11,7 +11,7 @@ from ...model import Digits, Field, Piece, first_of
 from ...model.record import dataclass
 from ...plan.codec import Codec, ShiftedBits, moved_bits
 from ...plan.operations import Bits, Reserved, Whole
-from .expr import (
+from .names import (
     Call,
     Cast,
     Expr,

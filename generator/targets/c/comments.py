@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 
 from ...say.plain_text import in_ascii, plain
 from ...say.text import BY_TITLE, Statement, Style
-from .expr import string
+from .names import string
 
 COLUMNS = 100
 #: The smallest width of a text after its lead.

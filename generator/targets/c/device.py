@@ -1,4 +1,4 @@
-"""The values that the templates of an interface of a family print."""
+"""The values that the templates of an interface of a family print, and the CRCs of its frames."""
 
 from __future__ import annotations
 
@@ -10,29 +10,98 @@ from functools import cached_property, partial
 from itertools import chain
 from typing import Protocol, TypeVar
 
-from ...model import Device, Document, Layout, Parameter, Procedure, Register, Ssi, first_of
+from ...model import Crc, Device, Document, Layout, Parameter, Procedure, Register, Ssi, first_of
 from ...model.record import dataclass
 from ...order_codes.reduction import for_codes
-from ...plan.crcs import crc_functions
-from ...plan.registers import held_parameters
+from ...plan.crcs import Carrier, CrcFunction, Form, carrier_of, crc_functions, reflect, table, word_table
+from ...plan.frames import held_parameters
 from ...plan.values import TwosComplement
 from ...say.errata import errata, erratum
 from ...say.evidence import grade, origin, other_editions, removals
 from ...say.order_code import initial
 from .. import TargetError
+from .about import about_crc
 from .chosen import chosen_variant
 from .codec import StructCodec
 from .comments import Paragraph, S
-from .constants import timing_macros
-from .context import Context
-from .crcs import crc_code
+from .context import Context, timing_macros
+from .decode import RangeFunctions, positions
 from .interfaces import InterfaceCode, ReplyRequest
-from .names import Declared, Names, c_name
-from .positions import RangeFunctions, positions
+from .names import Declared, Names, c_name, unsigned
 from .procedures import ProcedureCode
 from .reading import ReadCode
 from .registers import AlarmCode, RegisterCode, identity_codes, state_registers
 from .variants import LengthCode, Taker, VariantCode
+
+
+@dataclass(frozen=True)
+class CrcCode:
+    """The function of a CRC over bits or bytes. ``table`` holds the remainder of each byte, if there is a table.
+
+    The function exists only if a frame calls it. Frames that are one number mostly have a CRC function of their own.
+    """
+
+    name: str
+    function: CrcFunction
+    about: tuple[Paragraph, ...]
+    table: tuple[int, ...]
+    is_called: bool
+
+    def declared(self) -> Iterator[Declared]:
+        if self.is_called:
+            yield self.name, ("crcs", self.crc.name)
+        if self.table:
+            yield f"{self.name}_entries", ("crcs", self.crc.name)
+
+    @property
+    def type(self) -> str:
+        return unsigned(self.crc.width)
+
+    @property
+    def crc(self) -> Crc:
+        return self.function.crc
+
+    @property
+    def in_bytes(self) -> bool:
+        return self.function.carrier is Carrier.BYTES
+
+    @property
+    def is_fold(self) -> bool:
+        return self.function.form is Form.FOLD
+
+    @property
+    def by_bits(self) -> bool:
+        return self.function.form is Form.TABLE
+
+    @property
+    def is_reflected(self) -> bool:
+        """True if the table is for a shift register with its bits in reverse order."""
+        return self.by_bits and self.in_bytes and self.crc.refin
+
+    @property
+    def table_init(self) -> int:
+        return reflect(self.crc.init, self.crc.width) if self.is_reflected else self.crc.init
+
+    @property
+    def is_turned(self) -> bool:
+        """True if that register must be reversed at the end."""
+        return self.crc.refout != self.is_reflected
+
+
+def crc_code(context: Context, function: CrcFunction, codecs: Sequence[StructCodec]) -> CrcCode:
+    crc = function.crc
+    users = [codec for codec in codecs if codec.plan.crc is not None and codec.plan.crc.crc == crc]
+    users = [codec for codec in users if carrier_of(codec.struct.layout) is function.carrier and codec.bits_crc is None]
+    is_called = any(codec.word_crc is None for codec in users)
+    name = context.crc_name(crc, function.carrier.value)
+    values: tuple[int, ...] = ()
+    if function.form is Form.TABLE:
+        values = table(crc.width, crc.poly, function.carrier is Carrier.BYTES and crc.refin)
+    elif function.form is Form.FOLD and function.in_words:
+        values = word_table(crc.width, crc.poly)
+    values = values if users else ()
+    return CrcCode(name, function, tuple(about_crc(context.device, function)), values, is_called)
+
 
 _Built = TypeVar("_Built")
 

@@ -14,7 +14,7 @@ import json
 from collections.abc import Callable, Iterator, Mapping
 from typing import Annotated, NoReturn, TypedDict
 
-from ...loading.named import UnknownName, narrowed_to
+from ...loading.library import UnknownName, narrowed_to
 from ...model import Device, Digits, Join, Manufacturer
 from ...model.expressions import Expression
 from ...plan import steps
@@ -27,16 +27,15 @@ from ...say.names_and_places import addresses, title, words
 from ...say.plain_text import plain
 from ...say.text import BY_TITLE
 from .. import NO_OPTIONS, Library, Option, OptionError, Options, Target, TargetError, TargetProblem
-from ..shared_files import licence_in
+from ..registry import licence_in
 from .about import place
 from .bits import digits
 from .comments import break_lines, comment, comment_lines, documented, end_comment, in_comment, in_lines, literals
 from .crc_folds import FoldOperation
-from .decode import ByteIs, FlagsIn, UnusedAre, UnusedIn
+from .decode import ByteIs, FlagsIn, Positions, UnusedAre, UnusedIn
 from .device import DeviceView, Part, views_of
 from .examples import ExampleCode
-from .expr import mask, number, string, unsigned
-from .names import FOLDER, c_name, called, clashes, runtime_headers, runtime_version
+from .names import FOLDER, c_name, called, clashes, mask, number, runtime_headers, runtime_version, string, unsigned
 from .package import (
     FILES,
     FOUND_BY_NAME,
@@ -49,7 +48,6 @@ from .package import (
     own_programs,
     package_files,
 )
-from .positions import Positions
 from .procedures import FilledRows
 from .selftest import AllTests, FamilyTest, SelfTest, Work, own_test, selftest_files
 

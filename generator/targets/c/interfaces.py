@@ -9,18 +9,16 @@ from ...model import Biss, CableLength, Clock, Interface, Layout, Port, Rs485, S
 from ...model.record import dataclass
 from ...plan.frames import Branch, Dispatch, Exchanged, answer, dispatches, exchanges
 from ...say.errata import errata, erratum
-from ...say.interface import control_field, data_id, exchange, settings, timing
-from ...say.interface import interface as said_of
 from ...say.names_and_places import title
+from ...say.order_code import control_field, data_id, exchange, settings, timing
+from ...say.order_code import interface as said_of
 from ...say.text import Statement
 from .about import about_layout
 from .bits import of_bytes
 from .codec import StructCodec
 from .comments import Paragraph, S
-from .constants import Macro, timing_macros
-from .context import Context
-from .expr import Expr, number
-from .names import Declared, c_name
+from .context import Context, Macro, timing_macros
+from .names import Declared, Expr, c_name, number
 from .structs import Struct
 
 _PARITIES = {"none": "'N'", "even": "'E'", "odd": "'O'"}

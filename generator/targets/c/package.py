@@ -14,8 +14,7 @@ from ...plan.verdicts import reportings
 from ...say.names_and_places import words
 from .. import Library, main_manufacturer, manufacturers
 from .comments import ascii_text
-from .crcs import CrcCode
-from .device import DeviceView
+from .device import CrcCode, DeviceView
 from .examples import ExampleCode, ShownRegister, ShownRun, example_codes
 from .names import FOLDER, c_name, runtime_headers
 from .procedures import ProcedureCode

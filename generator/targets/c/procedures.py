@@ -30,8 +30,7 @@ from .. import TargetError
 from .about import about_argument, about_procedure, about_run, note_of_read, note_of_step
 from .comments import Paragraph
 from .context import Context
-from .expr import Cast, Expr, Name, Number, masked, shifted_left, shifted_right, size_of, unsigned
-from .names import Declared, c_name
+from .names import Cast, Declared, Expr, Name, Number, c_name, masked, shifted_left, shifted_right, size_of, unsigned
 from .registers import RegisterCode
 
 #: Names of arguments and locals in the generated functions.

@@ -20,20 +20,18 @@ from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...order_codes.parameters import parameters_at_run_time
 from ...plan.codec import Codec
+from ...plan.frames import identities
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, depends, limits_of, outside, refusals
 from ...plan.operations import IsOneOf
-from ...plan.registers import identities
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...say.names_and_places import full_title, title, words
 from .. import TargetError
 from .about import about_access, about_alarm, about_member, about_register, table
 from .codec import StructCodec
 from .comments import Paragraph
-from .constants import Function, Macro, number_of
-from .context import Context
-from .expr import Expr, Name, number
-from .expr import Number as NumberExpr
-from .names import Declared
+from .context import Context, Function, Macro, number_of
+from .names import Declared, Expr, Name, number
+from .names import Number as NumberExpr
 from .structs import Struct
 
 

@@ -30,11 +30,10 @@ from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComple
 from .. import manufacturers
 from .codec import StructCodec
 from .crc_folds import WordCrc
+from .decode import LengthPositions
 from .device import DeviceView
 from .enumerations import AlternativeCode
-from .expr import number, signed_number, string
-from .names import c_name, runtime_tests
-from .positions import LengthPositions
+from .names import c_name, number, runtime_tests, signed_number, string
 from .procedures import ProcedureCode
 
 

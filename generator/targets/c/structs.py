@@ -20,11 +20,9 @@ from ...plan.values import (
 )
 from .. import TargetError
 from .bits import Reader, Unused
-from .constants import Macro, scale_macros
-from .context import Context
+from .context import Context, Macro, scale_macros
 from .enumerations import Enumeration
-from .expr import Cast, Expr, Name, Number, Operation, joined, number, signed, signed_number, unsigned
-from .names import c_name
+from .names import Cast, Expr, Name, Number, Operation, c_name, joined, number, signed, signed_number, unsigned
 
 
 class Struct:

@@ -9,8 +9,7 @@ from copy import copy
 from ...language.problems import listed
 from ...model import Biss, Device, Interface, Layout, Parameter, Variant, assert_never, first_of
 from ...model.record import dataclass
-from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, received
-from ...plan.registers import HeldParameter, HoldingRegister
+from ...plan.frames import BISS_ACKNOWLEDGE, FrameSize, HeldParameter, HoldingRegister, received
 from ...plan.values import Raw, ZeroMeans, parameters_in_measurement, widest_value
 from ...say.names_and_places import title
 from ...say.order_code import initial
@@ -18,10 +17,8 @@ from ...say.text import hertz, nanoseconds, timeout_words
 from .. import TargetError
 from .about import about_order_codes, about_parameter
 from .bits import of_bytes
-from .constants import Function, Macro, number_of
-from .context import Context
-from .expr import Cast, Conditional, Expr, Name, Number, Operation, joined, number, unsigned
-from .names import Declared, c_name
+from .context import Context, Function, Macro, number_of
+from .names import Cast, Conditional, Declared, Expr, Name, Number, Operation, c_name, joined, number, unsigned
 from .order_codes import OpenCode, open_codes, unknown_parts
 from .registers import Access
 

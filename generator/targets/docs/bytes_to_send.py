@@ -31,10 +31,10 @@ from ...plan.frames import Exchanged, exchanges
 from ...plan.values import Raw, TwosComplement, meaning_of
 from ...say.commands import Commands, commands_over
 from ...say.evidence import document
-from ...say.interface import PURPOSES, word_lengths
 from ...say.layout import name_as_words
 from ...say.markdown import code, joined, link, text
 from ...say.names_and_places import addresses, bits, title
+from ...say.order_code import PURPOSES, word_lengths
 from ...say.text import counted, microseconds
 
 Row = tuple[str, ...]

@@ -10,12 +10,10 @@ from ...model.record import dataclass
 from ...order_codes.parameters import run_time_names
 from ...order_codes.reduction import for_interface
 from ...say import register as say_register
-from ...say.interface import settings
 from ...say.layout import crc_sent
 from ...say.markdown import STYLE, cited, code, joined, link, text
-from ...say.names_and_places import Titled, addresses, title, words
-from ...say.order_code import parameter_value
-from ...say.terms import TERMS, Term
+from ...say.names_and_places import TERMS, Term, Titled, addresses, title, words
+from ...say.order_code import parameter_value, settings
 from ...say.text import volts
 from .order_code_tables import patterns
 from .page_links import interface_page_path, link_to_alarm, link_to_layout, link_to_register, links_to_steps

@@ -32,11 +32,11 @@ from ...plan.steps import Verifies, run_of
 from ...say import register as say_register
 from ...say.commands import read_back, step
 from ...say.errata import changed, errata
-from ...say.interface import bounds_with_codes, settings
 from ...say.layout import crc_sent
 from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
 from ...say.names_and_places import Titled, addresses, heading, hexadecimal, title
-from ...say.numbers import counted, number, quantity
+from ...say.order_code import bounds_with_codes, settings
+from ...say.plain_text import counted, number, quantity
 from ...say.register import value
 from ...say.text import sentence, statement
 from .layout_tables import (

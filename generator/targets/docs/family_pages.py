@@ -9,9 +9,9 @@ from typing import Annotated, Any, TypedDict
 from ...model import Device, Interface, Manual, Release, ReleasedChange, Revision, Table, TimesRead
 from ...order_codes.reduction import for_interface
 from ...say.evidence import basis, edition_test, grade, origin, other_editions
-from ...say.interface import settings
 from ...say.markdown import STYLE, cited, code, joined, link, text
-from ...say.numbers import counted
+from ...say.order_code import settings
+from ...say.plain_text import counted
 from ...say.text import Statement, language
 from . import fact_tables, inline_errata, order_code_tables, page_links, verdict_page
 from .order_code_page import ManualProcedure, OrderCodes, manual_procedures

@@ -14,7 +14,7 @@ from ...say.markdown import link, text
 from ...say.names_and_places import addresses, heading, title
 from ...say.text import counted, sentence
 from .. import NO_OPTIONS, Library, Options, Target, TargetError
-from ..shared_files import licence_in
+from ..registry import licence_in
 from . import (
     cross_family_pages,
     fact_tables,

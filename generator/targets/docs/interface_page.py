@@ -29,16 +29,15 @@ from ...order_codes.parameters import follows_registers
 from ...order_codes.reduction import for_interface
 from ...plan.frames import exchanges
 from ...say import commands as say_commands
-from ...say import interface as hardware_input
 from ...say import layout as say_layout
+from ...say import order_code as hardware_input
 from ...say import register as say_register
 from ...say import report
 from ...say.errata import needed_answers
 from ...say.evidence import document, origin, other_editions
-from ...say.interface import PURPOSES
 from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.names_and_places import Named, addresses, title, words
-from ...say.order_code import initial
+from ...say.order_code import PURPOSES, initial
 from ...say.register import measurement, own_ranges, position_range
 from ...say.text import Code, Statement, statement, volts
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page

@@ -28,12 +28,12 @@ from ...say.evidence import grade
 from ...say.layout import size
 from ...say.markdown import STYLE, cited, code, link, text
 from ...say.names_and_places import field_at, heading, hexadecimal, title
-from ...say.numbers import counted, with_unit
 from ...say.order_code import parameter_value
+from ...say.plain_text import counted, with_unit
 from ...say.register import measurement, own_ranges, position_range
 from ...say.text import Statement, sentence, statement
-from ..shared_files import names_of_codes
-from . import bytes_to_send, fact_tables, frame_facts, wide_pictures, wiring_tables
+from ..registry import names_of_codes
+from . import bytes_to_send, fact_tables, order_code_tables, wide_pictures, wiring_tables
 from .inline_errata import ErrataLinks
 from .interface_page import InterfaceValues, Section, Sections, interface_values, page_sections
 from .order_code_tables import patterns
@@ -161,7 +161,7 @@ class CodeGroup:
     @cached_property
     def frame(self) -> Layout | None:
         """Frame at the top of the page."""
-        return frame_facts.position_frame(self.family, self.interface)
+        return order_code_tables.position_frame(self.family, self.interface)
 
     @cached_property
     def pictures(self) -> Pictures:
@@ -324,8 +324,8 @@ def _frame_section(group: CodeGroup, layout: Layout, pictures: Pictures) -> Sect
         "wide": pictures[f"wide-{layout.name}"],
         "narrow": pictures[f"layout-{layout.name}"],
         "narrower": wide_pictures.SCREEN - 1,
-        "questions": list(frame_facts.open_questions(group.device, layout)),
-        "facts": list(frame_facts.frame_facts(group.family, layout, group.variants[0], choices)),
+        "questions": list(order_code_tables.open_questions(group.device, layout)),
+        "facts": list(order_code_tables.frame_facts(group.family, layout, group.variants[0], choices)),
         "crc_path": [f"crcs.{crc.name}"] if crc is not None else [],
     }
 

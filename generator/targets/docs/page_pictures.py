@@ -14,8 +14,7 @@ from ...model import Connector, Contact, Device, Layout, Register
 from ...model.record import dataclass
 from ...say.names_and_places import Titled, title
 from . import layout_tables
-from .layout_pictures import Stack, stacks_picture, text_alternative
-from .svg import WIDE, card, rect, swatch, text, wrapped
+from .layout_pictures import WIDE, Stack, card, rect, stacks_picture, swatch, text, text_alternative, wrapped
 from .wide_pictures import wide_picture
 
 _MARGIN, _ROW, _LINE, _SIZE = 10.0, 28.0, 15.0, 12

@@ -14,12 +14,12 @@ from ...model.record import dataclass
 from ...plan.codec import Codec, codec_of
 from ...plan.values import Active, meaning_of
 from ...say.evidence import Subject, document, mentions
-from ...say.interface import REPLIES, bounds_with_codes, word_lengths
 from ...say.layout import DATA, box_colour
 from ...say.names_and_places import words
+from ...say.order_code import REPLIES, bounds_with_codes, word_lengths
 from ...say.text import counted, microseconds, timeout_words
-from .svg import card, number, rect, text
-from .svg import width as text_width
+from .layout_pictures import card, number, rect, text
+from .layout_pictures import width as text_width
 
 _HIGH, _ROW, _NAME, _MARGIN = 24.0, 58.0, 70.0, 16.0
 #: Width of a clock pulse, including its low and high parts.

@@ -8,8 +8,7 @@ from textwrap import wrap
 from ...model import PlacedLayout
 from ...model.record import dataclass
 from ...say.names_and_places import bit_range
-from .layout_pictures import Stack, bit_stack, byte_stack, runs_of, text_alternative
-from .svg import card, number, rect, text, width
+from .layout_pictures import Stack, bit_stack, byte_stack, card, number, rect, runs_of, text, text_alternative, width
 
 #: Width of the picture, and of the narrowest screen on which it is shown instead of the stacked picture.
 WIDE, SCREEN = 720.0, 700

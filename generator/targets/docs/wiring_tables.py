@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 
-from ...masters.cable import cable_table
+from ...masters.frame_parts import cable_table
 from ...model import (
     Biss,
     Clock,
@@ -24,9 +24,9 @@ from ...model import (
 from ...model.order_codes import fits
 from ...model.record import dataclass
 from ...say.evidence import Subject, document, mentions
-from ...say.interface import bounds_with_codes, clock_words, settings
 from ...say.markdown import STYLE, anchor, cited, code, link, text
-from ...say.numbers import counted
+from ...say.order_code import bounds_with_codes, clock_words, settings
+from ...say.plain_text import counted
 from ...say.text import BY_NAME, hertz, listed, nanoseconds, sentence, statement, timeout_words, volts
 
 Row = tuple[str, ...]

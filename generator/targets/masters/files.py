@@ -20,7 +20,7 @@ from ...render import Templates, our_templates
 from ...say.markdown import text as markdown
 from ...say.plain_text import plain, wrapped
 from .. import NO_OPTIONS, Library, Option, Options, Target
-from ..shared_files import licence_in, names_of_codes
+from ..registry import licence_in, names_of_codes
 from .entries import Channel, Content, Raw, content
 
 _WIDTH = 120

@@ -11,7 +11,7 @@ from ...model.lookup import assert_never
 from ...plan.codec import Codec, ShiftedBits, moved_bits
 from ...plan.operations import Bits, Reserved, Whole
 from ...plan.values import Active, Characters, DigitRuns, Meaning, Named, Raw, TwosComplement, ZeroMeans, meaning_of
-from .expr import Atom, Expr, Not, Operation, Scope, call, joined, mask, moved, number, times
+from .literals import Atom, Expr, Not, Operation, Scope, call, joined, mask, moved, number, times
 from .names import ClassNames
 
 

@@ -30,11 +30,9 @@ from ...say.names_and_places import words
 from ...say.text import sentence
 from . import docstrings
 from .bits import Maker
-from .context import Context, OpenQuestion
 from .decode import Decoder, FrameReports, NamedValues, assigned
-from .expr import Atom, Expr, Negative, Operation, Scope, coded, number
-from .literals import quoted
-from .names import ClassNames, encoder_name, interface_name, meaning_limits
+from .literals import Atom, Expr, Negative, Operation, Scope, coded, number, quoted
+from .names import ClassNames, Context, OpenQuestion, encoder_name, interface_name, meaning_limits
 
 
 @dataclass(frozen=True)

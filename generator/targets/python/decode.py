@@ -26,7 +26,7 @@ from ...plan.operations import (
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from ...plan.verdicts import Match, Only, ReportCause, Reporting, VerdictCause
 from .bits import Reader
-from .expr import Atom, Expr, Not, Operation, Scope, call, coded, grouped, joined, mask, number
+from .literals import Atom, Expr, Not, Operation, Scope, call, coded, grouped, joined, mask, number
 from .names import ClassNames
 
 

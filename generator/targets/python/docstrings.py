@@ -28,13 +28,12 @@ from ...say import register as field
 from ...say.errata import errata, erratum
 from ...say.evidence import grade, origin, other_editions, removals
 from ...say.names_and_places import full_title, heading, title
-from ...say.numbers import counted
 from ...say.order_code import parameter
-from ...say.plain_text import plain, wrapped
+from ...say.plain_text import counted, plain, wrapped
 from ...say.text import AS_LITERAL as S
 from ...say.text import Statement, sentence, spec_text, statement
-from .context import is_one_choice
 from .literals import WIDTH
+from .names import is_one_choice
 
 #: A quotation mark at the end that is not escaped.
 _OPEN_QUOTE = re.compile(r'(?<!\\)(?:\\\\)*"$')

@@ -20,13 +20,11 @@ from ...render import Templates, our_templates, tests_for
 from ...say.plain_text import plain
 from ...say.text import sentence
 from .. import NO_OPTIONS, Library, Options, Target, has_biss, main_manufacturer
-from ..shared_files import copied, licence_in, our_runtime
-from .context import byte_order
+from ..registry import copied, licence_in, our_runtime
 from .docstrings import docstring, of_answer, of_crc, of_value
-from .expr import Expr, coded, grouped, mask
-from .literals import broken, constant, literal, quoted, table
+from .literals import Expr, broken, coded, constant, grouped, literal, mask, quoted, table
 from .module import Enumeration, Module
-from .names import BISS, FACTS, PACKAGE, SHAPES, STANDARD, Imports, encoder_name, imports_of, interface_name
+from .names import BISS, FACTS, PACKAGE, SHAPES, STANDARD, Imports, byte_order, encoder_name, imports_of, interface_name
 from .readme import ReadmeExample, start
 
 

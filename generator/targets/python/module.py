@@ -7,22 +7,18 @@ from functools import cached_property
 
 from ...model import Device, Field, Interface, Register, Value
 from ...model.record import dataclass
-from ...plan.frames import Dispatch, dispatches
-from ...plan.registers import identities
+from ...plan.frames import Dispatch, dispatches, identities
 from ...say.names_and_places import words
 from ...say.plain_text import plain
 from . import docstrings, facts
 from .bits import from_pieces
 from .codec import Coder
-from .context import Context, OpenQuestion, is_one_choice
 from .docstrings import Block, Lines, docstring
-from .expr import Expr
-from .facts import row, rows
-from .literals import Call
-from .names import LOCAL_NAMES, attribute, camel, encoder_name, interface_name
+from .facts import Shape, row, rows
+from .literals import Call, Expr
+from .names import LOCAL_NAMES, Context, OpenQuestion, attribute, camel, encoder_name, interface_name, is_one_choice
 from .procedures import Steps
 from .readme import Readme
-from .shapes import Shape
 from .variants import FrameKind, Variants
 
 

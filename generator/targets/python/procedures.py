@@ -26,11 +26,10 @@ from ...plan.steps import (
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from . import docstrings
 from .codec import Coder, limit_expressions, limits_depend
-from .context import Context
 from .decode import digits
 from .docstrings import Block
-from .expr import Atom, Expr, moved
-from .names import PROCEDURE_NAMES, attribute, encoder_name, interface_name, meaning_limits
+from .literals import Atom, Expr, moved
+from .names import PROCEDURE_NAMES, Context, attribute, encoder_name, interface_name, meaning_limits
 
 
 @dataclass(frozen=True)

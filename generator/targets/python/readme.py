@@ -27,8 +27,8 @@ from ...plan.values import (
 )
 from ...say.report import alarm_of, meaning
 from .codec import Coder
-from .context import Context, OpenQuestion
-from .expr import grouped
+from .literals import grouped
+from .names import Context, OpenQuestion
 from .procedures import Steps
 from .variants import FrameKind
 

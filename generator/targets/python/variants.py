@@ -10,8 +10,7 @@ from ...model import Interface, Layout, Measurement, Register, Spi, Variant, fir
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...order_codes.labels import beginnings
-from ...plan.frames import Exchanged, exchanges
-from ...plan.registers import HeldParameter, held_parameters
+from ...plan.frames import Exchanged, HeldParameter, exchanges, held_parameters
 from ...plan.values import (
     Cases,
     PositionRange,
@@ -24,10 +23,8 @@ from ...plan.values import (
 from ...say.order_code import initial
 from . import docstrings
 from .codec import Coder
-from .context import Context, OpenQuestion, byte_order
-from .expr import Atom, Expr, Operation, joined, number
-from .literals import Call, Code, Literal, of_number, record
-from .names import FUNCTIONS, ClassNames, attribute, camel, encoder_name
+from .literals import Atom, Call, Code, Expr, Literal, Operation, joined, number, of_number, record
+from .names import FUNCTIONS, ClassNames, Context, OpenQuestion, attribute, byte_order, camel, encoder_name
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,7 @@
-"""Write the files that ``generate`` rendered, or compare them with those on the disk."""
+"""Files that ``generate`` rendered: written, compared with those on the disk, or with those of other specs.
+
+Parts of families with the same model are rendered once for both.
+"""
 
 from __future__ import annotations
 
@@ -8,11 +11,18 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TypedDict
 
-from ..output_list import WriteError
-from ..owners import Guard
-from ..say.numbers import counted
-from ..write import Change, changes, digest_of, digest_on_disk, left_stages, write
-from .terminal import Stop
+from ...cache import Cache
+from ...changes.report import Files as FileCounts
+from ...family_parts import FamilyParts
+from ...language.problems import TemplateFault
+from ...model import Device
+from ...output_folder import WriteError
+from ...owners import Guard
+from ...say.plain_text import counted
+from ...targets import Library, TargetError
+from ...targets.registry import BUILT_IN, load_target
+from ...write import Change, changes, digest_of, digest_on_disk, left_stages, write
+from ..terminal import Stop
 
 #: The files of each target, as texts by path.
 Files = Mapping[str, Mapping[str, str]]
@@ -130,7 +140,7 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
     Raises:
         Stop: A file is not valid (exit code 1), or ``dtd`` cannot be used (exit code 2).
     """
-    from ..targets.biss.dtd import DtdError, faults, read_dtd
+    from ...targets.biss.dtd import DtdError, faults, read_dtd
 
     names = [name for name in files if Path(name).name.startswith("idbiss")]
     try:
@@ -145,3 +155,23 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
         raise Stop(f"not valid against {dtd}: {counted(len(dtd_faults), 'error')}", 1)
     for name in names:
         print(f"valid against {dtd}: {shown_paths[name]}")
+
+
+def changed_files(old: Sequence[Device], new: Sequence[Device], cache: Cache) -> FileCounts | None:
+    """Return the files that our targets add, remove or change, or None if a target cannot express a family."""
+    parts = FamilyParts(cache)
+    try:
+        before, after = _files(old, parts), _files(new, parts)
+    except (TargetError, TemplateFault):
+        return None
+    names = sorted({*before, *after})
+    return FileCounts(tuple(name for name in names if before.get(name) != after.get(name)), len(names))
+
+
+def _files(devices: Sequence[Device], parts: FamilyParts) -> Mapping[str, str]:
+    library = Library(tuple(devices))
+    files: dict[str, str] = {}
+    for name in BUILT_IN:
+        target = load_target(name)
+        files |= parts.files_of(target, library, target.defaults)
+    return files

@@ -9,19 +9,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from .arguments import Parser, a_path, add_cache_option, add_specs, cache_for
-from .terminal import Progress, Stop, problems
+from ..arguments import Parser, a_path, add_cache_option, add_specs, cache_for
+from ..terminal import Progress, Stop, problems
 
 if TYPE_CHECKING:
     import argparse
     from pathlib import Path
 
-    from ..cache import Cache
-    from ..language.problems import Report
-    from ..model import Device
-    from ..targets import Library, Options, Target
-    from .cached_result import CachedResult
-    from .selection import Selection
+    from ...cache import Cache
+    from ...language.problems import Report
+    from ...model import Device
+    from ...targets import Library, Options, Target
+    from ..cached_result import CachedResult
+    from ..selection import Selection
+
 
 EXAMPLES = (
     "codewheel generate",
@@ -102,7 +103,7 @@ def _add_own_files(parser: argparse.ArgumentParser) -> None:
 
 
 def _targets_help() -> str:
-    from .outputs import listing
+    from ..outputs import listing
 
     return listing()
 
@@ -113,8 +114,8 @@ def run(chosen: argparse.Namespace) -> int:
     Raises:
         Stop: The specs or the arguments have problems, a target fails, or the output differs or cannot be written.
     """
-    from .generate import is_unchanged
-    from .selection import selected
+    from ..selection import selected
+    from .files import is_unchanged
 
     cache = cache_for(chosen)
     selection = selected(chosen, cache)
@@ -126,13 +127,12 @@ def run(chosen: argparse.Namespace) -> int:
 
 def _generate(chosen: argparse.Namespace, cache: Cache, selection: Selection, result: CachedResult) -> int:
     """Render the outputs, store the result, write or compare the files, and return the exit code."""
-    from ..loading.library import load_families
-    from ..owners import owners
-    from ..targets import Library
-    from .accepted_families import accepted_devices, devices_by_target
-    from .generate import result_to_store, write_or_compare
-    from .outputs import are_built_in, complete, options_named, targets_named
-    from .settings_targets import report_unknown_families
+    from ...loading.library import load_families
+    from ...owners import owners
+    from ...targets import Library
+    from ..outputs import accepted_devices, are_built_in, complete, devices_by_target, options_named, targets_named
+    from ..read_specs import report_unknown_families
+    from .files import result_to_store, write_or_compare
 
     with Progress("codewheel: reading the specs"):
         families, report = load_families(selection.paths, cache)
@@ -155,7 +155,7 @@ def _generate(chosen: argparse.Namespace, cache: Cache, selection: Selection, re
         result.put(result_to_store(read_line, files, families_by_target))
 
     def gate() -> None:
-        from .check.specs import refuse_unproved
+        from ..check.specs import refuse_unproved
 
         refuse_unproved(families, "written", cache)
 
@@ -165,9 +165,9 @@ def _generate(chosen: argparse.Namespace, cache: Cache, selection: Selection, re
 
 def _cached_result(chosen: argparse.Namespace, selection: Selection, cache: Cache) -> CachedResult:
     """Return the result of an earlier run. There is none with templates of the user or a document type."""
-    from ..cache import NO_CACHE
-    from ..loading.configuration import filters_as_texts
-    from .cached_result import cached_result
+    from ...cache import NO_CACHE
+    from ...loading.configuration import filters_as_texts
+    from ..cached_result import cached_result
 
     options = [*(chosen.target or ()), "", *selection.options, "", *chosen.edition, "", *chosen.packaged, ""]
     options += filters_as_texts(selection.only)
@@ -191,7 +191,7 @@ def _read_line(
     devices: Sequence[Device], report: Report, packaged: Sequence[str], packaged_files: Sequence[Path]
 ) -> str:
     """Return the line about the specs that were read, and one about values that are still the template's."""
-    from .read_specs import placeholder_line, read_line
+    from ..read_specs import placeholder_line, read_line
 
     read = read_line([device.name for device in devices], report, packaged, packaged_files)
     return "\n".join(filter(None, (read, placeholder_line(report.files))))
@@ -208,9 +208,9 @@ def _rendered(
 
     ``accepted`` are the devices in the library that each target writes.
     """
-    from ..family_parts import FamilyParts
-    from ..targets.registry import files_of
-    from .outputs import rendered
+    from ...family_parts import FamilyParts
+    from ...targets.registry import files_of
+    from ..outputs import rendered
 
     files_from = FamilyParts(cache).files_of if cache else files_of
     with Progress("codewheel: rendering") as progress:
