@@ -331,7 +331,7 @@ def _report_note(device: Device, report: Report) -> str:
 
 def _holds(only: Only) -> Expr:
     """Return the condition on a parameter of the order code."""
-    return Operation("!=" if only.holds else "==", (Name(f"variant.{c_name(only.parameter)}"), Number(0)))
+    return Operation("!=" if only.holds else "==", (Name(f"CW_OF(variant).{c_name(only.parameter)}"), Number(0)))
 
 
 def _inactive(part: Part) -> Expr:
