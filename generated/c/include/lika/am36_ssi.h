@@ -138,6 +138,10 @@ static CW_CONST lika_am36_ssi LIKA_AM36_SSI_AMC3619_4096_BG = { 19U, 12U, 0U };
 /** AMC3619/4096-GG */
 static CW_CONST lika_am36_ssi LIKA_AM36_SSI_AMC3619_4096_GG = { 19U, 12U, 1U };
 
+#if defined(__SDCC)
+#define lika_am36_ssi const struct lika_am36_ssi *
+#endif
+
 /**
  * Width of the whole position given by the order code, revolutions included. It is the length of
  * the SSI word [5.2]. Unit: bits.
@@ -145,7 +149,7 @@ static CW_CONST lika_am36_ssi LIKA_AM36_SSI_AMC3619_4096_GG = { 19U, 12U, 1U };
 CW_CONSTEXPR
 static inline uint32_t lika_am36_ssi_position_bits(lika_am36_ssi variant)
 {
-    return (uint32_t)variant.singleturn_bits + variant.multiturn_bits;
+    return (uint32_t)CW_OF(variant).singleturn_bits + CW_OF(variant).multiturn_bits;
 }
 
 /* -- SSI --------------------------------------------------------------------------------------- */
@@ -246,7 +250,7 @@ typedef struct lika_am36_ssi_frame {
 CW_CONSTEXPR
 static inline uint32_t lika_am36_ssi_bits(lika_am36_ssi variant)
 {
-    return (uint32_t)variant.singleturn_bits + variant.multiturn_bits;
+    return (uint32_t)CW_OF(variant).singleturn_bits + CW_OF(variant).multiturn_bits;
 }
 
 /**
@@ -263,15 +267,15 @@ CW_CONSTEXPR
 static inline cw_result lika_am36_ssi_decode(
     lika_am36_ssi variant, cw_word received, lika_am36_ssi_frame *out)
 {
-    const uint64_t word = received.value;
-    if ((received.length != lika_am36_ssi_bits(variant)) ||
+    const uint64_t word = CW_OF(received).value;
+    if ((CW_OF(received).length != lika_am36_ssi_bits(variant)) ||
         (cw_above(word, lika_am36_ssi_bits(variant)) != 0U)) {
         return CW_FAULT_LENGTH;
     }
-    const uint64_t plain = (variant.ssi_gray != 0U) ?
-        cw_from_gray(word, 0U, (uint32_t)variant.multiturn_bits + variant.singleturn_bits) : word;
-    const uint16_t multiturn = (uint16_t)cw_above(plain, variant.singleturn_bits);
-    const uint32_t singleturn = (uint32_t)cw_field(plain, 0U, variant.singleturn_bits);
+    const uint64_t plain = (CW_OF(variant).ssi_gray != 0U) ? cw_from_gray(word, 0U,
+        (uint32_t)CW_OF(variant).multiturn_bits + CW_OF(variant).singleturn_bits) : word;
+    const uint16_t multiturn = (uint16_t)cw_above(plain, CW_OF(variant).singleturn_bits);
+    const uint32_t singleturn = (uint32_t)cw_field(plain, 0U, CW_OF(variant).singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
     out->position = (uint32_t)plain;
@@ -283,7 +287,7 @@ static inline cw_result lika_am36_ssi_decode(
  */
 CW_NODISCARD
 static inline cw_result lika_am36_ssi_receive(
-    lika_am36_ssi variant, const uint8_t *bytes, size_t length, cw_word *word)
+    lika_am36_ssi variant, const uint8_t *bytes, size_t length, cw_received_word *word)
 {
     const uint32_t bits = lika_am36_ssi_bits(variant);
     uint64_t value = 0U;
@@ -338,11 +342,11 @@ static inline cw_verdict lika_am36_ssi_read(
     lika_am36_ssi variant, const uint8_t *bytes, size_t length, uint32_t *position)
 {
     const uint32_t bits = lika_am36_ssi_bits(variant);
-    uint64_t word;
-    if (cw_ssi_receive(bytes, length, bits, &word) != CW_OK) {
+    cw_received_word word = { 0U, bits };
+    if (cw_ssi_receive(bytes, length, bits, &word.value) != CW_OK) {
         return CW_NOT_USABLE;
     }
-    return lika_am36_ssi_position(variant, cw_word_of(word, bits), position);
+    return lika_am36_ssi_position(variant, CW_PASS(word), position);
 }
 
 /**
@@ -352,7 +356,7 @@ static inline cw_verdict lika_am36_ssi_read(
  * lika_am36_ssi_receive yourself.
  */
 #define LIKA_AM36_SSI_RECEIVE(code, rx, word) \
-    lika_am36_ssi_receive(LIKA_AM36_SSI_##code, \
+    lika_am36_ssi_receive(CW_PASS(LIKA_AM36_SSI_##code), \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_AM36_SSI_##code##_RX_BYTES])&(rx))), \
         (word))
@@ -363,7 +367,7 @@ static inline cw_verdict lika_am36_ssi_read(
 CW_CONSTEXPR
 static inline uint64_t lika_am36_ssi_counts_per_turn(lika_am36_ssi variant)
 {
-    return (uint64_t)1U << variant.singleturn_bits;
+    return (uint64_t)1U << CW_OF(variant).singleturn_bits;
 }
 
 /**
@@ -372,7 +376,7 @@ static inline uint64_t lika_am36_ssi_counts_per_turn(lika_am36_ssi variant)
 CW_CONSTEXPR
 static inline uint64_t lika_am36_ssi_modulus(lika_am36_ssi variant)
 {
-    return lika_am36_ssi_counts_per_turn(variant) * ((uint64_t)1U << variant.multiturn_bits);
+    return lika_am36_ssi_counts_per_turn(variant) * ((uint64_t)1U << CW_OF(variant).multiturn_bits);
 }
 
 /**
@@ -412,13 +416,13 @@ static inline double lika_am36_ssi_degrees(lika_am36_ssi variant, uint64_t posit
  * size of rx, or a pointer, does not compile.
  */
 #define LIKA_AM36_SSI_READ(code, rx, position) \
-    lika_am36_ssi_read(LIKA_AM36_SSI_##code, \
+    lika_am36_ssi_read(CW_PASS(LIKA_AM36_SSI_##code), \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_AM36_SSI_##code##_RX_BYTES])&(rx))), \
         (position))
 /** Read a position from a pointer to any number of bytes. */
 #define LIKA_AM36_SSI_READ_BYTES(code, bytes, length, position) \
-    lika_am36_ssi_read(LIKA_AM36_SSI_##code, \
+    lika_am36_ssi_read(CW_PASS(LIKA_AM36_SSI_##code), \
         (bytes), (length), (position))
 
 /**
@@ -447,7 +451,7 @@ static inline cw_verdict lika_am36_ssi_read_twice(
 
 /** Read a position from two arrays of words that must agree. */
 #define LIKA_AM36_SSI_READ_TWICE(code, first, second, at_most, position) \
-    lika_am36_ssi_read_twice(LIKA_AM36_SSI_##code, \
+    lika_am36_ssi_read_twice(CW_PASS(LIKA_AM36_SSI_##code), \
         (first), (second), sizeof(first) + (0U * sizeof(&(first) - \
         (uint8_t (*)[LIKA_AM36_SSI_##code##_RX_BYTES])&(first))) + \
         (0U * sizeof(&(first) - &(second))), \

@@ -116,6 +116,10 @@ static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_B21_65KBG1 = { 21U, 16U }; /**< AMM5
 static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_B23_1BG1 = { 23U, 0U }; /**< AMM5B23/1BG1 */
 static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_B23_65KBG1 = { 23U, 16U }; /**< AMM5B23/65KBG1 */
 
+#if defined(__SDCC)
+#define lika_amm5_ssi const struct lika_amm5_ssi *
+#endif
+
 /**
  * Width of the whole position, revolutions included, 17 to 39 bits. The manual calls it "encoder
  * resolution" and "nbitres" [6.2.1 p.32]. Unit: bits.
@@ -123,7 +127,7 @@ static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_B23_65KBG1 = { 23U, 16U }; /**< AMM5
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_ssi_position_bits(lika_amm5_ssi variant)
 {
-    return (uint32_t)variant.singleturn_bits + variant.multiturn_bits;
+    return (uint32_t)CW_OF(variant).singleturn_bits + CW_OF(variant).multiturn_bits;
 }
 
 /**
@@ -133,7 +137,7 @@ static inline uint32_t lika_amm5_ssi_position_bits(lika_amm5_ssi variant)
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_ssi_revolutions(lika_amm5_ssi variant)
 {
-    return (uint32_t)((uint64_t)1U << variant.multiturn_bits);
+    return (uint32_t)((uint64_t)1U << CW_OF(variant).multiturn_bits);
 }
 
 /* -- SSI --------------------------------------------------------------------------------------- */
@@ -240,7 +244,7 @@ typedef struct lika_amm5_ssi_frame {
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_ssi_bits(lika_amm5_ssi variant)
 {
-    return (uint32_t)variant.singleturn_bits + variant.multiturn_bits;
+    return (uint32_t)CW_OF(variant).singleturn_bits + CW_OF(variant).multiturn_bits;
 }
 
 /**
@@ -257,13 +261,13 @@ CW_CONSTEXPR
 static inline cw_result lika_amm5_ssi_decode(
     lika_amm5_ssi variant, cw_word received, lika_amm5_ssi_frame *out)
 {
-    const uint64_t word = received.value;
-    if ((received.length != lika_amm5_ssi_bits(variant)) ||
+    const uint64_t word = CW_OF(received).value;
+    if ((CW_OF(received).length != lika_amm5_ssi_bits(variant)) ||
         (cw_above(word, lika_amm5_ssi_bits(variant)) != 0U)) {
         return CW_FAULT_LENGTH;
     }
-    const uint16_t multiturn = (uint16_t)cw_above(word, variant.singleturn_bits);
-    const uint32_t singleturn = (uint32_t)cw_field(word, 0U, variant.singleturn_bits);
+    const uint16_t multiturn = (uint16_t)cw_above(word, CW_OF(variant).singleturn_bits);
+    const uint32_t singleturn = (uint32_t)cw_field(word, 0U, CW_OF(variant).singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
     out->position = word;
@@ -275,7 +279,7 @@ static inline cw_result lika_amm5_ssi_decode(
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_ssi_receive(
-    lika_amm5_ssi variant, const uint8_t *bytes, size_t length, cw_word *word)
+    lika_amm5_ssi variant, const uint8_t *bytes, size_t length, cw_received_word *word)
 {
     const uint32_t bits = lika_amm5_ssi_bits(variant);
     uint64_t value = 0U;
@@ -330,11 +334,11 @@ static inline cw_verdict lika_amm5_ssi_read(
     lika_amm5_ssi variant, const uint8_t *bytes, size_t length, uint64_t *position)
 {
     const uint32_t bits = lika_amm5_ssi_bits(variant);
-    uint64_t word;
-    if (cw_ssi_receive(bytes, length, bits, &word) != CW_OK) {
+    cw_received_word word = { 0U, bits };
+    if (cw_ssi_receive(bytes, length, bits, &word.value) != CW_OK) {
         return CW_NOT_USABLE;
     }
-    return lika_amm5_ssi_position(variant, cw_word_of(word, bits), position);
+    return lika_amm5_ssi_position(variant, CW_PASS(word), position);
 }
 
 /**
@@ -344,7 +348,7 @@ static inline cw_verdict lika_amm5_ssi_read(
  * lika_amm5_ssi_receive yourself.
  */
 #define LIKA_AMM5_SSI_RECEIVE(code, rx, word) \
-    lika_amm5_ssi_receive(LIKA_AMM5_SSI_##code, \
+    lika_amm5_ssi_receive(CW_PASS(LIKA_AMM5_SSI_##code), \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_AMM5_SSI_##code##_RX_BYTES])&(rx))), \
         (word))
@@ -355,7 +359,7 @@ static inline cw_verdict lika_amm5_ssi_read(
 CW_CONSTEXPR
 static inline uint64_t lika_amm5_ssi_counts_per_turn(lika_amm5_ssi variant)
 {
-    return (uint64_t)1U << variant.singleturn_bits;
+    return (uint64_t)1U << CW_OF(variant).singleturn_bits;
 }
 
 /**
@@ -364,7 +368,7 @@ static inline uint64_t lika_amm5_ssi_counts_per_turn(lika_amm5_ssi variant)
 CW_CONSTEXPR
 static inline uint64_t lika_amm5_ssi_modulus(lika_amm5_ssi variant)
 {
-    return lika_amm5_ssi_counts_per_turn(variant) * ((uint64_t)1U << variant.multiturn_bits);
+    return lika_amm5_ssi_counts_per_turn(variant) * ((uint64_t)1U << CW_OF(variant).multiturn_bits);
 }
 
 /**
@@ -404,13 +408,13 @@ static inline double lika_amm5_ssi_degrees(lika_amm5_ssi variant, uint64_t posit
  * rx, or a pointer, does not compile.
  */
 #define LIKA_AMM5_SSI_READ(code, rx, position) \
-    lika_amm5_ssi_read(LIKA_AMM5_SSI_##code, \
+    lika_amm5_ssi_read(CW_PASS(LIKA_AMM5_SSI_##code), \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_AMM5_SSI_##code##_RX_BYTES])&(rx))), \
         (position))
 /** Read a position from a pointer to any number of bytes. */
 #define LIKA_AMM5_SSI_READ_BYTES(code, bytes, length, position) \
-    lika_amm5_ssi_read(LIKA_AMM5_SSI_##code, \
+    lika_amm5_ssi_read(CW_PASS(LIKA_AMM5_SSI_##code), \
         (bytes), (length), (position))
 
 /**
@@ -439,7 +443,7 @@ static inline cw_verdict lika_amm5_ssi_read_twice(
 
 /** Read a position from two arrays of words that must agree. */
 #define LIKA_AMM5_SSI_READ_TWICE(code, first, second, at_most, position) \
-    lika_amm5_ssi_read_twice(LIKA_AMM5_SSI_##code, \
+    lika_amm5_ssi_read_twice(CW_PASS(LIKA_AMM5_SSI_##code), \
         (first), (second), sizeof(first) + (0U * sizeof(&(first) - \
         (uint8_t (*)[LIKA_AMM5_SSI_##code##_RX_BYTES])&(first))) + \
         (0U * sizeof(&(first) - &(second))), \
