@@ -45,7 +45,7 @@ void main(void)
     uint8_t *at = results;
     uint8_t index;
     for (index = 0U; index < @count@U; index++) {
-        cw_received_word word = { 0U, @bits@U };
+        cw_sized_word word = { 0U, @bits@U };
         uint64_t position = 0U;
         uint8_t byte;
         at[0] = (uint8_t)cw_biss_receive(buffers[index], @size@U, @bits@U, &word.value);

@@ -45,15 +45,15 @@ extern "C" {
 /* -- words ------------------------------------------------------------------------------------- */
 
 /** A received word with the number of its bits, for decoders of words with several lengths. */
-typedef struct cw_received_word {
+typedef struct cw_sized_word {
     uint64_t value;  /**< the last bit sent is bit 0, and the bits above the word are 0 */
     uint32_t length; /**< number of bits received */
-} cw_received_word;
+} cw_sized_word;
 
 #if defined(__SDCC)
-#define cw_word const struct cw_received_word *
+#define cw_word const struct cw_sized_word *
 #else
-typedef cw_received_word cw_word; /**< such a word as an argument */
+typedef cw_sized_word cw_word; /**< such a word as an argument */
 
 /** Return a word of this many bits, for a master that gives you a number. */
 CW_CONSTEXPR

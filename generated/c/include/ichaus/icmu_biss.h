@@ -370,7 +370,7 @@ static inline cw_result ichaus_icmu_biss_decode(
  */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_receive(
-    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length, cw_received_word *word)
+    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length, cw_sized_word *word)
 {
     const uint32_t bits = ichaus_icmu_biss_bits(variant);
     uint64_t value = 0U;

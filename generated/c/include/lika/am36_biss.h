@@ -422,7 +422,7 @@ static inline bool lika_am36_biss_is_expected(
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_receive(
-    lika_am36_biss variant, const uint8_t *bytes, size_t length, cw_received_word *word)
+    lika_am36_biss variant, const uint8_t *bytes, size_t length, cw_sized_word *word)
 {
     const uint32_t bits = lika_am36_biss_bits(variant);
     uint64_t value = 0U;
@@ -479,7 +479,7 @@ static inline cw_verdict lika_am36_biss_read(
     lika_am36_biss variant, const uint8_t *bytes, size_t length, uint64_t *position)
 {
     const uint32_t bits = lika_am36_biss_bits(variant);
-    cw_received_word word = { 0U, bits };
+    cw_sized_word word = { 0U, bits };
     if (cw_biss_receive(bytes, length, bits, &word.value) != CW_OK) {
         return CW_NOT_USABLE;
     }

@@ -407,7 +407,7 @@ static inline cw_result lika_amm5_biss_decode(
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_biss_receive(
-    lika_amm5_biss variant, const uint8_t *bytes, size_t length, cw_received_word *word)
+    lika_amm5_biss variant, const uint8_t *bytes, size_t length, cw_sized_word *word)
 {
     const uint32_t bits = lika_amm5_biss_bits(variant);
     uint64_t value = 0U;
@@ -468,7 +468,7 @@ static inline cw_verdict lika_amm5_biss_read(
     lika_amm5_biss variant, const uint8_t *bytes, size_t length, uint64_t *position)
 {
     const uint32_t bits = lika_amm5_biss_bits(variant);
-    cw_received_word word = { 0U, bits };
+    cw_sized_word word = { 0U, bits };
     if (cw_biss_receive(bytes, length, bits, &word.value) != CW_OK) {
         return CW_NOT_USABLE;
     }

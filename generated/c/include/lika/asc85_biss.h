@@ -412,7 +412,7 @@ static inline cw_result lika_asc85_biss_decode(
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_receive(
     lika_asc85_biss variant, lika_asc85_biss_zero_bit zero_bit, const uint8_t *bytes, size_t length,
-    cw_received_word *word)
+    cw_sized_word *word)
 {
     const uint32_t bits = lika_asc85_biss_bits(variant, zero_bit);
     uint64_t value = 0U;
@@ -473,7 +473,7 @@ static inline cw_verdict lika_asc85_biss_read(
     uint32_t *position)
 {
     const uint32_t bits = lika_asc85_biss_bits(variant, zero_bit);
-    cw_received_word word = { 0U, bits };
+    cw_sized_word word = { 0U, bits };
     if (cw_biss_receive(bytes, length, bits, &word.value) != CW_OK) {
         return CW_NOT_USABLE;
     }

@@ -327,7 +327,7 @@ static inline cw_result lika_sma21_ssi_decode(
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_ssi_receive(
-    lika_sma21_ssi variant, const uint8_t *bytes, size_t length, cw_received_word *word)
+    lika_sma21_ssi variant, const uint8_t *bytes, size_t length, cw_sized_word *word)
 {
     const uint32_t bits = lika_sma21_ssi_bits(variant);
     uint64_t value = 0U;
@@ -384,7 +384,7 @@ static inline cw_verdict lika_sma21_ssi_read(
     lika_sma21_ssi variant, const uint8_t *bytes, size_t length, uint32_t *position)
 {
     const uint32_t bits = lika_sma21_ssi_bits(variant);
-    cw_received_word word = { 0U, bits };
+    cw_sized_word word = { 0U, bits };
     if (cw_ssi_receive(bytes, length, bits, &word.value) != CW_OK) {
         return CW_NOT_USABLE;
     }
