@@ -74,7 +74,7 @@ from codewheel_runtime.frames.base import (
     encode_many,
     with_bytes,
 )
-from codewheel_runtime.frames.decoders import Failed, bound, decoder, raised, reported, returned
+from codewheel_runtime.frames.decoders import Failed, decoder, raised, reported, returned
 from codewheel_runtime.registers import Held, agrees, held_bytes, held_parameters, held_text, whole
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 from codewheel_runtime.steps import Modify, Read, Step, Verify, Wait, writes
@@ -287,13 +287,6 @@ class Variant(Rotary, Wrapping):
             return (1 << self.singleturn_bits) * (1 << self.multiturn_bits)
         return (1 << self.used_singleturn_bits) * self.used_revolutions
 
-    @property
-    def frame_bits(self) -> int:
-        """Number of bits in a frame, including the CRC if it has one."""
-        if self.interface is _SSI:
-            return self.singleturn_bits + self.multiturn_bits
-        return self.used_singleturn_bits + self.used_multiturn_bits + 8
-
     def __repr__(self) -> str:
         return f"<{self.code}{self.special_code}{held_text(_HELD, self)}>"
 
@@ -302,6 +295,11 @@ class SsiEncoder(Variant):
     """Encoder with SSI. Its attributes are documented in ``Variant``."""
 
     interface: ClassVar[Interface] = _SSI
+
+    @property
+    def frame_bits(self) -> int:
+        """Number of bits in a frame, including the CRC if it has one."""
+        return self.singleturn_bits + self.multiturn_bits
 
     def decode(self, frame: Word, *, bits: int | None = None) -> SsiWord:
         """Decode a frame that the encoder sent.
@@ -318,7 +316,7 @@ class SsiEncoder(Variant):
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
 
-        return bound(self, "decode", SsiWord._decoder, reported)(frame, bits)
+        return self._decoder(reported)(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -335,7 +333,11 @@ class SsiEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return bound(self, "try_decode", SsiWord._decoder, returned)(frame, bits)
+        return self._decoder(returned)(frame, bits)
+
+    def _decoder(self, failed: Failed) -> Callable[..., SsiWord]:
+        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
+        return decoder(SsiWord._decoder, self, failed)
 
     def decode_many(self, frames: Words) -> Table:
         """Decode many frames into columns. Needs NumPy.
@@ -369,6 +371,11 @@ class BissEncoder(Variant):
 
     interface: ClassVar[Interface] = _BISS
 
+    @property
+    def frame_bits(self) -> int:
+        """Number of bits in a frame, including the CRC if it has one."""
+        return self.used_singleturn_bits + self.used_multiturn_bits + 8
+
     def decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData:
         """Decode a frame that the encoder sent.
 
@@ -384,7 +391,7 @@ class BissEncoder(Variant):
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
 
-        return bound(self, "decode", SingleCycleData._decoder, reported)(frame, bits)
+        return self._decoder(reported)(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -401,7 +408,11 @@ class BissEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return bound(self, "try_decode", SingleCycleData._decoder, returned)(frame, bits)
+        return self._decoder(returned)(frame, bits)
+
+    def _decoder(self, failed: Failed) -> Callable[..., SingleCycleData]:
+        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
+        return decoder(SingleCycleData._decoder, self, failed)
 
     def decode_many(self, frames: Words) -> Table:
         """Decode many frames into columns. Needs NumPy.
