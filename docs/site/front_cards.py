@@ -9,7 +9,7 @@ from pathlib import Path
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Flag, Layout, PlacedField, PlacedLayout, Variant, choices
 from codewheel.say.names_and_places import words
-from codewheel.say.numbers import counted
+from codewheel.say.plain_text import counted
 
 #: Fields with fewer bits have room for a letter only, which the caption explains.
 _TEXT = 3

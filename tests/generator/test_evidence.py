@@ -10,7 +10,7 @@ import pytest
 from codewheel.commands.cli import main
 from codewheel.loading.configuration_file import read_configuration
 from codewheel.loading.library import load_library
-from codewheel.output_list import families_in
+from codewheel.output_folder import families_in
 from codewheel.owners import family_of
 from codewheel.targets import Library
 from codewheel.targets.registry import files_of, load_target

@@ -7,7 +7,7 @@ import json
 import pytest
 from codewheel.commands.cli import main
 from codewheel.targets import Library
-from codewheel.targets.browser.family import family_data
+from codewheel.targets.browser.files import family_data
 from codewheel.targets.docs.files import generate
 
 SAID = "Made-up order code: The label of the chip has only its name."

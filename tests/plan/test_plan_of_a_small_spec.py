@@ -11,7 +11,7 @@ import pytest
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Fault, Piece, Rs485
 from codewheel.plan.codec import Codec, ShiftedBits, codec_of, moved_bits
-from codewheel.plan.frames import Reply, answer, dispatches, exchanges, received, reply_to
+from codewheel.plan.frames import Reply, answer, dispatches, exchanges, held_parameters, received, reply_to
 from codewheel.plan.limits import limits_of, outside, powers_of_two, refusals
 from codewheel.plan.operations import (
     AlwaysIs,
@@ -23,7 +23,6 @@ from codewheel.plan.operations import (
     ReservedBits,
     ValueOfField,
 )
-from codewheel.plan.registers import held_parameters
 from codewheel.plan.steps import AsMember, Call, FixedNumber, InField, Operation, Run, Verifies, Writes, run_of
 from codewheel.plan.values import Raw, counts, position_ranges
 
