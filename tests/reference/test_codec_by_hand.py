@@ -42,11 +42,13 @@ FRAMES: list[tuple[str, str, Values, int]] = [
     # With 5 bits of angle, 170 is 5 turns and 10, and 100 is 3 turns and 4.
     ("gray_word", "HABG", {"turns": 5, "angle": 10, "fault": False, "position": 170}, 255 << 1),
     ("gray_word", "HABG", {"turns": 3, "angle": 4, "fault": True, "position": 100}, 86 << 1 | 1),
+    # 9 ^ 4 is 13. The bits above and below are not in Gray code.
+    ("inner_gray_word", "HABG", {"marker": 2, "position": 9, "below": 3}, 0b10_1101_11),
     ("gray_word", "HBBG", {"angle": 170, "fault": False, "position": 170}, 255 << 1),
     ("gray_word", "HBBG", {"angle": 100, "fault": True, "position": 100}, 86 << 1 | 1),
 ]
 #: Values that are in a frame, but are computed and not passed to the encoder.
-COMPUTED = {"mark", "first_spare", "second_spare", "even", "odd", "crc"}
+COMPUTED = {"mark", "marker", "first_spare", "second_spare", "even", "odd", "crc"}
 #: Layout, frame, and the errors: kind, field and message, the most important first.
 BROKEN_FRAMES: list[tuple[str, int, list[tuple[Fault, str, str]]]] = [
     ("flag_word", 0b0_1_10_1000, [(Fault.CONSTANT, "mark", "mark is 0x8, but it must be 0x9")]),
