@@ -83,10 +83,12 @@ _QUIET_S = 0.002
 _TURNAROUND_S = 0.00025
 #: Number of kinds of requests that ``settle_s=0`` needs.
 _KINDS = 3
+#: Number of replies with which extra ones are compared.
+_RECENT_REPLIES = 32
 #: Number of replies whose times are kept.
 _REPLY_TIMES = 16
-#: Number of extra replies with other values that show a second device. A single one can be a late copy. If they come so
-#: late that they are read before the next request, fewer are sufficient.
+#: Number of extra replies that are no copies and show a second device. One or two can follow from other errors. If they
+#: come so late that they are read before the next request, fewer are sufficient.
 _FOREIGN_REPLIES, _LATE_FOREIGN_REPLIES = 3, 2
 #: Number of requests in a row with exactly one reply that show that there is no second device.
 _SINGLE_REPLIES = 2
@@ -177,9 +179,9 @@ class Session:
         self._failed = 0
         #: Number of replies in a row that look like those of another kind of encoder.
         self._odd_replies = 0
-        #: Last request, and the reply to it. Late replies are compared with it.
+        #: Last request, and the replies to the last requests. Extra replies are compared with them.
         self._last_request: PendingRequest | None = None
-        self._last_reply = b""
+        self._recent_replies: deque[bytes] = deque(maxlen=_RECENT_REPLIES)
         #: Number of extra replies with other values, and of requests in a row since then that got exactly one reply.
         self._foreign_replies = self._single_replies = 0
         #: Times in seconds that the last replies took.
@@ -326,7 +328,7 @@ class Session:
     def _send_once(self, pending: PendingRequest) -> Work[bytes]:
         """Send a request once, and return the valid reply."""
         yield from self._discard_waiting()
-        self._last_request, self._last_reply = pending, b""
+        self._last_request = pending
         self.statistics.requests += 1
         try:
             reply = yield from self._receive_reply(pending)
@@ -335,7 +337,8 @@ class Session:
             self._unanswered += isinstance(error, NoReplyError)
             raise
         self.statistics.replies += 1
-        self._last_reply, self._unanswered = reply, 0
+        self._recent_replies.append(reply)
+        self._unanswered = 0
         return reply
 
     def _receive_reply(self, pending: PendingRequest) -> Work[bytes]:
@@ -380,23 +383,31 @@ class Session:
 
     def _unambiguous(self, found: FoundReply, received: bytes, pending: PendingRequest) -> bytes:
         """Return the reply, and count other replies. Raises an error if they differ."""
-        different = [other for other in found.same_kind if other != found.reply]
-        self._count_extra(len(found.same_kind) - len(different))
-        self._count_foreign([*found.other_kinds, *different], received, _FOREIGN_REPLIES)
-        self._single_replies = 0 if found.same_kind or found.other_kinds else self._single_replies + 1
-        if not different:
+        extra_replies = [*found.same_kind, *found.other_kinds]
+        self._single_replies = 0 if extra_replies else self._single_replies + 1
+        if extra_replies:
+            extra = self._count_extra(len(extra_replies))
+            # One of the unknown ones is the reply to this request.
+            unknown = {*found.same_kind, found.reply}.difference(self._recent_replies)
+            foreign = [*self._foreign(found.other_kinds), *sorted(unknown)[1:]]
+            self._count_foreign(foreign[:extra], received, _FOREIGN_REPLIES)
+        if not found.is_ambiguous:
             return found.reply
         self.statistics.conflicts += 1
         request_text = f"the request {_hex(pending.data)} to {self.encoder.code}"
-        replies_text = f"{_hex(different[-1])} and {_hex(found.reply)}"
+        other = next(other for other in found.same_kind if other != found.reply)
+        replies_text = f"{_hex(other)} and {_hex(found.reply)}"
         raise DisturbedError(f"two different replies to {request_text}, so neither is used: {replies_text}", received)
+
+    def _foreign(self, replies: Sequence[bytes]) -> list[bytes]:
+        """Return the replies that are no copies of earlier ones."""
+        return [reply for reply in replies if reply not in self._recent_replies]
 
     def _count_foreign(self, replies: Sequence[bytes], received: bytes, limit: int) -> None:
         """Count extra replies with other values. Raises an error if they show a second device."""
-        extra = self._count_extra(len(replies))
-        self._foreign_replies += extra
+        self._foreign_replies += len(replies)
         # Without a time to settle, one copy can cause several of them.
-        if extra and self._foreign_replies >= limit and self.settle_s != 0:
+        if replies and self._foreign_replies >= limit and self.settle_s != 0:
             count, code = self._foreign_replies, self.encoder.code
             text = f"{count} extra replies with other values came from the line to {code}, the last one"
             advice = "check whether a second device on the line answers, too"
@@ -420,9 +431,8 @@ class Session:
         self._single_replies *= not replies
         # The reply of a second device to one request can arrive after the reply to the next one.
         self._foreign_replies *= self._single_replies < _SINGLE_REPLIES
-        foreign = [reply for reply in replies if self._last_reply not in (b"", reply)]
-        self._count_extra(len(replies) - len(foreign))
-        self._count_foreign(foreign, data, _LATE_FOREIGN_REPLIES)
+        extra = self._count_extra(len(replies))
+        self._count_foreign(self._foreign(replies)[:extra], data, _LATE_FOREIGN_REPLIES)
 
     def _count_extra(self, count: int) -> int:
         """Count replies beyond those that are used. Return their number without late replies to failed requests."""
