@@ -5,6 +5,7 @@ The line is a model of its own. It has the transmission times of 2.5 Mbaud and a
 
 from __future__ import annotations
 
+import itertools
 import random
 import re
 from collections.abc import Callable
@@ -190,6 +191,18 @@ def test_without_a_time_to_settle(generated_python: Package, longest_s: float) -
     assert count_stale(line, session_on(generated_python[1], line, settle_s=0), 5000) <= line.extras
     assert line.extras > 200
     assert line.requests >= 10_000
+
+
+def test_requests_of_other_kinds_take_turns(generated_python: Package) -> None:
+    """With the same kind each time, a shift by a whole cycle of two requests would stay."""
+    line, sent = Line(), list[int]()
+    write = line.write
+    line.write = lambda data: (sent.append(data[0]), write(data))[1]  # type: ignore[method-assign]
+    count_stale(line, session_on(generated_python[1], line, settle_s=0), 30)
+    assert sent[1::2] == [0x1A] * 30
+    others = sent[::2]
+    assert set(others) == {0x02, 0x8A, 0x92}
+    assert sum(other == following for other, following in itertools.pairwise(others)) <= len(others) // 3
 
 
 def test_a_pause_that_the_user_chooses(generated_python: Package) -> None:
