@@ -119,7 +119,10 @@ class Index:
                 family, _, name = qualified_name.partition(".")
                 entries.append([name or qualified_name, description, places[page], anchor, family.lower(), priority])
         return {
-            "pages": [[page, self._found[page][0], *self._kind(page, encoders)] for page in places],
+            "pages": [
+                [page, self._found[page][0], *self._kind(page, encoders), int(encoders.rank_of(page) > 0)]
+                for page in places
+            ],
             "sections": rows,
             "texts": list(texts),
             "things": entries,

@@ -92,7 +92,7 @@ def test_python_and_c_convert_without_rounding(tmp_path: Path) -> None:
     specs = [str(ENCODERS / name) for name in ("renishaw", "rls")]
     assert main(["generate", *specs, "-o", str(tmp_path), "--target", "c", "--target", "python"]) == 0
     packages = tmp_path / "python"
-    paths = [str(packages), *map(str, packages.glob("*")), str(ENCODERS.parents[1] / "runtime" / "python")]
+    paths = [str(packages), *map(str, packages.glob("*")), str(ENCODERS.parent / "runtime" / "python")]
     subprocess.run([sys.executable, "-c", IN_PYTHON], env={"PYTHONPATH": ":".join(paths)}, check=True)
     (tmp_path / "main.c").write_text(IN_C, encoding="utf-8")
     flags = ["-std=c99", "-Wall", "-Wextra", "-Werror", "-pedantic", f"-I{tmp_path}/c/include"]

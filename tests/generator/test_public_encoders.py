@@ -77,7 +77,7 @@ def test_python_decodes_their_frames(generated: Path) -> None:
     path = [
         str(generated / "python"),
         *map(str, (generated / "python").glob("*")),
-        str(ENCODERS.parents[1] / "runtime" / "python"),
+        str(ENCODERS.parent / "runtime" / "python"),
     ]
     frames = 0
     for device in devices:

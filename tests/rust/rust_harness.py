@@ -43,7 +43,7 @@ def _specs() -> Iterator[str]:
     It cannot express a CRC that is not whole bytes at the end of a frame in bytes. The words of ``lowfirst`` have
     64 bits, so no number is too long for them.
     """
-    for folder in ("specs", "tests/specs", "tests/c/specs", "docs/example"):
+    for folder in ("specs/ichaus", "specs/lika", "tests/specs", "tests/c/specs", "docs/example"):
         for path in sorted((ROOT / folder).rglob("*.yaml")):
             is_device = "\ndevice: " in path.read_text(encoding="utf-8")
             if is_device and not is_second(path) and path.stem not in OTHERS:

@@ -29,7 +29,7 @@ PAUSES_MS = (1, 50)
 
 
 def new_encoder(code: str, *faults: str, **more: Any) -> VirtualEncoder:
-    return VirtualEncoder(code, faults=faults, specs=[EXAMPLES] if code == "AS5047P" else [], **more)
+    return VirtualEncoder(code, faults=faults, specs=[], **more)
 
 
 @pytest.mark.parametrize("interface", CODES)
@@ -86,7 +86,7 @@ def test_the_page_lists_the_faults_of_each_interface() -> None:
 @cache
 def families() -> tuple[Device, ...]:
     """Return all families, those of the examples included."""
-    devices, report = load_library([ROOT / "specs", EXAMPLES])
+    devices, report = load_library([EXAMPLES])
     assert not report
     return tuple(device for device in devices if not device.base)
 
@@ -104,7 +104,7 @@ class Pair:
 
     def __init__(self, code: str, answers: dict[str, str], fault: str) -> None:
         self.now = 100.0
-        specs = [ROOT / "specs", EXAMPLES]
+        specs = [EXAMPLES]
         encoder_with = partial(VirtualEncoder, code, self.position, choose=answers, clock=lambda: self.now, specs=specs)
         self.encoders = [encoder_with(faults=()), encoder_with(faults=(fault,))]
         self.counts, self.lowest = self.encoders[0].counts, self.encoders[0].lowest
@@ -225,7 +225,7 @@ def timed_reply(request: bytes) -> Callable[[VirtualEncoder], Callable[[], Any]]
 def test_each_fault_changes_every_reply(fault: str) -> None:
     tried = 0
     for code, answers in encoders("rs485"):
-        data_requests = list(requests(VirtualEncoder(code, choose=answers, specs=[ROOT / "specs", EXAMPLES])))
+        data_requests = list(requests(VirtualEncoder(code, choose=answers, specs=[EXAMPLES])))
         assert data_requests, code
         for request in data_requests:
             pair = Pair(code, answers, fault)

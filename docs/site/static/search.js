@@ -75,7 +75,7 @@
   }));
   const synonymsOf = (word) => concepts.filter((one) => one.all.has(word));
 
-  const pages = INDEX.pages.map(([path, title, kind, family, over]) => ({ path, title, kind, family, over }));
+  const pages = INDEX.pages.map(([path, title, kind, family, over, isLower]) => ({ path, title, kind, family, over, isLower }));
   const counted = new Map();
 
   /** How often each word is in a text. */
@@ -265,7 +265,8 @@
         // The upper part of the page of an order code answers most questions at once.
         const isUpper = section.isInSight && section.page === page;
         const weight = section.isExample ? WEIGHTS.aside : isNamedMaster(section, words) ? 1 : WEIGHTS[section.page.kind];
-        const score = scoreOf(section, words, someAreEnough, isUpper) * weight;
+        // Families of lower grades come after those from manuals, unless their names are among the words.
+        const score = scoreOf(section, words, someAreEnough, isUpper) * weight * (section.page.isLower ? 0.4 : 1);
         return { section, score: isUpper ? 2 * score : score };
       })
       .map((one) => (one.score ? { ...one, score: one.score * bonus(one.section) } : one))
@@ -286,7 +287,9 @@
       const rank = own === typed ? 0 : typed.length > 2 && own.startsWith(`${typed} `) ? 2 : -1;
       const away = context.family && family !== context.family ? 10 : 0;
       const aside = context.over && pages[page].over && pages[page].over !== context.over ? 1 : 0;
-      return rank < 0 ? [] : [{ name, what, page: pages[page], anchor, family, rank: away + aside + rank + priority }];
+      // The words for a name in a manual are looked for in the sections of families of lower grades.
+      const isOther = pages[page].isLower && family !== context.family;
+      return rank < 0 || isOther ? [] : [{ name, what, page: pages[page], anchor, family, rank: away + aside + rank + priority }];
     }).sort((one, other) => one.rank - other.rank);
     const seen = new Set();
     return ranked.filter((one) => {
