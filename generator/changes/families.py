@@ -193,7 +193,7 @@ def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
             names = (device and device.name for device in (pair.old, pair.new))
             subject = Subject("", f"family {pair.item.name}")
             changes += FamilyPair(pair.item, pair.item).presence("family", subject, *names)
-        else:
+        elif pair.old is not pair.new:
             changes += compare_family(pair.old, pair.new)
     return changes
 

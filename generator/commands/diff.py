@@ -110,8 +110,8 @@ def run(chosen: argparse.Namespace) -> int:
     if chosen.record and not Path(chosen.new).is_dir():
         raise Stop("--record needs a folder of specs: all families of a manufacturer share a version", 2)
     cache = cache_for(chosen)
-    before = _load_side(chosen.old, cache, chosen.lenient, is_old=True)
-    after = _load_side(chosen.new, cache, chosen.lenient, is_old=False)
+    before = _load_side(chosen.old, cache, chosen.lenient)
+    after = _load_side(chosen.new, cache, chosen.lenient, before)
     comparison = _compare(before, after, cache)
     if chosen.record:
         if not chosen.unchecked:
@@ -225,8 +225,10 @@ def _record(comparison: DiffResult, after: _Side) -> DiffResult:
     return replace(comparison, packages=packages, notices=notices)
 
 
-def _load_side(text: str, cache: Cache, lenient: bool, *, is_old: bool) -> _Side:
+def _load_side(text: str, cache: Cache, lenient: bool, before: _Side | None = None) -> _Side:
     """Return the families of one side. For the old side, those that the current language can still read.
+
+    ``before`` is the old side, and None while that is loaded.
 
     Raises:
         Stop: The specs do not exist, or have problems that prevent a comparison.
@@ -234,7 +236,8 @@ def _load_side(text: str, cache: Cache, lenient: bool, *, is_old: bool) -> _Side
     from ..loading.library import sound_families
     from ..say.plain_text import counted
 
-    families, report, file_names = _read_side(text, cache, is_old)
+    is_old = before is None
+    families, report, file_names = _read_side(text, cache, before)
     problems = [replace(problem, file=file_names.get(problem.file, problem.file)) for problem in report.problems]
     if not problems:
         return _Side(tuple(families), file_names)
@@ -254,7 +257,7 @@ def _load_side(text: str, cache: Cache, lenient: bool, *, is_old: bool) -> _Side
     return _Side(tuple(sound), file_names, notices=(notice,), excluded_names=frozenset(excluded_names))
 
 
-def _read_side(text: str, cache: Cache, is_old: bool) -> tuple[Sequence[Family], Report, Mapping[str, str]]:
+def _read_side(text: str, cache: Cache, before: _Side | None) -> tuple[Sequence[Family], Report, Mapping[str, str]]:
     """Read specs from the disk or from a git revision, with the original names of files from the latter.
 
     Raises:
@@ -279,7 +282,8 @@ def _read_side(text: str, cache: Cache, is_old: bool) -> tuple[Sequence[Family],
             except RevisionError as error:
                 raise Stop(str(error), 2) from None
             path, file_names = laid_out.place, laid_out.names
-        families, report = load_families([path], cache, prepare=migrate if is_old else None)
+        prepare, others = (migrate, ()) if before is None else (None, before.families)
+        families, report = load_families([path], cache, prepare, others)
     return families, report, file_names
 
 

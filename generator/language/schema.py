@@ -183,11 +183,11 @@ def _report_findings(findings: Sequence[Finding], document: Document, report: Re
 
 def renamed_keys(document: Document) -> list[tuple[Path, str]]:
     """Return the keys that had another name in earlier versions of the language, each with its current name."""
-    if not any(key in line for key in RENAMED for line in document.lines):
-        return []
     kind = FileKind.SECOND if is_second(document.file) else _kind_of(document.data)
+    if kind is None or follows_schema(document.data, shape_of(kind.value)):
+        return []
     new_names: dict[Path, str] = {}
-    for error in _validator(kind.value).iter_errors(document.data) if kind is not None else ():
+    for error in _validator(kind.value).iter_errors(document.data):
         if error.validator == "additionalProperties" and isinstance(error.schema.get("properties"), dict):
             for key in RENAMED.keys() & error.instance.keys() - error.schema["properties"].keys():
                 new_name = RENAMED[key]

@@ -76,20 +76,26 @@ def load_families(
     paths: Sequence[Path] | None = None,
     cache: Cache = NO_CACHE,
     prepare: Callable[[Document], object] | None = None,
+    others: Sequence[Family] | None = None,
 ) -> tuple[list[Family], Report]:
     """Load all families, like ``load_library``, with the spec and the files of each device.
 
     Families that are in the cache, which had no problems with the same content, are not built again. ``prepare`` is
     called with each document before it is checked. If its result is true, it changed the document, whose family is not
-    stored.
+    stored. ``others`` are families that were loaded before with a sequence here, if only an empty one. If the files of
+    a family have the same content as those of another one, it has the same device.
     """
     paths = packaged_families() if paths is None else paths
     report = Report()
-    contents_before = contents(paths) if cache else {}
-    stored_devices = {file: stored_device(cache, content) for file, content in contents_before.items()}
+    needs_contents = bool(cache) or others is not None
+    contents_before = contents(paths) if needs_contents else {}
+    known_devices = {tuple(family.content): family.device for family in others or () if family.content}
+    stored_devices: dict[str, Device | None] = {}
+    for file, content in contents_before.items():
+        stored_devices[file] = known_devices.get(tuple(content)) or stored_device(cache, content)
     documents = _documents(paths, report)
     edited_files = {document.file for document in documents if prepare is not None and prepare(document)}
-    contents_after = contents(paths) if cache else {}
+    contents_after = contents(paths) if needs_contents else {}
     unchanged = {file: content for file, content in contents_before.items() if contents_after.get(file) == content}
     cached_devices = {file: device for file in unchanged if (device := stored_devices[file]) is not None}
     families = families_of(documents, report, cached_devices)
