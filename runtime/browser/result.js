@@ -194,7 +194,7 @@ function whyOf(found) {
   const match = "these changes make the CRC match:";
   const withCrc = noise.length ? `If all frames fail, ${match}` : `T${match.slice(1)}`;
   const start = found.at?.layout.crc ? withCrc : `${said("uncertain")}:`;
-  const told = reasons.length ? [element("p", {}, start), list(reasons.map((one) => reasonOf(found.at, one)))] : [];
+  const told = reasons.length ? [element("p", {}, start), list(reasons.map((one) => reasonOf(one.at ?? found.at, one)))] : [];
   const missing = missingPart(found);
   const help = anotherHelps(reasons) ? [element("p", {}, said("another_frame"))] : [];
   return [...noise, ...told, ...missing ? [element("p", {}, sentence(capital(missing)))] : [], ...help];

@@ -44,6 +44,7 @@ MADE_UP += (
     "../examples/encoders/rls/orbis_serial",
     "../examples/encoders/cui/amt22",
 )
+MADE_UP += ("../examples/encoders/tamagawa/ts5700",)
 MADE_UP += ("../examples/encoders/magntek/mt6835", "../examples/encoders/mps/ma732", "../examples/encoders/cui/amt22")
 #: The order code of the made-up encoder of 22 bits.
 BITS_22 = "T22SC"
@@ -328,6 +329,8 @@ PAGE_KINDS = {
     "start_value",
     "polynomial_reversed",
     "bits_in_front",
+    "bytes_in_front",
+    "bytes_behind",
     "bits_behind",
     "first_bit_missing",
     "last_bits_missing",
@@ -404,6 +407,10 @@ def disturbed_texts(case: Case, random_: random.Random) -> Iterator[str]:
         if case.layout.in_bytes:
             yield case.text(number ^ 0xFF)
             yield case.text(number ^ 0xFF << bits - 8)
+            data = number_to_bytes(case.layout, number, bits).hex()
+            yield data * 2
+            yield f"1A{data}"
+            yield "1A"
             continue
         crc = case.device.crc_of(case.layout)
         yield f"0b{number ^ (crc.mask if crc is not None else 1):0{bits}b}"
@@ -442,7 +449,8 @@ def why_of(case: Case, text: str) -> Why | None:
     if case.layout.in_bytes:
         data = frame_bytes(text)
         decoded = codec.decode_bytes(case.device, case.variant, case.layout.sender, data)
-        if decoded.layout is None or not {problem.fault.value for problem in decoded.problems} & {"crc", "length"}:
+        faults = {problem.fault.value for problem in decoded.problems}
+        if decoded.layout is not None and not faults & {"crc", "length"}:
             return None
         return explain_bytes(case.device, case.variant, case.layout.sender, decoded.layout, data)
     frame = frame_number(case.placed, text)
@@ -462,8 +470,10 @@ def why_of(case: Case, text: str) -> Why | None:
 
 def of_page(case: Case, why: Why) -> Why:
     """Return the explanations with the mistakes that the page knows."""
-    kinds = PAGE_KINDS | ({"other_polynomial"} if case.layout.in_bytes else set())
+    kinds = PAGE_KINDS | ({"other_polynomial", "echo", "several_frames"} if case.layout.in_bytes else set())
     mistakes = [mistake for mistake in why.explanations if mistake.kind in kinds and not mistake.twice]
+    if case.layout.in_bytes:
+        mistakes = [mistake for mistake in mistakes if mistake.parts or not mistake.kind.startswith("bytes")]
     return replace(why, explanations=tuple(mistakes))
 
 

@@ -217,3 +217,33 @@ def test_nothing_is_certain_without_a_crc(tmp_path: Path, capsys: pytest.Capture
 def test_a_short_word_says_so(tmp_path: Path, decode: Decode) -> None:
     folder = write_family(tmp_path, "ssi", SSI, PLAIN, "2^21")
     assert "18 of the 21 bits" in decode(folder, "0b" + "01" * 9)["why"]["missing"]
+
+
+def tamagawa_specs() -> Path:
+    """Return the folder of the family, which may move."""
+    root = Path(__file__).parents[2]
+    return next(root.glob("*/**/tamagawa/ts5700.yaml")).parent
+
+
+#: The published reply of a TS5700N8401 to its request 02h: position 0x3412 = 13330, and the XOR of the bytes.
+REPLY = "02 00 12 34 00 24"
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "names"),
+    [
+        ("1A", "echo", ["request data_request"]),
+        (f"02 {REPLY}", "bytes_in_front", ["request data_request", "reply singleturn_reply"]),
+        (f"{REPLY} {REPLY}", "several_frames", ["reply singleturn_reply", "reply singleturn_reply"]),
+    ],
+)
+def test_the_frames_among_the_bytes(text: str, kind: str, names: list[str], decode: Decode) -> None:
+    best = first(decode(tamagawa_specs(), *text.split(), code="TS5700N8401"))
+    assert (best["kind"], [part["name"] for part in best["parts"]]) == (kind, names)
+    if kind != "echo":
+        assert best["reads"]["singleturn"] == 0x3412
+
+
+def test_the_first_byte_is_missing(decode: Decode) -> None:
+    data = decode(tamagawa_specs(), *REPLY.split()[1:], code="TS5700N8401")
+    assert "first_byte_lost" in [explanation["kind"] for explanation in data["why"]["explanations"]]
