@@ -180,6 +180,14 @@ function othersOf(found, others) {
   return [element("p", {}, `${words[0].toUpperCase()}${words.slice(1)}. Choose it above.`)];
 }
 
+/** Other readings of a position that nothing in the frame can contradict, folded. */
+function doubtsOf(found, measure) {
+  const readings = otherPositions(found, measure).map(([text, one]) => `${one} ${text}`).join(", ");
+  if (!readings) return [];
+  const [question, ...rest] = said("looks_wrong", measure.of, readings).split("? ");
+  return [element("details", {}, element("summary", {}, `${question}?`), element("p", {}, sentence(rest.join("? "))))];
+}
+
 /** The mistakes that could explain a wrong frame. */
 function whyOf(found) {
   const dead = deadLine(found);
@@ -228,6 +236,7 @@ function resultOf(found, measure, others) {
     ...(table ? [...bitsOf(found, table), table] : []),
     ...(found.crc ? [crcLine(found.crc)] : []),
     ...othersOf(found, others),
+    ...doubtsOf(found, measure),
     ...(isAnother(found, others) ? [] : whyOf(found)),
   ];
 }

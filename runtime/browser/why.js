@@ -230,6 +230,31 @@ function numbersRead(at, number) {
   return decode(at, number).fields.filter((item) => names.includes(item.name)).map((item) => [item.name, item.value]);
 }
 
+/** Other readings of a position that nothing in the frame can contradict. They are no explanations. */
+function otherPositions({ at, number, problems, crc, fields }, measure) {
+  const isOfBits = at && !at.layout.order && at.layout.sender === "encoder";
+  const position = fields.find((item) => item.name === measure?.of);
+  if (!isOfBits || problems.length || crc || typeof position?.value !== "bigint") return [];
+  const parts = position.high < 0 ? at.joins.find((one) => one.name === measure.of).parts.map(({ item }) => item)
+    .filter(Boolean) : [position];
+  const low = Math.min(...parts.map((item) => item.low));
+  const width = parts.reduce((sum, item) => sum + (item.width ?? item.high - item.low + 1), 0);
+  const sent = bits(number, low, width);
+  const others = number ^ (sent << BigInt(low));
+  const early = (number << ONE) & ones(at.bits);
+  const frames = [
+    [early, early | ONE].find((one) => hasFixed(at, one)) ?? early,
+    number >> ONE,
+    at.gray ? null : others | (plainOf(sent) << BigInt(low)),
+    at.gray ? others | ((sent ^ (sent >> ONE)) << BigInt(low)) : null,
+    at.bits % 8 ? null : numberOf("big", bytesOf("little", number, at.bits / 8)),
+  ];
+  return frames.flatMap((frame, place) => {
+    const read = frame === null ? position : decode(at, frame).fields.find((item) => item.name === measure.of);
+    return read.value === position.value ? [] : [[TABLE.doubts[place], read.value]];
+  });
+}
+
 const always = (at) => at.checks.filter((item) => item.check.always);
 
 /** Return the number of bits in a frame that can have only one value. */

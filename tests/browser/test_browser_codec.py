@@ -17,6 +17,7 @@ from codewheel.model import Choice, Decimal, Device, Flag, FrameExample, Registe
 from codewheel.model.registers import bounded, bounds
 from codewheel.reference import codec
 from codewheel.targets import Library
+from codewheel.why.doubts import other_positions
 from codewheel.why.mistakes import Explanation, Why, explain_bits, explain_bytes, explain_constant
 from codewheel.why.together import judge_together
 from rust_frames import numbers
@@ -387,6 +388,27 @@ def test_several_frames_are_judged_like_the_command_does(node: Asker, library: L
     for item, answer, mistakes_of_command in zip(items, answers, expected, strict=True):
         assert answer == mistakes_of_command, item
     assert sum(bool(answer) and answer[0][1] == 3 for answer in answers) > 100
+
+
+@pytest.mark.parametrize(
+    "name", ["", "specs/gray", "../examples/encoders/ams/as5047p", "../examples/encoders/mps/ma732"]
+)
+def test_other_positions_are_those_of_the_command(name: str, ask: Ask, library: Library) -> None:
+    library = library_of(name) if name else library
+    random_ = random.Random("doubts")
+    items, expected = [], []
+    for device in library.devices:
+        for case in (layout_cases[0] for layout_cases in cases(device) if not layout_cases[0].layout.in_bytes):
+            frames = [(f"0b{number:0{case.placed.bits}b}", number) for number in numbers(case, 20, random_)]
+            items.append({**case.data, "frames": [text for text, _ in frames]})
+            decoded_frames = [codec.decode(device, case.placed, number) for _, number in frames]
+            readings = [other_positions(device, case.variant, decoded) for decoded in decoded_frames]
+            expected.append([[[text, str(value)] for text, value in reading] for reading in readings])
+    answers = ask(library, "node")("doubts", items)
+    for item, answer_rows, expected_rows in zip(items, answers, expected, strict=True):
+        for text, answer, expected_answer in zip(item["frames"], answer_rows, expected_rows, strict=True):
+            assert answer == expected_answer, (item["name"], text)
+    assert any(reading for readings in expected for reading in readings)
 
 
 def is_compared(case: Case) -> bool:
