@@ -301,6 +301,11 @@ def explained_together(explained: str, failed: str) -> str:
     return f"Together, {explained} of {failed} frames with an error have this explanation, most likely first"
 
 
+def looks_wrong(name: str, readings: str) -> str:
+    """Return the words about other readings of a position, separated by commas."""
+    return f"Does the position look wrong? This frame cannot show it. The {name} would be {readings}"
+
+
 #: Words about explanations of a frame.
 ANOTHER_FRAME = (
     "Another frame would help: decode several frames at other positions together, one per line, to see which "

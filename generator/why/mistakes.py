@@ -26,6 +26,7 @@ from ..model import (
 from ..model.record import dataclass
 from ..reference import codec
 from ..reference.bits import parity_bit
+from .exchanges import exchange_tries
 from .in_bits import POLYNOMIALS, OtherCrc, as_sent, moved_frames, other_answers, tries
 from .recordings import FRAME_INSIDE, LINES, line_name, missing_part, recorded_bits
 from .tries import MISTAKES, NOT_INVERTED, BitText, Try, read_as
@@ -200,7 +201,7 @@ class Why:
     @property
     def needs_another_frame(self) -> bool:
         """True if other frames with the same mistake would decide between the explanations."""
-        if any(explanation.kind == "line_stuck" for explanation in self.explanations):
+        if any(explanation.kind in ("line_stuck", "echo") for explanation in self.explanations):
             return False
         is_doubtful = bool(self.explanations) and self.explanations[0].one_in < _CERTAIN
         return is_doubtful or len(self.explanations) > 1
@@ -290,7 +291,12 @@ def explain_bytes(
     stuck = _explain_equal_bits(variant, number, 8 * len(data), "")
     if stuck is not None:
         return stuck
+    exchanges = list(exchange_tries(device, variant, data)) if sender == "encoder" else []
     attempts = list(tries_with_bytes(device, variant, sender, placed, data))
+    if exchanges:
+        # The extra bytes are known, so they are not explained again.
+        attempts = [attempt for attempt in attempts if attempt.kind not in ("bytes_in_front", "bytes_behind")]
+    attempts = [*exchanges, *attempts]
     crc_names = dict.fromkeys(attempt.crc.name for attempt in attempts if attempt.crc is not None)
     crcs = tuple(map(device.crc, crc_names))
     # For an unknown frame the user has not chosen anything, so values that depend on a choice are not read.

@@ -72,6 +72,8 @@ MISTAKES: Mapping[str, float] = MappingProxyType(
         "bytes_reversed": 2,  # a byte buffer is copied into an integer of the other byte order
         "bytes_in_front": 8,  # on two wires the sender receives its own request
         "bytes_behind": 4,  # the next frame has begun
+        "echo": 16,  # the wires are swapped, or the receiver is never switched off
+        "several_frames": 8,  # a program reads all that has arrived
         "first_byte_lost": 4,  # the receiver was enabled too late after the request
         "first_byte_left_out": 2,  # the control field is compared, but left out of the CRC
         "all_inverted": 2,  # the two wires of a differential pair are swapped

@@ -66,10 +66,16 @@ function decodeBytes(at, bytes) {
 
 function fromGray(at, number) {
   if (!at.gray) return number;
-  let plain = bits(number, at.gray.low, at.gray.width);
-  for (let rest = plain >> ONE; rest; rest >>= ONE) plain ^= rest;
+  const plain = plainOf(bits(number, at.gray.low, at.gray.width));
   const mask = ones(at.gray.width) << BigInt(at.gray.low);
   return (number & ~mask) | (plain << BigInt(at.gray.low));
+}
+
+/** The number that a number in Gray code stands for. */
+function plainOf(gray) {
+  let plain = gray;
+  for (let rest = gray >> ONE; rest; rest >>= ONE) plain ^= rest;
+  return plain;
 }
 
 function toGray(at, number) {

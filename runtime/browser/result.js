@@ -180,6 +180,14 @@ function othersOf(found, others) {
   return [element("p", {}, `${words[0].toUpperCase()}${words.slice(1)}. Choose it above.`)];
 }
 
+/** Other readings of a position that nothing in the frame can contradict, folded. */
+function doubtsOf(found, measure) {
+  const readings = otherPositions(found, measure).map(([text, one]) => `${one} ${text}`).join(", ");
+  if (!readings) return [];
+  const [question, ...rest] = said("looks_wrong", measure.of, readings).split("? ");
+  return [element("details", {}, element("summary", {}, `${question}?`), element("p", {}, sentence(rest.join("? "))))];
+}
+
 /** The mistakes that could explain a wrong frame. */
 function whyOf(found) {
   const dead = deadLine(found);
@@ -194,7 +202,7 @@ function whyOf(found) {
   const match = "these changes make the CRC match:";
   const withCrc = noise.length ? `If all frames fail, ${match}` : `T${match.slice(1)}`;
   const start = found.at?.layout.crc ? withCrc : `${said("uncertain")}:`;
-  const told = reasons.length ? [element("p", {}, start), list(reasons.map((one) => reasonOf(found.at, one)))] : [];
+  const told = reasons.length ? [element("p", {}, start), list(reasons.map((one) => reasonOf(one.at ?? found.at, one)))] : [];
   const missing = missingPart(found);
   const help = anotherHelps(reasons) ? [element("p", {}, said("another_frame"))] : [];
   return [...noise, ...told, ...missing ? [element("p", {}, sentence(capital(missing)))] : [], ...help];
@@ -228,6 +236,7 @@ function resultOf(found, measure, others) {
     ...(table ? [...bitsOf(found, table), table] : []),
     ...(found.crc ? [crcLine(found.crc)] : []),
     ...othersOf(found, others),
+    ...doubtsOf(found, measure),
     ...(isAnother(found, others) ? [] : whyOf(found)),
   ];
 }

@@ -34,11 +34,13 @@ function disturbedBits({ at, number, problems }) {
 function explained(frame) {
   const { at, given, problems } = frame;
   const hasFault = (...kinds) => problems.some((item) => kinds.includes(item.fault));
-  if (!at || !problems.length || deadLine(frame)) return [];
+  if (!problems.length || deadLine(frame)) return [];
+  const whole = wholeFrames(frame);
+  if (!at) return whole;
   if (!hasFault("crc", "length") && (at.layout.crc || !hasFault("constant"))) return [];
   const others = at.layout.crc && !hasFault("length") ? otherCrcs(frame) : [];
   const moved = given ? movedFrames(at, given) : [];
-  const fitting = [...others, ...moved].filter((one) => one.fits);
+  const fitting = [...whole, ...others, ...moved].filter((one) => one.fits);
   return distinct(fitting.sort((one, other) => other.score - one.score));
 }
 
@@ -57,7 +59,8 @@ function missingPart(frame) {
 }
 
 /** Whether other frames with the same mistake would decide between these explanations. */
-const anotherHelps = (found) => found.length > 1 || (found.length === 1 && found[0].oneIn < CERTAIN);
+const anotherHelps = (found) => found.every((one) => one.kind !== "echo")
+  && (found.length > 1 || (found.length === 1 && found[0].oneIn < CERTAIN));
 
 /** Return the mistakes that explain the most of several wrong frames, most likely first. */
 function judgedTogether(frames) {
@@ -182,11 +185,74 @@ function readAs(at, given, [kind, template, text], frame, { lost = 0, demanded =
   }];
 }
 
+/** The bytes as whole frames of RS-485: an echo of the request, a reply after it, or several replies. */
+function wholeFrames({ at, data, label, over, problems }) {
+  const { most, least, echo, frames: list } = TABLE.exchanges;
+  const isWrong = !at || problems.some((item) => ["crc", "length"].includes(item.fault));
+  if (!label || !isWrong || data.length > most || over.name !== "rs485") return [];
+  if (at && at.layout.sender !== "encoder") return [];
+  const candidates = over.frames.filter((item) => item.order).map((item) => placedFor(label, item))
+    .map((one) => ({ one, size: one.bits / 8, evidence: evidenceOf(one) })).filter(({ evidence }) => evidence >= least);
+  const fewest = new Map([[data.length, []]]);
+  for (let start = data.length - 1; start >= 0; start -= 1) {
+    for (const { one, size, evidence } of candidates) {
+      const rest = fewest.get(start + size);
+      if (!rest || fewest.get(start)?.length <= rest.length + 1) continue;
+      const bytes = data.slice(start, start + size);
+      if (!decodeBytes(one, bytes).problems.length) fewest.set(start, [{ one, bytes, evidence }, ...rest]);
+    }
+  }
+  const found = fewest.get(0) ?? [];
+  const isRequest = ({ one }) => one.layout.sender === "master";
+  const replies = found.filter((item) => !isRequest(item)).length;
+  if (!found.length || (found.length === 1 && replies)) return [];
+  const one = isRequest(found[0]) ? "bytes_in_front" : "bytes_behind";
+  const kind = ["echo", one][replies] ?? "several_frames";
+  const titled = found.map((item) => [`${isRequest(item) ? "request" : "reply"} ${item.one.name}`, shownBytes(item.bytes)]);
+  const text = kind === "echo" ? filled(echo, found[0].one.name)
+    : filled(list, titled.map(([title]) => title).join(", then "));
+  const asked = found.reduce((sum, item) => sum + item.evidence, 0);
+  const last = found[found.length - 1];
+  const isRead = !isRequest(last) && !last.one.layout.asks?.length;
+  return [{
+    kind, template: text, text, at: last.one, lost: 0, parts: titled, oneIn: ONE << BigInt(asked), fits: true,
+    number: isRead ? numberOf(last.one.layout.order, last.bytes) : undefined,
+    score: TABLE.likely.kinds[kind] * 2 ** asked,
+  }];
+}
+
+const evidenceOf = (at) => fixedBits(at) + (at.layout.crc ? at.family.crcs[at.layout.crc].width : 0);
+
 /** The numbers in a frame, by name. */
 function numbersRead(at, number) {
   const isNumber = ({ field }) => isGiven({ field }) && (field.kind === undefined || field.kind === "signed");
   const names = at.fields.filter(isNumber).map((item) => item.name);
   return decode(at, number).fields.filter((item) => names.includes(item.name)).map((item) => [item.name, item.value]);
+}
+
+/** Other readings of a position that nothing in the frame can contradict. They are no explanations. */
+function otherPositions({ at, number, problems, crc, fields }, measure) {
+  const isOfBits = at && !at.layout.order && at.layout.sender === "encoder";
+  const position = fields.find((item) => item.name === measure?.of);
+  if (!isOfBits || problems.length || crc || typeof position?.value !== "bigint") return [];
+  const parts = position.high < 0 ? at.joins.find((one) => one.name === measure.of).parts.map(({ item }) => item)
+    .filter(Boolean) : [position];
+  const low = Math.min(...parts.map((item) => item.low));
+  const width = parts.reduce((sum, item) => sum + (item.width ?? item.high - item.low + 1), 0);
+  const sent = bits(number, low, width);
+  const others = number ^ (sent << BigInt(low));
+  const early = (number << ONE) & ones(at.bits);
+  const frames = [
+    [early, early | ONE].find((one) => hasFixed(at, one)) ?? early,
+    number >> ONE,
+    at.gray ? null : others | (plainOf(sent) << BigInt(low)),
+    at.gray ? others | ((sent ^ (sent >> ONE)) << BigInt(low)) : null,
+    at.bits % 8 ? null : numberOf("big", bytesOf("little", number, at.bits / 8)),
+  ];
+  return frames.flatMap((frame, place) => {
+    const read = frame === null ? position : decode(at, frame).fields.find((item) => item.name === measure.of);
+    return read.value === position.value ? [] : [[TABLE.doubts[place], read.value]];
+  });
 }
 
 const always = (at) => at.checks.filter((item) => item.check.always);

@@ -146,11 +146,18 @@
     return item.frames.map((text) => {
       const found = decoded(foundFor(item), item, text);
       const mistakes = wheel.explained(found).map((one) => [one.text, `${one.oneIn}`,
-        one.number === undefined ? [] : wheel.numbersRead(found.at, one.number).map(([name, value]) => `${name} ${value}`),
+        one.number === undefined ? [] : wheel.numbersRead(one.at ?? found.at, one.number).map(([name, value]) => `${name} ${value}`),
         (one.parts ?? []).map((pair) => pair.join(" "))]);
       return [mistakes, wheel.missingPart(found)];
     });
   }
+
+  /** Return other readings of the positions in frames. */
+  const doubts = (item) => {
+    const found = foundFor(item);
+    return item.frames.map((text) => wheel.otherPositions(decoded(found, item, text), found.interface.measure)
+      .map(([words, one]) => [words, `${one}`]));
+  };
 
   /** Return the mistakes that explain the most of the frames. */
   const together = (item) => wheel.judgedTogether(item.frames.map((text) => decoded(foundFor(item), item, text)))
@@ -165,5 +172,5 @@
   /** Compared frames, or the values of a text, for one start of a browser. */
   const answered = (item) => (item.frames ? compared(item) : values(item));
 
-  globalThis.codewheelTests = { answered, compared, values, readings, encoded, reasons, together, inferred, labels, lines, unread };
+  globalThis.codewheelTests = { answered, compared, values, readings, encoded, reasons, together, doubts, inferred, labels, lines, unread };
 })();

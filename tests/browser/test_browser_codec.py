@@ -17,6 +17,7 @@ from codewheel.model import Choice, Decimal, Device, Flag, FrameExample, Registe
 from codewheel.model.registers import bounded, bounds
 from codewheel.reference import codec
 from codewheel.targets import Library
+from codewheel.why.doubts import other_positions
 from codewheel.why.mistakes import Explanation, Why, explain_bits, explain_bytes, explain_constant
 from codewheel.why.together import judge_together
 from exhaustive import mostly_exhaustive
@@ -45,6 +46,7 @@ MADE_UP += (
     "../specs/rls/orbis_serial",
     "../specs/cui/amt22",
 )
+MADE_UP += ("../specs/tamagawa/ts5700",)
 MADE_UP += ("../specs/magntek/mt6835", "../specs/mps/ma732", "../specs/cui/amt22")
 #: The order code of the made-up encoder of 22 bits.
 BITS_22 = "T22SC"
@@ -330,6 +332,8 @@ PAGE_KINDS = {
     "start_value",
     "polynomial_reversed",
     "bits_in_front",
+    "bytes_in_front",
+    "bytes_behind",
     "bits_behind",
     "first_bit_missing",
     "last_bits_missing",
@@ -388,6 +392,27 @@ def test_several_frames_are_judged_like_the_command_does(node: Asker, library: L
     assert sum(bool(answer) and answer[0][1] == 3 for answer in answers) > 100
 
 
+@pytest.mark.parametrize(
+    "name", ["", "specs/gray", "../examples/encoders/ams/as5047p", "../examples/encoders/mps/ma732"]
+)
+def test_other_positions_are_those_of_the_command(name: str, ask: Ask, library: Library) -> None:
+    library = library_of(name) if name else library
+    random_ = random.Random("doubts")
+    items, expected = [], []
+    for device in library.devices:
+        for case in (layout_cases[0] for layout_cases in cases(device) if not layout_cases[0].layout.in_bytes):
+            frames = [(f"0b{number:0{case.placed.bits}b}", number) for number in numbers(case, 20, random_)]
+            items.append({**case.data, "frames": [text for text, _ in frames]})
+            decoded_frames = [codec.decode(device, case.placed, number) for _, number in frames]
+            readings = [other_positions(device, case.variant, decoded) for decoded in decoded_frames]
+            expected.append([[[text, str(value)] for text, value in reading] for reading in readings])
+    answers = ask(library, "node")("doubts", items)
+    for item, answer_rows, expected_rows in zip(items, answers, expected, strict=True):
+        for text, answer, expected_answer in zip(item["frames"], answer_rows, expected_rows, strict=True):
+            assert answer == expected_answer, (item["name"], text)
+    assert any(reading for readings in expected for reading in readings)
+
+
 def is_compared(case: Case) -> bool:
     """Return False for registers, and for a few bits, where mistakes that only the command knows give the same frame.
 
@@ -406,6 +431,10 @@ def disturbed_texts(case: Case, random_: random.Random) -> Iterator[str]:
         if case.layout.in_bytes:
             yield case.text(number ^ 0xFF)
             yield case.text(number ^ 0xFF << bits - 8)
+            data = number_to_bytes(case.layout, number, bits).hex()
+            yield data * 2
+            yield f"1A{data}"
+            yield "1A"
             continue
         crc = case.device.crc_of(case.layout)
         yield f"0b{number ^ (crc.mask if crc is not None else 1):0{bits}b}"
@@ -444,7 +473,8 @@ def why_of(case: Case, text: str) -> Why | None:
     if case.layout.in_bytes:
         data = frame_bytes(text)
         decoded = codec.decode_bytes(case.device, case.variant, case.layout.sender, data)
-        if decoded.layout is None or not {problem.fault.value for problem in decoded.problems} & {"crc", "length"}:
+        faults = {problem.fault.value for problem in decoded.problems}
+        if decoded.layout is not None and not faults & {"crc", "length"}:
             return None
         return explain_bytes(case.device, case.variant, case.layout.sender, decoded.layout, data)
     frame = frame_number(case.placed, text)
@@ -464,8 +494,10 @@ def why_of(case: Case, text: str) -> Why | None:
 
 def of_page(case: Case, why: Why) -> Why:
     """Return the explanations with the mistakes that the page knows."""
-    kinds = PAGE_KINDS | ({"other_polynomial"} if case.layout.in_bytes else set())
+    kinds = PAGE_KINDS | ({"other_polynomial", "echo", "several_frames"} if case.layout.in_bytes else set())
     mistakes = [mistake for mistake in why.explanations if mistake.kind in kinds and not mistake.twice]
+    if case.layout.in_bytes:
+        mistakes = [mistake for mistake in mistakes if mistake.parts or not mistake.kind.startswith("bytes")]
     return replace(why, explanations=tuple(mistakes))
 
 

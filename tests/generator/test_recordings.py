@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -217,3 +218,89 @@ def test_nothing_is_certain_without_a_crc(tmp_path: Path, capsys: pytest.Capture
 def test_a_short_word_says_so(tmp_path: Path, decode: Decode) -> None:
     folder = write_family(tmp_path, "ssi", SSI, PLAIN, "2^21")
     assert "18 of the 21 bits" in decode(folder, "0b" + "01" * 9)["why"]["missing"]
+
+
+def tamagawa_specs() -> Path:
+    """Return the folder of the family, which may move."""
+    root = Path(__file__).parents[2]
+    return next(root.glob("*/**/tamagawa/ts5700.yaml")).parent
+
+
+#: The published reply of a TS5700N8401 to its request 02h: position 0x3412 = 13330, and the XOR of the bytes.
+REPLY = "02 00 12 34 00 24"
+
+
+@pytest.mark.parametrize(
+    ("text", "kind", "names"),
+    [
+        ("1A", "echo", ["request data_request"]),
+        (f"02 {REPLY}", "bytes_in_front", ["request data_request", "reply singleturn_reply"]),
+        (f"{REPLY} {REPLY}", "several_frames", ["reply singleturn_reply", "reply singleturn_reply"]),
+    ],
+)
+def test_the_frames_among_the_bytes(text: str, kind: str, names: list[str], decode: Decode) -> None:
+    best = first(decode(tamagawa_specs(), *text.split(), code="TS5700N8401"))
+    assert (best["kind"], [part["name"] for part in best["parts"]]) == (kind, names)
+    if kind != "echo":
+        assert best["reads"]["singleturn"] == 0x3412
+
+
+def test_the_first_byte_is_missing(decode: Decode) -> None:
+    data = decode(tamagawa_specs(), *REPLY.split()[1:], code="TS5700N8401")
+    assert "first_byte_lost" in [explanation["kind"] for explanation in data["why"]["explanations"]]
+
+
+SPI = """\
+    mode: 1
+    word_bits: 16
+    reply: same_word
+    clock: {max_hz: 8000000, source: "1"}"""
+#: The angle sensor SC60228 of Semiment.
+SC60228 = """\
+        fields:
+          - {name: position, bits: 12, unit: counts}
+          - {name: error, active: high, makes_position: not_usable, when_active: an error}
+          - {name: df1, bits: 1}
+          - {name: df2, bits: 1}
+          - {name: parity, parity_of: [position, error, df1, df2]}"""
+
+
+def test_a_valid_frame_lists_other_readings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A bit in front halves the angle, and the parity happens to fit: 0x3E80 instead of 0x7D00, which is 2000."""
+    folder = write_family(tmp_path, "spi", SPI, SC60228, "2^12")
+    assert main(["decode", "X-A", "0x3e80", "--specs", str(folder)]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "the position is usable" in printed
+    assert "Does the position look wrong?" in printed
+    assert "2000 if it was read one clock early, 500 if it was read one clock late" in printed
+    assert "matches by chance" not in printed
+
+
+def test_a_wrong_parity_over_spi_may_be_a_shift(tmp_path: Path, decode: Decode) -> None:
+    """0x7D01 has a wrong parity. Read one clock early, it is 0xFA02 with the position 0xFA0 = 4000."""
+    folder = write_family(tmp_path, "spi", SPI, SC60228, "2^12")
+    readings = decode(folder, "0x7d01")["why"]["explanations"]
+    assert {"kind": "bits_in_front", "position": 4000} in [
+        {"kind": reading["kind"], "position": reading["reads"]["position"]} for reading in readings
+    ]
+
+
+def test_a_number_in_gray_code_says_so(capsys: pytest.CaptureFixture[str]) -> None:
+    """1100 0000 0000 in Gray code is 1000 0000 0000."""
+    assert main(["decode", "AM3616/4096-GG", "0b1100000000000000000000000001"]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "Sent in Gray code as 0xc00, decoded 0x800" in printed
+
+
+def test_several_frames_decide_what_one_cannot(
+    resolute: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Three frames whose CRC is not inverted: in each, a single explanation can be a coincidence."""
+    frames = [f"{position:032b}11" for position in (123456789, 987654321, 55555)]
+    lines = [f"0b{frame}{crc(frame, invert=False)}\n" for frame in frames]
+    monkeypatch.setattr("sys.stdin", io.StringIO("".join(lines)))
+    assert main(["decode", "X-A", "-", "--specs", str(resolute)]) == 1
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "3 of 3 frames with an error have this explanation" in printed
+    assert "- the CRC is not inverted; matches by chance in 1 of 262,144" in printed
+    assert "Another frame would help" in printed

@@ -64,12 +64,25 @@ def explain(
     lines += ["", *_problem_lines(decoded, findings)]
     if other_frames:
         lines.append(wrapped(other_frames, WIDTH, "  ", ""))
+    lines += _other_position_lines(device, match.variant, decoded)
     if why is not None:
         lines += _why_lines(why, decoded.layout)
     lines.append(f"evidence: {device.evidence.grade}")
     if device.evidence.placeholders:
         lines.append(wrapped(placeholders(device), WIDTH, "  ", ""))
     return "\n".join(lines)
+
+
+def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decoded) -> Iterator[str]:
+    """Yield other readings of a position that nothing in the frame can contradict."""
+    if decoded.problems or decoded.crc is not None:
+        return
+    from ...why.doubts import other_positions
+
+    measurement = device.measurement_of(variant.interface)
+    readings = [f"{value} {text}" for text, value in other_positions(device, variant, decoded)]
+    if readings and measurement is not None:
+        yield wrapped(sentence(say.looks_wrong(measurement.of, ", ".join(readings))), WIDTH, "  ", "")
 
 
 def _line_prefix(line: Line) -> str:

@@ -32,6 +32,8 @@ from ...say.order_code import not_on_label
 from ...say.plain_text import plain
 from ...say.text import BY_NAME, WORTH
 from ...why import MOST_FRAMES, in_bits, mistakes
+from ...why.doubts import READINGS
+from ...why.exchanges import ECHO_TEXT, FRAMES_TEXT, LEAST_EVIDENCE, MOST_BYTES
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, Line, line_name
 from ...why.tries import ACTIVE, IDLE, MISTAKES
 from .. import NO_OPTIONS, Library, Options, Target
@@ -258,6 +260,7 @@ _MESSAGES = {
     "unknown": labels.unknown_code("{0}"),
     "gray": report.in_gray_code("{0}", "{1}"),
     "together": report.explained_together("{0}", "{1}"),
+    "looks_wrong": report.looks_wrong("{0}", "{1}"),
     "another_frame": report.ANOTHER_FRAME,
     "uncertain": report.UNCERTAIN_READINGS,
     "nearest": labels.nearest_codes_hint("{0}"),
@@ -301,6 +304,8 @@ def script_table(library: Library) -> Data:
         "said": _MESSAGES,
         "limits": {"text": report.LONGEST, "quote": LONGEST_QUOTE, "label": LONGEST, "likeness": NEAR},
         "lines": {name: _line_data(line) for name, line in LINES.items()},
+        "exchanges": {"most": MOST_BYTES, "least": LEAST_EVIDENCE, "echo": ECHO_TEXT, "frames": FRAMES_TEXT},
+        "doubts": READINGS,
         "inside": [FRAME_INSIDE, FRAME_INSIDE_TEXT],
         "likely": {"kinds": dict(MISTAKES), "idle": IDLE, "active": ACTIVE, "frames": MOST_FRAMES},
         "families": [library.part(_family_data, device, NO_OPTIONS) for device in library.devices],
