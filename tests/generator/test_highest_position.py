@@ -47,7 +47,8 @@ IN_C = """
 #include "test/ring_biss.h"
 #include "test/ring_biss_simulate.h"
 static cw_result decoded(uint64_t word, test_ring_biss_frame *frame) {
-    return test_ring_biss_decode(TEST_RING_BISS_R5760, cw_word_of(word, test_ring_biss_bits(TEST_RING_BISS_R5760)), frame);
+    const test_ring_biss ring = TEST_RING_BISS_R5760;
+    return test_ring_biss_decode(ring, cw_word_of(word, test_ring_biss_bits(ring)), frame);
 }
 int main(void) {
     static const uint64_t words[] = {0xFAU, 0x167FF3U, 0x1680C7U, 0x1FFFD6U};
