@@ -392,9 +392,7 @@ def test_several_frames_are_judged_like_the_command_does(node: Asker, library: L
     assert sum(bool(answer) and answer[0][1] == 3 for answer in answers) > 100
 
 
-@pytest.mark.parametrize(
-    "name", ["", "specs/gray", "../examples/encoders/ams/as5047p", "../examples/encoders/mps/ma732"]
-)
+@pytest.mark.parametrize("name", ["", "specs/gray", "../specs/ams/as5047p", "../specs/mps/ma732"])
 def test_other_positions_are_those_of_the_command(name: str, ask: Ask, library: Library) -> None:
     library = library_of(name) if name else library
     random_ = random.Random("doubts")

@@ -61,7 +61,16 @@ from codewheel_runtime.codec import (
     made,
     too_long,
 )
-from codewheel_runtime.encoder import Positioned, check_encoder, fact, looked_up, wrong_encoder
+from codewheel_runtime.encoder import (
+    Failed,
+    Positioned,
+    check_encoder,
+    fact,
+    looked_up,
+    reported,
+    returned,
+    wrong_encoder,
+)
 from codewheel_runtime.measures import Rotary, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
 from codewheel_runtime.frames.base import (
@@ -74,7 +83,7 @@ from codewheel_runtime.frames.base import (
     encode_many,
     with_bytes,
 )
-from codewheel_runtime.frames.decoders import Failed, decoder, raised, reported, returned
+from codewheel_runtime.frames.decoders import decoder, raised
 from codewheel_runtime.registers import Held, agrees, held_bytes, held_parameters, held_text, whole
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 from codewheel_runtime.steps import Modify, Read, Step, Verify, Wait, writes

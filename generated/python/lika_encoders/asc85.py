@@ -59,11 +59,20 @@ from codewheel_runtime.codec import (
     made,
     too_long,
 )
-from codewheel_runtime.encoder import Positioned, check_encoder, fact, looked_up, wrong_encoder
+from codewheel_runtime.encoder import (
+    Failed,
+    Positioned,
+    check_encoder,
+    fact,
+    looked_up,
+    reported,
+    returned,
+    wrong_encoder,
+)
 from codewheel_runtime.measures import Rotary, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
 from codewheel_runtime.frames.base import BitsOf, FixedRegister, InBits, RegisterOf, Sent, decode_many, encode_many
-from codewheel_runtime.frames.decoders import Failed, decoder, raised, reported, returned
+from codewheel_runtime.frames.decoders import decoder, raised
 from codewheel_runtime.frames.descriptions import shape_of
 from codewheel_runtime.registers import agrees, held_bytes
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict

@@ -70,12 +70,12 @@ PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
             check_width
             choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed text_number
             too_long zero_for""",
-        "encoder": "Encoder Exchanged Positioned check_encoder fact looked_up wrong_encoder",
+        "encoder": "Encoder Exchanged Failed Positioned check_encoder fact looked_up reported returned wrong_encoder",
         "measures": "FineLinear Linear Rotary Wrapping",
         "errors": "ConstantError CrcError FrameError LengthError RangeError",
         "frames.base": """BitsOf BytesOf FixedBits FixedBytes FixedLimitedRegister FixedRegister InBits InBytes
             LimitedRegisterOf RegisterOf Sent decode_many encode_many with_bytes""",
-        "frames.decoders": "Failed decoder raised reported returned",
+        "frames.decoders": "decoder raised",
         "frames.descriptions": "needed_by shape_of",
         "registers": "Held agrees held_bytes held_parameters held_text whole",
         "reports": "Family Interface Movement Report Verdict",

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from importlib import import_module
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Final, NamedTuple, NoReturn, Protocol, TypeVar, cast, runtime_checkable
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from .bulk.table import Table
 
 _Same = TypeVar("_Same", bound="Encoder")
+#: Function for an error of a frame. It receives the error, the frame and the encoder, and raises or returns the error.
+Failed = Callable[[Exception, object, Any], NoReturn]
 #: Names of the procedures for each interface.
 _Procedures = Mapping[Interface, tuple[str, ...]]
 _NO_PROCEDURES: Final[_Procedures] = MappingProxyType({})
@@ -292,8 +294,6 @@ class _BoundDecoder:
     def __get__(self, encoder: Any, kind: object = None) -> Any:
         if encoder is None:
             return self._method
-        from .frames.decoders import reported, returned
-
         decode = encoder._decoder(reported if self._name == "decode" else returned)
         decode.__doc__ = self._method.__doc__
         encoder.__dict__[self._name] = decode
@@ -377,3 +377,29 @@ def check_encoder(
     """
     if not isinstance(variant, kind) or variant.interface is not interface:
         raise wrong_encoder(variant, kind, interface, procedures)
+
+
+def reported(error: Exception, frame: object, encoder: Encoder) -> NoReturn:
+    """Raise the error of an encoder."""
+    raise _of_encoder(error, frame, encoder)
+
+
+def _returned(error: Exception, frame: object, encoder: Encoder) -> Exception:
+    """Return the error of an encoder. Raises TypeError if the frame does not have the right type."""
+    error = _of_encoder(error, frame, encoder)
+    if isinstance(error, FrameError):
+        return error
+    raise error
+
+
+returned: Failed = cast(Failed, _returned)
+
+
+def _of_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:
+    """Return the error with the frame and the encoder."""
+    if isinstance(error, FrameError):
+        error.add(frame, encoder)
+        return error
+    type_error = TypeError(f"{encoder.code}: {error}")
+    type_error.__cause__ = error
+    return type_error

@@ -55,10 +55,10 @@ from codewheel_runtime.codec import (
     made,
     too_long,
 )
-from codewheel_runtime.encoder import Encoder, Positioned, fact, looked_up, wrong_encoder
+from codewheel_runtime.encoder import Encoder, Failed, Positioned, fact, looked_up, reported, returned, wrong_encoder
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
 from codewheel_runtime.frames.base import BitsOf, FixedRegister, Sent, decode_many, encode_many
-from codewheel_runtime.frames.decoders import Failed, decoder, raised, reported, returned
+from codewheel_runtime.frames.decoders import decoder, raised
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 
 if TYPE_CHECKING:
