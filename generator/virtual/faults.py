@@ -223,7 +223,7 @@ def _amplitude_in_counts(text: str, amplitude: float, is_angle: bool, highest: f
     """Return the amplitude of a motion in counts.
 
     Raises:
-        ValueError: The position is not an angle, or the encoder does not have so many positions.
+        ValueError: The position is not an angle, or the encoder does not have that many positions.
     """
     if is_angle and not counts_per_turn:
         raise ValueError(f"'{text}' is an angle, but this encoder has no turns; write the amplitude in counts")

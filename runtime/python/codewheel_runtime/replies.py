@@ -50,7 +50,7 @@ class FoundReply(NamedTuple):
 
     @property
     def is_ambiguous(self) -> bool:
-        """True if the replies to requests of this kind differ, so that nobody knows which one is the right one."""
+        """True if the replies to requests of this kind differ, so the right one is unknown."""
         return any(other != self.reply for other in self.same_kind)
 
 

@@ -87,7 +87,7 @@ _KINDS = 3
 _RECENT_REPLIES = 32
 #: Number of replies whose times are kept.
 _REPLY_TIMES = 16
-#: Number of extra replies that are no copies and show a second device. One or two can follow from other errors. If they
+#: Number of extra replies with new values that show a second device. One or two can follow from other errors. If they
 #: come so late that they are read before the next request, fewer are sufficient.
 _FOREIGN_REPLIES, _LATE_FOREIGN_REPLIES = 3, 2
 #: Number of requests in a row with exactly one reply that show that there is no second device.
@@ -400,7 +400,7 @@ class Session:
         raise DisturbedError(f"two different replies to {request_text}, so neither is used: {replies_text}", received)
 
     def _foreign(self, replies: Sequence[bytes]) -> list[bytes]:
-        """Return the replies that are no copies of earlier ones."""
+        """Return the replies that differ from all earlier ones."""
         return [reply for reply in replies if reply not in self._recent_replies]
 
     def _count_foreign(self, replies: Sequence[bytes], received: bytes, limit: int) -> None:
