@@ -27,6 +27,23 @@ _POSITIONAL = {"BitField": 3, "Column": 1, "Join": 2, "Speaks": 1, "Tells": 1}
 _CONDITIONS = ("only", "chosen")
 
 
+def column_names(coder: Coder) -> list[str]:
+    """Return the names of the columns of a table of frames, as type checkers know them."""
+    described = describe(coder.plan, None)
+    data_fields = {part.field.name for part in coder.plan.parts}
+    columns = [column for column in described.columns if column.name in data_fields]
+    names: list[str] = []
+    for column in columns:
+        names += [coder.names.attribute(run) for run, _, _ in column.runs] or [coder.names.attribute(column.name)]
+    names += [coder.names.attribute(join.name) for join in described.joins]
+    for column in columns:
+        if column.scale is not None:
+            names.append(f"{coder.names.attribute(column.name)} ({column.scale.unit})")
+    unused = ["unused"] if described.unused else []
+    verdict = ["verdict"] if coder.reports is not None and coder.reports.otherwise else []
+    return [*names, *unused, *verdict, "fault"]
+
+
 class Shape:
     """Description of one frame, as used by its template."""
 

@@ -28,6 +28,7 @@ from .context import Context, OpenQuestion, byte_order
 from .expr import Atom, Expr, Operation, joined, number
 from .literals import Call, Code, Literal, of_number, record
 from .names import FUNCTIONS, ClassNames, attribute, camel, encoder_name
+from .shapes import column_names
 
 
 @dataclass(frozen=True)
@@ -45,6 +46,16 @@ class FrameKind:
     def decoder(self) -> str:
         """Function that makes the decoder for an encoder."""
         return f"_{self.dispatch}r" if self.dispatch else f"{self.coder.name}._decoder"
+
+    @property
+    def column_type(self) -> str:
+        """Type of the names of the columns in a table of these frames."""
+        return "Any" if self.dispatch else f"_{self.coder.name}Column"
+
+    @property
+    def column_names(self) -> str:
+        """Names of the columns in a table of these frames, as literals."""
+        return ", ".join(f'"{name}"' for name in column_names(self.coder))
 
     @property
     def in_bytes(self) -> bool:
