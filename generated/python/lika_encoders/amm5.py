@@ -97,6 +97,9 @@ from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 from codewheel_runtime.steps import Send, Step, Verify, Wait, writes
 
 if TYPE_CHECKING:
+    from typing import Literal as _Literal
+
+    from codewheel_runtime.bulk.table import AngleUnit as _Unit
     from codewheel_runtime.bulk.table import Table
 
     from . import _codes
@@ -119,6 +122,18 @@ if TYPE_CHECKING:
         SSI,
         TIMINGS,
     )
+
+    # Names of the columns in tables of frames.
+    _SsiWordColumn: TypeAlias = _Literal["multiturn", "singleturn", "position", "verdict", "fault"]
+    _SingleCycleDataColumn: TypeAlias = _Literal[
+        "multiturn",
+        "singleturn",
+        "error",
+        "warning",
+        "position",
+        "verdict",
+        "fault",
+    ]
 else:
 
     def __getattr__(name: str) -> object:
@@ -322,7 +337,7 @@ class SsiEncoder(Variant):
         """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
         return decoder(SsiWord._decoder, self, failed)
 
-    def decode_many(self, frames: Words) -> Table:
+    def decode_many(self, frames: Words) -> Table[_SsiWordColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
 
         Args:
@@ -333,7 +348,7 @@ class SsiEncoder(Variant):
         """
         return decode_many(frames, SsiWord, self, self)
 
-    def encode_many(self, columns: Mapping[str, Any]) -> Any:
+    def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
@@ -397,7 +412,7 @@ class BissEncoder(Variant):
         """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
         return decoder(SingleCycleData._decoder, self, failed)
 
-    def decode_many(self, frames: Words) -> Table:
+    def decode_many(self, frames: Words) -> Table[_SingleCycleDataColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
 
         Args:
@@ -408,7 +423,7 @@ class BissEncoder(Variant):
         """
         return decode_many(frames, SingleCycleData, self, self)
 
-    def encode_many(self, columns: Mapping[str, Any]) -> Any:
+    def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
@@ -469,7 +484,13 @@ class Rs485Encoder(Variant):
         """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
         return decoder(_decode_replyr, self, failed)
 
-    def decode_many(self, frames: Rows, kind: type[Reply], *, eeprom_address: EepromAddress | None = None) -> Table:
+    def decode_many(
+        self,
+        frames: Rows,
+        kind: type[Reply],
+        *,
+        eeprom_address: EepromAddress | None = None,
+    ) -> Table[Any, _Unit]:
         """Decode many frames of one ``kind`` into columns. Needs NumPy.
 
         Args:
@@ -486,7 +507,7 @@ class Rs485Encoder(Variant):
 
     def encode_many(
         self,
-        columns: Mapping[str, Any],
+        columns: Mapping[str, Any] | Table,
         kind: type[Reply],
         *,
         eeprom_address: EepromAddress | None = None,
@@ -1112,7 +1133,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
         return decode_many(frames, cls, None, eeprom_address)
 
     @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], eeprom_address: EepromAddress) -> Any:
+    def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
@@ -1231,7 +1252,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
         return decode_many(frames, cls, None, eeprom_address)
 
     @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], eeprom_address: EepromAddress) -> Any:
+    def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
@@ -1941,7 +1962,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
         return decode_many(frames, cls, None, eeprom_address)
 
     @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], eeprom_address: EepromAddress) -> Any:
+    def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
@@ -2068,7 +2089,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
         return decode_many(frames, cls, None, eeprom_address)
 
     @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], eeprom_address: EepromAddress) -> Any:
+    def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
