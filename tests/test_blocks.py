@@ -142,7 +142,10 @@ EXCEPTIONS = {
     ("docs/why-a-crc-fails.md", ": mistake "): "measured over 20,000 frames; test_why.py holds a short run against it",
     ("generated/python/README.md", ": pip install"): "fetches nothing but changes the reader's own environment",
     ("generated/python/README.md", ": pip wheel"): "tests/python/test_wheel.py runs both lines without an index",
-    ("examples/rust-target/README.md", ": pip install"): "changes the reader's own environment; test_the_readme runs the line after it",
+    (
+        "examples/rust-target/README.md",
+        ": pip install",
+    ): "changes the reader's own environment; test_the_readme runs the line after it",
     ("examples/opcua-target/README.md", ": pip install"): "test_the_installed_target runs both lines",
     (
         "examples/rust-target/README.md",
