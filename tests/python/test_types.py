@@ -108,6 +108,31 @@ def worth(frame: amm5.SingleCycleData) -> str:
         "Non-overlapping equality check",
         'the types "Status" and "Literal[\'open\']" have no overlap',
     ),
+    "a column that a table does not have": Mistake(
+        "lookup('AMM5A21/65KSC1').decode_many([5])['positon']",
+        'No overload variant of "__getitem__" of "Table" matches argument type "str"',
+        'No overloads for "__getitem__" match the provided arguments',
+    ),
+    "a length of an angle": Mistake(
+        "lookup('AMM5A21/65KSC1').decode_many([5]).in_units('millimetres')",
+        'Argument 1 to "in_units" of "Table" has incompatible type "Literal[\'millimetres\']"',
+        'Argument of type "Literal[\'millimetres\']" cannot be assigned to parameter "unit"',
+    ),
+    "an angle of a length": Mistake(
+        "lookup('SMA21-SC1-0050').decode_many([5]).in_units('degrees')",
+        'Argument 1 to "in_units" of "Table" has incompatible type "Literal[\'degrees\']"',
+        'Argument of type "Literal[\'degrees\']" cannot be assigned to parameter "unit"',
+    ),
+    "an answer that is missing": Mistake(
+        "lookup('ASC8520/SC1').decode(5)",
+        'Missing named argument "zero_bit" for "decode" of "BissEncoder"',
+        'Argument missing for parameter "zero_bit"',
+    ),
+    "the bits of a frame that is made of bytes": Mistake(
+        "print(lookup('AMM5A23/65KJP1').frame_bits)",
+        '"Rs485Encoder" has no attribute "frame_bits"',
+        'Cannot access attribute "frame_bits" for class "Rs485Encoder"',
+    ),
     "a name that a module does not have": Mistake(
         "amm5.NOTHING", 'Module has no attribute "NOTHING"', '"NOTHING" is not a known attribute of module'
     ),

@@ -89,6 +89,9 @@ from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 from codewheel_runtime.steps import Modify, Read, Step, Verify, Wait, writes
 
 if TYPE_CHECKING:
+    from typing import Literal as _Literal
+
+    from codewheel_runtime.bulk.table import AngleUnit as _Unit
     from codewheel_runtime.bulk.table import Table
 
     from . import _codes
@@ -111,6 +114,10 @@ if TYPE_CHECKING:
         SSI,
         TIMINGS,
     )
+
+    # Names of the columns in tables of frames.
+    _SsiWordColumn: TypeAlias = _Literal["multiturn", "singleturn", "position", "verdict", "fault"]
+    _SingleCycleDataColumn: TypeAlias = _Literal["multiturn", "singleturn", "position", "unused", "verdict", "fault"]
 else:
 
     def __getattr__(name: str) -> object:
@@ -348,7 +355,7 @@ class SsiEncoder(Variant):
         """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
         return decoder(SsiWord._decoder, self, failed)
 
-    def decode_many(self, frames: Words) -> Table:
+    def decode_many(self, frames: Words) -> Table[_SsiWordColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
 
         Args:
@@ -359,7 +366,7 @@ class SsiEncoder(Variant):
         """
         return decode_many(frames, SsiWord, self, self)
 
-    def encode_many(self, columns: Mapping[str, Any]) -> Any:
+    def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
@@ -423,7 +430,7 @@ class BissEncoder(Variant):
         """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
         return decoder(SingleCycleData._decoder, self, failed)
 
-    def decode_many(self, frames: Words) -> Table:
+    def decode_many(self, frames: Words) -> Table[_SingleCycleDataColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
 
         Args:
@@ -434,7 +441,7 @@ class BissEncoder(Variant):
         """
         return decode_many(frames, SingleCycleData, self, self)
 
-    def encode_many(self, columns: Mapping[str, Any]) -> Any:
+    def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:

@@ -107,6 +107,9 @@ from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 from codewheel_runtime.steps import Send, Step, Verify, Wait, writes
 
 if TYPE_CHECKING:
+    from typing import Literal as _Literal
+
+    from codewheel_runtime.bulk.table import AngleUnit as _Unit
     from codewheel_runtime.bulk.table import Table
 
     from . import _codes
@@ -129,6 +132,18 @@ if TYPE_CHECKING:
         SSI,
         TIMINGS,
     )
+
+    # Names of the columns in tables of frames.
+    _SsiWordColumn: TypeAlias = _Literal["multiturn", "singleturn", "position", "verdict", "fault"]
+    _SingleCycleDataColumn: TypeAlias = _Literal[
+        "multiturn",
+        "singleturn",
+        "error",
+        "warning",
+        "position",
+        "verdict",
+        "fault",
+    ]
 else:
 
     def __getattr__(name: str) -> object:
@@ -332,7 +347,7 @@ class SsiEncoder(Variant):
         """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
         return decoder(SsiWord._decoder, self, failed)
 
-    def decode_many(self, frames: Words) -> Table:
+    def decode_many(self, frames: Words) -> Table[_SsiWordColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
 
         Args:
@@ -343,7 +358,7 @@ class SsiEncoder(Variant):
         """
         return decode_many(frames, SsiWord, self, self)
 
-    def encode_many(self, columns: Mapping[str, Any]) -> Any:
+    def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
@@ -407,7 +422,7 @@ class BissEncoder(Variant):
         """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
         return decoder(SingleCycleData._decoder, self, failed)
 
-    def decode_many(self, frames: Words) -> Table:
+    def decode_many(self, frames: Words) -> Table[_SingleCycleDataColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
 
         Args:
@@ -418,7 +433,7 @@ class BissEncoder(Variant):
         """
         return decode_many(frames, SingleCycleData, self, self)
 
-    def encode_many(self, columns: Mapping[str, Any]) -> Any:
+    def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
@@ -479,7 +494,13 @@ class Rs485Encoder(Variant):
         """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
         return decoder(_decode_replyr, self, failed)
 
-    def decode_many(self, frames: Rows, kind: type[Reply], *, eeprom_address: EepromAddress | None = None) -> Table:
+    def decode_many(
+        self,
+        frames: Rows,
+        kind: type[Reply],
+        *,
+        eeprom_address: EepromAddress | None = None,
+    ) -> Table[Any, _Unit]:
         """Decode many frames of one ``kind`` into columns. Needs NumPy.
 
         Args:
@@ -496,7 +517,7 @@ class Rs485Encoder(Variant):
 
     def encode_many(
         self,
-        columns: Mapping[str, Any],
+        columns: Mapping[str, Any] | Table,
         kind: type[Reply],
         *,
         eeprom_address: EepromAddress | None = None,
@@ -1122,7 +1143,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
         return decode_many(frames, cls, None, eeprom_address)
 
     @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], eeprom_address: EepromAddress) -> Any:
+    def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
@@ -1241,7 +1262,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
         return decode_many(frames, cls, None, eeprom_address)
 
     @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], eeprom_address: EepromAddress) -> Any:
+    def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
@@ -1951,7 +1972,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
         return decode_many(frames, cls, None, eeprom_address)
 
     @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], eeprom_address: EepromAddress) -> Any:
+    def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
@@ -2078,7 +2099,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
         return decode_many(frames, cls, None, eeprom_address)
 
     @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], eeprom_address: EepromAddress) -> Any:
+    def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:

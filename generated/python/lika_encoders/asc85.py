@@ -79,6 +79,9 @@ from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 from codewheel_runtime.steps import Poll, Read, Step, writes
 
 if TYPE_CHECKING:
+    from typing import Literal as _Literal
+
+    from codewheel_runtime.bulk.table import AngleUnit as _Unit
     from codewheel_runtime.bulk.table import Table
 
     from . import _codes
@@ -101,6 +104,10 @@ if TYPE_CHECKING:
         TABLES,
         TIMINGS,
     )
+
+    # Names of the columns in tables of frames.
+    _SsiWordColumn: TypeAlias = _Literal["position", "verdict", "fault"]
+    _SingleCycleDataColumn: TypeAlias = _Literal["position", "error", "warning", "verdict", "fault"]
 else:
 
     def __getattr__(name: str) -> object:
@@ -257,7 +264,7 @@ class SsiEncoder(Variant):
         """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
         return decoder(SsiWord._decoder, self, failed)
 
-    def decode_many(self, frames: Words) -> Table:
+    def decode_many(self, frames: Words) -> Table[_SsiWordColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
 
         Args:
@@ -268,7 +275,7 @@ class SsiEncoder(Variant):
         """
         return decode_many(frames, SsiWord, self, self)
 
-    def encode_many(self, columns: Mapping[str, Any]) -> Any:
+    def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
@@ -331,7 +338,7 @@ class BissEncoder(Variant):
         """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
         return decoder(SingleCycleData._decoder, self, failed)
 
-    def decode_many(self, frames: Words, *, zero_bit: ZeroBit) -> Table:
+    def decode_many(self, frames: Words, *, zero_bit: ZeroBit) -> Table[_SingleCycleDataColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
 
         Args:
@@ -344,7 +351,7 @@ class BissEncoder(Variant):
         """
         return decode_many(frames, SingleCycleData, self, self, zero_bit)
 
-    def encode_many(self, columns: Mapping[str, Any], *, zero_bit: ZeroBit) -> Any:
+    def encode_many(self, columns: Mapping[str, Any] | Table, *, zero_bit: ZeroBit) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
@@ -675,7 +682,7 @@ class SingleCycleData(Sent, InBits, _SingleCycleData, Positioned):
         return decode_many(frames, cls, variant, variant, zero_bit)
 
     @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], variant: BissEncoder, zero_bit: ZeroBit) -> Any:
+    def encode_many(cls, columns: Mapping[str, Any] | Table, variant: BissEncoder, zero_bit: ZeroBit) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:

@@ -103,6 +103,9 @@ from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 from codewheel_runtime.steps import Modify, Read, Send, Step, Verify, Wait, writes
 
 if TYPE_CHECKING:
+    from typing import Literal as _Literal
+
+    from codewheel_runtime.bulk.table import LengthUnit as _Unit
     from codewheel_runtime.bulk.table import Table
 
     from . import _codes
@@ -126,6 +129,10 @@ if TYPE_CHECKING:
         TABLES,
         TIMINGS,
     )
+
+    # Names of the columns in tables of frames.
+    _SsiWordColumn: TypeAlias = _Literal["position", "error", "verdict", "fault"]
+    _SingleCycleDataColumn: TypeAlias = _Literal["position", "error", "warning", "verdict", "fault"]
 else:
 
     def __getattr__(name: str) -> object:
@@ -397,7 +404,7 @@ class SsiEncoder(Variant):
         """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
         return decoder(SsiWord._decoder, self, failed)
 
-    def decode_many(self, frames: Words) -> Table:
+    def decode_many(self, frames: Words) -> Table[_SsiWordColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
 
         Args:
@@ -408,7 +415,7 @@ class SsiEncoder(Variant):
         """
         return decode_many(frames, SsiWord, self, self)
 
-    def encode_many(self, columns: Mapping[str, Any]) -> Any:
+    def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
@@ -472,7 +479,7 @@ class BissEncoder(Variant):
         """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
         return decoder(SingleCycleData._decoder, self, failed)
 
-    def decode_many(self, frames: Words) -> Table:
+    def decode_many(self, frames: Words) -> Table[_SingleCycleDataColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
 
         Args:
@@ -483,7 +490,7 @@ class BissEncoder(Variant):
         """
         return decode_many(frames, SingleCycleData, self, self)
 
-    def encode_many(self, columns: Mapping[str, Any]) -> Any:
+    def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
@@ -540,7 +547,7 @@ class Rs485Encoder(Variant):
         """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
         return decoder(_decode_replyr, self, failed)
 
-    def decode_many(self, frames: Rows, kind: type[Reply]) -> Table:
+    def decode_many(self, frames: Rows, kind: type[Reply]) -> Table[Any, _Unit]:
         """Decode many frames of one ``kind`` into columns. Needs NumPy.
 
         Args:
@@ -553,7 +560,7 @@ class Rs485Encoder(Variant):
         check_kind(kind, Reply)
         return decode_many(frames, kind, self, *needed_by(kind, self))
 
-    def encode_many(self, columns: Mapping[str, Any], kind: type[Reply]) -> Any:
+    def encode_many(self, columns: Mapping[str, Any] | Table, kind: type[Reply]) -> Any:
         """Encode many frames of one ``kind``. Needs NumPy.
 
         Args:

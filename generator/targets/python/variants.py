@@ -10,6 +10,7 @@ from ...model import Interface, Layout, Measurement, Register, Spi, Variant, fir
 from ...model.expressions import Expression
 from ...model.record import dataclass
 from ...order_codes.labels import beginnings
+from ...plan.description import describe
 from ...plan.frames import Exchanged, HeldParameter, exchanges, held_parameters
 from ...plan.values import (
     Cases,
@@ -27,6 +28,23 @@ from .literals import Atom, Call, Code, Expr, Literal, Operation, joined, number
 from .names import FUNCTIONS, ClassNames, Context, OpenQuestion, attribute, byte_order, camel, encoder_name
 
 
+def _column_names(coder: Coder) -> list[str]:
+    """Return the names of the columns of a table of frames, as type checkers know them."""
+    described = describe(coder.plan, None)
+    data_fields = {part.field.name for part in coder.plan.parts}
+    columns = [column for column in described.columns if column.name in data_fields]
+    names: list[str] = []
+    for column in columns:
+        names += [coder.names.attribute(run) for run, _, _ in column.runs] or [coder.names.attribute(column.name)]
+    names += [coder.names.attribute(join.name) for join in described.joins]
+    for column in columns:
+        if column.scale is not None:
+            names.append(f"{coder.names.attribute(column.name)} ({column.scale.unit})")
+    unused = ["unused"] if described.unused else []
+    verdict = ["verdict"] if coder.reports is not None and coder.reports.otherwise else []
+    return [*names, *unused, *verdict, "fault"]
+
+
 @dataclass(frozen=True)
 class FrameKind:
     """Frames that the encoder sends over an interface. If there are several kinds, ``dispatch`` decodes them."""
@@ -42,6 +60,16 @@ class FrameKind:
     def decoder(self) -> str:
         """Function that makes the decoder for an encoder."""
         return f"_{self.dispatch}r" if self.dispatch else f"{self.coder.name}._decoder"
+
+    @property
+    def column_type(self) -> str:
+        """Type of the names of the columns in a table of these frames."""
+        return "Any" if self.dispatch else f"_{self.coder.name}Column"
+
+    @property
+    def column_names(self) -> str:
+        """Names of the columns in a table of these frames, as literals."""
+        return ", ".join(f'"{name}"' for name in _column_names(self.coder))
 
     @property
     def in_bytes(self) -> bool:

@@ -62,6 +62,9 @@ from codewheel_runtime.frames.decoders import decoder, raised
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 
 if TYPE_CHECKING:
+    from typing import Literal as _Literal
+
+    from codewheel_runtime.bulk.table import AngleUnit as _Unit
     from codewheel_runtime.bulk.table import Table
 
     from . import _codes
@@ -81,6 +84,9 @@ if TYPE_CHECKING:
         REPORTS,
         TIMINGS,
     )
+
+    # Names of the columns in tables of frames.
+    _SingleCycleDataColumn: TypeAlias = _Literal["position", "error", "warning", "verdict", "fault"]
 else:
 
     def __getattr__(name: str) -> object:
@@ -209,7 +215,7 @@ class BissEncoder(Variant):
         """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
         return decoder(SingleCycleData._decoder, self, failed)
 
-    def decode_many(self, frames: Words) -> Table:
+    def decode_many(self, frames: Words) -> Table[_SingleCycleDataColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
 
         Args:
@@ -220,7 +226,7 @@ class BissEncoder(Variant):
         """
         return decode_many(frames, SingleCycleData, self, self)
 
-    def encode_many(self, columns: Mapping[str, Any]) -> Any:
+    def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:

@@ -8,7 +8,7 @@ from difflib import get_close_matches
 from fractions import Fraction
 from math import tau
 from types import MappingProxyType
-from typing import Any, Final, Literal, Protocol, overload
+from typing import TYPE_CHECKING, Any, Final, Generic, Literal, Protocol, overload
 
 from ..codec import PositionRange
 from ..errors import ErrorKind, RangeError
@@ -20,6 +20,9 @@ from .shape import Tells
 
 #: Units for positions and speeds.
 Unit = Literal["counts", "turns", "degrees", "radians", "micrometres", "millimetres", "metres"]
+#: Units of encoders that measure angles, and of those that measure lengths.
+AngleUnit = Literal["counts", "turns", "degrees", "radians"]
+LengthUnit = Literal["counts", "micrometres", "millimetres", "metres"]
 #: Units for speeds: a unit per second, or revolutions per minute.
 SpeedUnit = Unit | Literal["rpm"]
 
@@ -58,7 +61,28 @@ class FrameSource(Protocol):
     def _range_in(self, frame: str, /) -> PositionRange: ...
 
 
-class Table:
+if TYPE_CHECKING:
+    # Type checkers have this module, which the standard library of Python 3.10 does not replace.
+    from typing_extensions import TypeVar
+
+    _Name = TypeVar("_Name", bound=str, default=Any)
+    _Unit = TypeVar("_Unit", bound=str, default=Any)
+
+    class _TableOf(Generic[_Name, _Unit]):
+        """Base that type checkers see: it is generic in the names of the columns and in the units."""
+
+else:
+    _Name = _Unit = str
+
+    class _TableOf:
+        """Base at run time."""
+
+        def __class_getitem__(cls, arguments: object) -> type:
+            """Return the class itself."""
+            return cls
+
+
+class Table(_TableOf[_Name, _Unit]):
     """Columns of many frames: a NumPy array for each field, and ``fault`` with the error of each frame.
 
     The arrays hold the raw bits of every frame, including invalid ones. Use ``usable_position`` for positions: it is
@@ -116,7 +140,7 @@ class Table:
         """
         if not self._position:
             raise AttributeError("these frames have no position")
-        return self[self._position]
+        return self._column(self._position)
 
     @property
     def usable_position(self) -> Any:
@@ -158,8 +182,8 @@ class Table:
         if condition.when:
             return all_match(self, condition.when)
         if condition.flag:
-            return self[condition.flag]
-        unused: Any = self["unused"]
+            return self._column(condition.flag)
+        unused: Any = self._column("unused")
         return unused & (condition.mask & (1 << 8 * unused.itemsize) - 1) != 0
 
     @property
@@ -217,15 +241,15 @@ class Table:
         )
 
     @overload
-    def __getitem__(self, name: str) -> Any: ...
+    def __getitem__(self, name: _Name) -> Any: ...
 
     @overload
     def __getitem__(self, name: int) -> dict[str, Any]: ...
 
     @overload
-    def __getitem__(self, name: slice) -> Table: ...
+    def __getitem__(self, name: slice) -> Table[_Name, _Unit]: ...
 
-    def __getitem__(self, name: str | int | slice) -> Any:
+    def __getitem__(self, name: Any) -> Any:
         """Return a column by its name, a frame by its index, or a table of several frames by a slice."""
         if isinstance(name, slice):
             verdict = None if self._verdict is None else self._verdict[name]
@@ -234,7 +258,8 @@ class Table:
             return self._with(columns, self._fault[name], verdict, other_columns)
         if isinstance(name, str):
             return self._column(name)
-        place = range(self.count)[name]
+        index: int = name
+        place = range(self.count)[index]
         return next(self[place : place + 1].rows())
 
     def rows(self) -> Iterator[dict[str, Any]]:
@@ -347,7 +372,7 @@ class Table:
         counts = np.concatenate([[start if previous is None else previous, start], start + np.cumsum(steps)])
         return counts[np.cumsum(self.usable)].astype(np.int64)
 
-    def in_units(self, unit: Unit, counts: Any = None) -> Any:
+    def in_units(self, unit: _Unit, counts: Any = None) -> Any:
         """Convert counts to a unit.
 
         Args:
@@ -423,10 +448,10 @@ class Table:
         Raises:
             AttributeError, RangeError, ValueError: See ``velocity``.
         """
-        encoder: Any = self.encoder
-        family = getattr(encoder, "family", None)
+        table: Any = self
+        family = getattr(self.encoder, "family", None)
         unit: Unit = "metres" if family is not None and family.movement is Movement.LINEAR else "radians"
-        columns = {unit: self.in_units(unit), f"{unit}_per_second": self._speed(None, unit, previous)}
+        columns = {unit: table.in_units(unit), f"{unit}_per_second": self._speed(None, unit, previous)}
         return self.with_columns(**columns)
 
     def _unit(self, unit: str) -> tuple[float, int]:
@@ -480,7 +505,8 @@ class Table:
         """
         from .conversion import arrow_columns
 
-        return load("pyarrow").table(arrow_columns(self, self.names, raw))
+        table: Any = self
+        return load("pyarrow").table(arrow_columns(table, self.names, raw))
 
     def __arrow_c_stream__(self, requested_schema: Any = None) -> Any:
         """Return the columns as an Arrow stream, for polars, DuckDB and others. Needs pyarrow."""
@@ -499,4 +525,5 @@ class Table:
         """
         from .conversion import pandas_columns
 
-        return load("pandas").DataFrame(pandas_columns(self, self.names, raw))
+        table: Any = self
+        return load("pandas").DataFrame(pandas_columns(table, self.names, raw))

@@ -163,7 +163,7 @@ class FixedFrame(Fixed):
         return decode_many(frames, cls, None)
 
     @classmethod
-    def encode_many(cls, columns: Mapping[str, Any]) -> Any:
+    def encode_many(cls, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
@@ -264,7 +264,7 @@ class FrameOf(ByEncoder[_Encoder]):
         return decode_many(frames, cls, variant, variant)
 
     @classmethod
-    def encode_many(cls, columns: Mapping[str, Any], variant: _Encoder) -> Any:
+    def encode_many(cls, columns: Mapping[str, Any] | Table, variant: _Encoder) -> Any:
         """Encode many frames. Needs NumPy.
 
         Args:
@@ -345,7 +345,7 @@ def decode_many(frames: object, kind: type, encoder: Encoder | None, *arguments:
     return bulk_decode.decode_many(frames, shape, encoder)
 
 
-def encode_many(columns: Mapping[str, Any], kind: type, *arguments: object) -> Any:
+def encode_many(columns: Mapping[str, Any] | Table, kind: type, *arguments: object) -> Any:
     """Encode many frames of one class. ``arguments`` are the encoder and the answers that the class needs."""
     shape = shape_of(kind, *arguments)
     from ..bulk import encode as bulk_encode

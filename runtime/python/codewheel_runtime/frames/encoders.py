@@ -25,7 +25,7 @@ _TABLE_WIDTH: Final = 8
 
 def encoder_of_class(frame: Any) -> Encode:
     """Return the function that encodes frames of the same class for the same encoder and the same answers."""
-    kind: type = type(frame)
+    kind = cast(type, frame.__class__)
     needed = described(kind)[1]
     # The encoder is the same in all frames that the function encodes. The answers can differ.
     first, count = sum(issubclass(argument_type, Encoder) for argument_type in needed), len(needed)
@@ -88,7 +88,8 @@ def _usual_bits(column: Column) -> _Bits | None:
             return _Bits(f"type({{0}}) is int and not {{0}} >> {width}", "{0}")
         case "choice" if isinstance(column.values, type):
             return _Bits("type({0}) is kind_of_{0}", "{0}")
-    return None
+        case _:
+            return None
 
 
 class _FunctionText:

@@ -85,10 +85,14 @@ def _arrays_of(columns: Mapping[str, Any], shape: Shape, other_names: Iterable[s
         kind = fields[name].kind if name in fields else "number"
         if array.dtype.kind not in ARRAY_KINDS.get(kind, "ui"):
             raise TypeError(f"column {name} has the type {array.dtype}, which does not fit the field")
-        cells = columns[name]
-        if not kind.endswith("flag") and isinstance(cells, (list, tuple)) and any(type(cell) is bool for cell in cells):
+        cells: Any = columns[name]
+        if not kind.endswith("flag") and isinstance(cells, (list, tuple)) and _has_bool(cells):
             raise TypeError(f"column {name} contains bools, which do not fit the field")
     return {name: np.broadcast_to(array, (longest,)) for name, array in arrays.items()}
+
+
+def _has_bool(cells: Any) -> bool:
+    return any(type(cell) is bool for cell in cells)
 
 
 def _check_names(

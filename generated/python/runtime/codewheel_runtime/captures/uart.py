@@ -107,6 +107,7 @@ def exported_bytes(file: BinaryIO, path: str, columns: tuple[int, int]) -> Gener
     text = io.TextIOWrapper(file, "utf-8-sig", "replace", newline="")
     rows = enumerate(csv.reader(text), 1)
     next(rows)
+    line = 1
     while chunk := [numbered_row for numbered_row in islice(rows, _ROWS) if numbered_row[1]]:
         values, times = np.zeros(len(chunk), np.uint8), np.zeros(len(chunk))
         has_stop_bit = np.ones(len(chunk), bool)
