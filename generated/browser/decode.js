@@ -683,7 +683,7 @@
     throw new FrameText(said("no_bits", quoted(text), size, remedy));
   }
 
-  /** A number with its bits: exactly so many, or at least so many, where ``written`` counts those of all digits. */
+  /** A number with its bits. If not ``exact``, it may have more. ``written`` counts the bits of all digits. */
   const numberWith = (text, bits, exact) => ({ number: BigInt(text), bits, exact, written: bits });
 
   /** The possible meanings of digits without a prefix, as numbers of at most ``size`` bits. The command line does the same. */
@@ -1077,7 +1077,7 @@
     return decode(at, number).fields.filter((item) => names.includes(item.name)).map((item) => [item.name, item.value]);
   }
 
-  /** Other readings of a position that nothing in the frame can contradict. They are no explanations. */
+  /** Other readings of a position that nothing in the frame can contradict. They do not explain an error. */
   function otherPositions({ at, number, problems, crc, fields }, measure) {
     const isOfBits = at && !at.layout.order && at.layout.sender === "encoder";
     const position = fields.find((item) => item.name === measure?.of);
@@ -1114,8 +1114,9 @@
 
   globalThis.codewheelDecode = {
     table: TABLE, FrameText, Refusal, bytesFor, bytesIn, bytesOfNumber, checked, decodeBits, decodeBytes, decodeFrame,
-    anotherHelps, deadLine, decodeRegister, explained, missingPart, numbersRead, otherPositions, findCode, highestNumber, inferred, judgedTogether, linesOf, notOfAnyCode, numberIn,
-    otherFrames, placedFor, quantityOf, readLabel, UnknownCode,
+    anotherHelps, deadLine, decodeRegister, explained, findCode, highestNumber, inferred, judgedTogether, linesOf,
+    missingPart, notOfAnyCode, numberIn, numbersRead, otherFrames, otherPositions, placedFor, quantityOf, readLabel,
+    UnknownCode,
   };
   if (typeof document === "undefined") return;
 

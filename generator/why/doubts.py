@@ -1,6 +1,6 @@
 """Other readings of a valid frame whose position looks wrong, where nothing in the layout can contradict the frame.
 
-They are no explanations: every valid frame has them. The script of the decode page follows the same rules.
+They do not explain an error: every valid frame has them. The script of the decode page follows the same rules.
 """
 
 from __future__ import annotations

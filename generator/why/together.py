@@ -11,7 +11,7 @@ from .mistakes import Explanation, Why
 
 @dataclass(frozen=True, slots=True)
 class CommonMistake:
-    """A mistake that explains ``frames`` frames. By chance, it matches one of ``one_in`` sets of so many frames."""
+    """A mistake that explains ``frames`` frames. By chance, it matches one of ``one_in`` sets of that many frames."""
 
     text: str
     frames: int

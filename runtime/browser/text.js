@@ -72,7 +72,7 @@ function numberIn(text, size, exact) {
   throw new FrameText(said("no_bits", quoted(text), size, remedy));
 }
 
-/** A number with its bits: exactly so many, or at least so many, where ``written`` counts those of all digits. */
+/** A number with its bits. If not ``exact``, it may have more. ``written`` counts the bits of all digits. */
 const numberWith = (text, bits, exact) => ({ number: BigInt(text), bits, exact, written: bits });
 
 /** The possible meanings of digits without a prefix, as numbers of at most ``size`` bits. The command line does the same. */

@@ -230,7 +230,7 @@ function numbersRead(at, number) {
   return decode(at, number).fields.filter((item) => names.includes(item.name)).map((item) => [item.name, item.value]);
 }
 
-/** Other readings of a position that nothing in the frame can contradict. They are no explanations. */
+/** Other readings of a position that nothing in the frame can contradict. They do not explain an error. */
 function otherPositions({ at, number, problems, crc, fields }, measure) {
   const isOfBits = at && !at.layout.order && at.layout.sender === "encoder";
   const position = fields.find((item) => item.name === measure?.of);
