@@ -21,8 +21,10 @@ from .targets.registry import BUILT_IN, files_of
 class FamilyParts:
     """Parts by target and model, from this run or from the cache."""
 
-    def __init__(self, cache: Cache) -> None:
+    def __init__(self, cache: Cache, only_paths: frozenset[str] = frozenset()) -> None:
+        """Prepare for families of which those named in ``only_paths`` need no texts of files."""
         self._cache = cache
+        self._only_paths = only_paths
         self._masters = content_of(sorted(packaged_masters().iterdir()))
         self._parts: dict[tuple[str, str], Any] = {}
         self._digests: dict[int, tuple[Device, str]] = {}
@@ -35,7 +37,8 @@ class FamilyParts:
             TemplateFault: A user's template has an error.
         """
         if target.name in BUILT_IN and options == target.defaults and library.own_templates is None:
-            library = replace(library, stored_part=partial(self._part, target.name))
+            stored_part = partial(self._part, target.name)
+            library = replace(library, stored_part=stored_part, only_paths=self._only_paths)
         return files_of(target, library, options)
 
     def _part(self, target_name: str, device: Device, render: Callable[[], Any]) -> Any:
@@ -45,7 +48,8 @@ class FamilyParts:
             return render()
         key = (target_name, digest)
         if key not in self._parts:
-            self._parts[key] = self._from_cache(f"part {target_name}", digest, render)
+            is_complete = device.name not in self._only_paths
+            self._parts[key] = self._from_cache(f"part {target_name}", digest, render) if is_complete else render()
         return self._parts[key]
 
     def _from_cache(self, kind: str, digest: str, render: Callable[[], Any]) -> Any:

@@ -9,7 +9,7 @@ request.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
@@ -34,15 +34,29 @@ class Library:
         devices: The devices that the target writes, sorted by name.
         own_templates: Folder of the user's templates for this target. Pass it to ``Templates.render``.
         stored_part: Returns the part of a device from the cache, or else calls its second argument.
+        only_paths: Names of devices whose files have no text, because only the number of their files is needed.
     """
 
     devices: tuple[Device, ...]
     own_templates: Path | None = None
     stored_part: StoredPart = field(default=lambda device, render: render(), compare=False)
+    only_paths: frozenset[str] = frozenset()
 
     def part(self, family: PartOf, device: Device, options: Options) -> Any:
         """Return the result of ``family``, which is that of the target, for one device."""
         return self.stored_part(device, lambda: family(device, self, options))
+
+    def files_of(self, family: FilesOf, device: Device, options: Options) -> dict[str, str]:
+        """Return the files of one device, which ``family`` of the target yields, as texts by path."""
+
+        def render() -> dict[str, str]:
+            files = family(device, self, options)
+            if device.name in self.only_paths:
+                return {path: "" for path, _ in files}
+            return {path: text() for path, text in files}
+
+        files: dict[str, str] = self.stored_part(device, render)
+        return files
 
     def by_manufacturer(self) -> list[tuple[Manufacturer, tuple[Device, ...]]]:
         """Return the devices of each manufacturer, sorted by name. The main manufacturer is the first."""
@@ -131,6 +145,8 @@ Options = Mapping[str, str]
 NO_OPTIONS: Options = MappingProxyType({})
 #: Function that returns what a target makes from one device alone, as data that JSON can express.
 PartOf = Callable[[Device, Library, Options], Any]
+#: Function that yields the path of each file that a target makes from one device alone, and a function for its text.
+FilesOf = Callable[[Device, Library, Options], Iterator[tuple[str, Callable[[], str]]]]
 
 
 @dataclass(frozen=True)
@@ -148,9 +164,9 @@ class Target:
             and by ``check --target``, and only with devices whose specs have no other problems.
         options: Settings of the target.
         templates: Templates of the target, for ``--templates`` and the page about templates.
-        family: Function that returns what the target makes from one device alone, such as the text of its files by
-            path. The result consists of what JSON can express. ``files`` calls it through ``Library.part``. Of the
-            built-in targets, results for unchanged specs come from the cache.
+        family: Function that returns what the target makes from one device alone. ``files`` calls it through
+            ``Library.part`` if the result is data that JSON can express, and through ``Library.files_of`` if it yields
+            files. Of the built-in targets, results for unchanged specs come from the cache.
 
     Raises:
         ValueError: A name is not valid.
@@ -162,7 +178,7 @@ class Target:
     problems: Callable[[Library], Iterable[TargetProblem]] = lambda library: ()
     options: tuple[Option, ...] = ()
     templates: Templates | None = None
-    family: PartOf | None = None
+    family: PartOf | FilesOf | None = None
 
     @property
     def defaults(self) -> Options:

@@ -15,6 +15,7 @@ from ...cache import Cache
 from ...changes.report import Files as FileCounts
 from ...family_parts import FamilyParts
 from ...language.problems import TemplateFault
+from ...loading.stored import digest_of as model_digest_of
 from ...model import Device
 from ...output_folder import WriteError
 from ...owners import Guard
@@ -159,13 +160,25 @@ def _validate_idbiss(files: Mapping[str, str], output: Path, dtd: Path) -> None:
 
 def changed_files(old: Sequence[Device], new: Sequence[Device], cache: Cache) -> FileCounts | None:
     """Return the files that our targets add, remove or change, or None if a target cannot express a family."""
-    parts = FamilyParts(cache)
+    parts = FamilyParts(cache, only_paths=unchanged_families(old, new))
     try:
         before, after = _files(old, parts), _files(new, parts)
     except (TargetError, TemplateFault):
         return None
     names = sorted({*before, *after})
     return FileCounts(tuple(name for name in names if before.get(name) != after.get(name)), len(names))
+
+
+def unchanged_families(old: Sequence[Device], new: Sequence[Device]) -> frozenset[str]:
+    """Return the names of the families that have the same model on both sides."""
+    new_by_name = {device.name: device for device in new}
+    old_in_both = [device for device in old if device.name in new_by_name]
+    return frozenset(device.name for device in old_in_both if _are_equal(device, new_by_name[device.name]))
+
+
+def _are_equal(device: Device, other_device: Device) -> bool:
+    digest = model_digest_of(device)
+    return bool(digest) and (device is other_device or digest == model_digest_of(other_device))
 
 
 def _files(devices: Sequence[Device], parts: FamilyParts) -> Mapping[str, str]:

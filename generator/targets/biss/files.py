@@ -7,8 +7,9 @@ description, for which we have our own schema.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Annotated, TypedDict
 
 from ...dump.plain import device_dump, variant_dump
@@ -61,7 +62,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
             about = [f"{maker.title}: encoders with a BiSS C interface."]
             files[f"biss/{name}"] = _identifier(maker, maker.biss_id, about, nodes, library, left_out)
         for device in devices:
-            files |= library.part(_family, device, options)
+            files |= library.files_of(_family, device, options)
     if files:
         readme: Readme = {"identifiers": identifiers}
         files["biss/README.md"] = TEMPLATES.render("README.md.jinja", readme, library.own_templates)
@@ -74,22 +75,25 @@ def identifier_name(biss_id: int) -> str:
     return f"idbiss{biss_id:04X}.xml"
 
 
-def _family(device: Device, library: Library, options: Options) -> dict[str, str]:
-    """Return the files of a family by path."""
+def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
+    """Yield the path of each file of a family, and a function for its text."""
     maker = device.manufacturer
-    files = {f"biss/{maker.name}-{device.name}.xml": to_xml(device_dump(device))}
+    yield f"biss/{maker.name}-{device.name}.xml", lambda: to_xml(device_dump(device))
     if maker.biss_id is not None:
-        files |= dict(_of_encoders(maker.biss_id, device, library))
+        yield from _of_encoders(maker.biss_id, device, library)
     if options.get(_BY_CODE.name, _BY_CODE.default) == _EACH:
-        files |= dict(_by_code(f"biss/{maker.name}-{device.name}", device))
-    return files
+        yield from _by_code(f"biss/{maker.name}-{device.name}", device)
 
 
-def _by_code(folder: str, device: Device) -> Iterator[tuple[str, str]]:
+def _by_code(folder: str, device: Device) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield a description of each listed order code, with numbers instead of expressions."""
     names = names_of_codes(variant.code for variant in device.variants)
     for name, variant in zip(names, device.variants, strict=True):
-        yield f"{folder}/{name}.xml", to_xml(variant_dump(device, Match(variant, (), "", special=False)))
+        yield f"{folder}/{name}.xml", partial(_order_code_xml, device, variant)
+
+
+def _order_code_xml(device: Device, variant: Variant) -> str:
+    return to_xml(variant_dump(device, Match(variant, (), "", special=False)))
 
 
 def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
@@ -103,7 +107,7 @@ def _identified_nodes(devices: Sequence[Device]) -> tuple[list[Node], str]:
     return nodes, left_out
 
 
-def _of_encoders(biss_id: int, device: Device, library: Library) -> Iterator[tuple[str, str]]:
+def _of_encoders(biss_id: int, device: Device, library: Library) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield a file for each order code, or for each answer where the manual leaves the length open."""
     ids, cycle_data, maker = device_bits(device), single_cycle_data(device), device.manufacturer
     if not ids or cycle_data is None:
@@ -115,11 +119,20 @@ def _of_encoders(biss_id: int, device: Device, library: Library) -> Iterator[tup
     names = names_of_codes(_encoder_name(variant, answers) for variant, answers in encoders)
     for name, (variant, answers) in zip(names, encoders, strict=True):
         decided = dict(zip((question.name for question in open_questions), answers, strict=True))
-        node = _device(_one_encoder(device, variant, decided), ids, one_encoder=True)
-        about = [f"{maker.title}: {variant.code}.", _ONE_ENCODER_NOTE]
-        about += [_about_answer(question, decided[question.name]) for question in open_questions]
-        text = _identifier(maker, biss_id, about, [node] if node is not None else [], library)
+        text = partial(_encoder_xml, biss_id, device, variant, decided, library)
         yield f"biss/{maker.name}-{device.name}/idbiss-{name}.xml", text
+
+
+def _encoder_xml(
+    biss_id: int, device: Device, variant: Variant, decided: Mapping[str, Answer], library: Library
+) -> str:
+    """Return the file of an order code with these answers to its open questions."""
+    maker = device.manufacturer
+    node = _device(_one_encoder(device, variant, decided), device_bits(device), one_encoder=True)
+    about = [f"{maker.title}: {variant.code}.", _ONE_ENCODER_NOTE]
+    questions = {question.name: question for question in device.alternatives}
+    about += [_about_answer(questions[name], answer) for name, answer in decided.items()]
+    return _identifier(maker, biss_id, about, [node] if node is not None else [], library)
 
 
 def _encoder_name(variant: Variant, answers: Iterable[Answer]) -> str:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Annotated, NoReturn, TypedDict
 
 from ...loading.library import UnknownName, narrowed_to
@@ -154,7 +155,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     except UnknownName as error:
         raise OptionError(f"c.{ONLY.name}: {error}") from None
     for device in devices:
-        files |= library.part(_family, device, options)
+        files |= library.files_of(_family, device, options)
     views = [view for device in devices for view in views_of(device)]
     for device, clash in clashes((view.device, view.names) for view in views):
         raise TargetError(f"{device.name}: {called(clash.path)}: {clash.message()}")
@@ -172,18 +173,16 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     return files
 
 
-def _family(device: Device, library: Library, options: Options) -> dict[str, str]:
-    """Return the headers of a family, its self-tests and its example programs, by path."""
-    files: dict[str, str] = {}
+def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
+    """Yield the path of each header, self-test and example program of a family, and a function for its text."""
+
+    def later(template: str, values: Mapping[str, object]) -> Callable[[], str]:
+        return partial(_render, library, template, values)
+
     for view in views_of(device):
-
-        def rendered(template: str, values: Mapping[str, object]) -> str:
-            return _render(library, template, values)
-
-        files |= {f"c/include/{path}": text for path, text in _headers(library, view)}
-        files |= {f"c/{path}": text for path, text in own_test(view, rendered)}
-        files |= {f"c/{path}": text for path, text in own_programs(view, rendered)}
-    return files
+        yield from ((f"c/include/{path}", text) for path, text in _headers(library, view))
+        yield from ((f"c/{path}", text) for path, text in own_test(view, later))
+        yield from ((f"c/{path}", text) for path, text in own_programs(view, later))
 
 
 def problems(library: Library) -> Iterator[TargetProblem]:
@@ -201,13 +200,14 @@ def problems(library: Library) -> Iterator[TargetProblem]:
         yield TargetProblem(device, "c-name", clash.path, message, other_place)
 
 
-def _headers(library: Library, view: DeviceView) -> Iterator[tuple[str, str]]:
-    """Yield the headers of an interface, by their include paths."""
+def _headers(library: Library, view: DeviceView) -> Iterator[tuple[str, Callable[[], str]]]:
+    """Yield the include path of each header of an interface, and a function for its text."""
     values: Family = {"maker": view.maker, "PREFIX": view.maker.name.upper(), "d": view}
-    yield view.header, _render(library, "device.h.jinja", values | {"runtime": runtime_version()})
-    yield view.cpp_header, _render(library, "device.hpp.jinja", values)
+    yield view.header, partial(_render, library, "device.h.jinja", values | {"runtime": runtime_version()})
+    yield view.cpp_header, partial(_render, library, "device.hpp.jinja", values)
     for part in view.parts:
-        yield f"{view.maker.name}/{part.file}", _render(library, "part.h.jinja", values | {"further": part})
+        text = partial(_render, library, "part.h.jinja", values | {"further": part})
+        yield f"{view.maker.name}/{part.file}", text
 
 
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:

@@ -238,15 +238,17 @@ def _package_names(namespace: str, makers: Sequence[Manufacturer]) -> Named:
     }
 
 
-def own_programs(view: DeviceView, render: Render) -> Iterator[tuple[str, str]]:
-    """Yield the example programs of an interface, with their paths in the C folder."""
+def own_programs(
+    view: DeviceView, later: Callable[[str, Mapping[str, object]], Callable[[], str]]
+) -> Iterator[tuple[str, Callable[[], str]]]:
+    """Yield the path in the C folder of each example program of an interface, and a function for its text."""
     maker, programs = view.maker, list(example_codes(view))
     all_programs: list[ExampleCode | ReceiverCode] = [*programs, *receiver_codes(programs)]
     for program in all_programs:
         used = {"maker": maker, "PREFIX": maker.name.upper(), "d": view, "e": program}
-        yield f"examples/{program.name}.c", render(_program_template(program), used)
+        yield f"examples/{program.name}.c", later(_program_template(program), used)
         if isinstance(program, ReceiverCode):
-            yield f"examples/{program.sketch}/{program.sketch}.ino", render("sketch.ino.jinja", used)
+            yield f"examples/{program.sketch}/{program.sketch}.ino", later("sketch.ino.jinja", used)
 
 
 def _program_template(program: ExampleCode | ReceiverCode) -> str:

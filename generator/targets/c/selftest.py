@@ -334,12 +334,14 @@ class AllTests(TypedDict):
     makers: Annotated[dict[str, list[SelfTest]], "the self-tests of the families, by manufacturer"]
 
 
-def own_test(view: DeviceView, render: Callable[[str, Mapping[str, object]], str]) -> Iterator[tuple[str, str]]:
-    """Yield the self-test of an interface if it has any, with its path in the C folder."""
+def own_test(
+    view: DeviceView, later: Callable[[str, Mapping[str, object]], Callable[[], str]]
+) -> Iterator[tuple[str, Callable[[], str]]]:
+    """Yield the path in the C folder of the self-test of an interface, if it has any, and a function for its text."""
     test = SelfTest(view)
     if test.checks:
         family: FamilyTest = {"maker": view.maker, "t": test}
-        yield test.path, render("selftest.c.jinja", family)
+        yield test.path, later("selftest.c.jinja", family)
 
 
 def selftest_files(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
+from functools import partial
 from typing import Annotated, Any, TypedDict
 
 from ...masters.sheet import Master, shipped_masters
@@ -48,8 +49,11 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     ``docs/<device>/`` has a page for each interface, each order code, the hardware, the errata and the manual, and it
     has the pictures.
     """
-    parts: list[_FamilyPart] = [library.part(_family_part, device, options) for device in library.devices]
-    sections = [section for part in parts for section in part["order_codes"]]
+    files = licence_in("docs")
+    sections: list[Section] = []
+    for device in library.devices:
+        files |= library.files_of(_family, device, options)
+        sections += _order_code_sections(order_code_page.OrderCodes(device))
     pages: dict[str, tuple[str, Mapping[str, Any]]] = {
         "README.md": ("index.md.jinja", _index(library, sections)),
         verdict_page.PAGE: ("usable.md.jinja", verdict_page.page_values(library.devices)),
@@ -68,77 +72,82 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         inline_errata.ALL_ERRATA: (f"{inline_errata.ALL_ERRATA}.jinja", inline_errata.all_values(library.devices)),
         glossary.PAGE: (f"{glossary.PAGE}.jinja", glossary.page_values(library.devices)),
     }
-    files = licence_in("docs")
-    for part in parts:
-        files |= part["files"]
-    return files | _render_pages(pages, library)
+    for name, (template, values) in pages.items():
+        files[f"docs/{name}"] = _page_text(template, values, library)
+    return files
 
 
-class _FamilyPart(TypedDict):
-    """The part of a family: its files by path, and its sections on the index."""
-
-    files: dict[str, str]
-    order_codes: list[Section]
-
-
-def _family_part(device: Device, library: Library, options: Options) -> _FamilyPart:
+def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
+    """Yield the path of each picture and page of a family, and a function for its text."""
     try:
         masters = shipped_masters()
     except ValueError as error:
         raise TargetError(str(error)) from None
     codes = order_code_page.OrderCodes(device)
-    files = {f"docs/{device.name}/{name}": picture for name, picture in _pictures(codes)}
-    pages = _render_pages(dict(_pages(codes, masters)), library)
-    for path, page_text in pages.items():
-        files[path] = page_links.with_errata_linked(device, path.removeprefix("docs/"), page_text)
-    return {"files": files, "order_codes": list(_order_code_sections(codes))}
+    for name, picture in _pictures(codes):
+        yield f"docs/{device.name}/{name}", picture
+    for name, template, page_values in _pages(codes, masters):
+        yield f"docs/{name}", partial(_family_page, device, name, template, page_values, library)
 
 
-def _render_pages(pages: Mapping[str, tuple[str, Mapping[str, Any]]], library: Library) -> dict[str, str]:
-    """Return the text of each page, by path. ``pages`` has the template and the values of each page, by name."""
-    texts: dict[str, str] = {}
-    for name, (template, values) in pages.items():
-        texts[f"docs/{name}"] = _without_surplus_spaces(TEMPLATES.render(template, values, library.own_templates))
-    return texts
+def _family_page(
+    device: Device, name: str, template: str, page_values: Callable[[], Mapping[str, Any]], library: Library
+) -> str:
+    return page_links.with_errata_linked(device, name, _page_text(template, page_values(), library))
+
+
+def _page_text(template: str, values: Mapping[str, Any], library: Library) -> str:
+    return _without_surplus_spaces(TEMPLATES.render(template, values, library.own_templates))
 
 
 def _pages(
     codes: order_code_page.OrderCodes, masters: tuple[Master, ...]
-) -> Iterator[tuple[str, tuple[str, Mapping[str, Any]]]]:
-    """Yield each page with its template and its values."""
+) -> Iterator[tuple[str, str, Callable[[], Mapping[str, Any]]]]:
+    """Yield the name of each page, its template, and a function for its values."""
     device, folder = codes.device, codes.device.name
     kinds = [interface.name for interface in device.interfaces]
     kinds_with_masters = {kind for kind in kinds if masters_page.has_masters(for_interface(device, kind))}
-    yield f"{folder}.md", ("device.md.jinja", family_pages.index_values(codes, bool(kinds_with_masters)))
+    has_any_masters = bool(kinds_with_masters)
+    yield f"{folder}.md", "device.md.jinja", partial(family_pages.index_values, codes, has_any_masters)
     for kind in kinds:
-        values = interface_page.page_values(
-            device,
-            kind,
-            links=codes.links_in_folder,
-            has_masters=kind in kinds_with_masters,
-            pictures=codes.pictures,
-        )
-        yield f"{folder}/{kind}.md", ("interface.md.jinja", values)
+        yield f"{folder}/{kind}.md", "interface.md.jinja", partial(_interface_values, codes, kind, kinds_with_masters)
     for group in codes.groups:
-        has_masters = group.interface.name in kinds_with_masters
-        code_values = order_code_page.page_values(group, has_masters, codes.pictures)
-        yield f"{folder}/{group.name}.md", ("code.md.jinja", code_values)
-    yield f"{folder}/hardware.md", ("hardware.md.jinja", family_pages.hardware_values(device))
-    yield f"{folder}/{page_links.ERRATA}", ("errata.md.jinja", inline_errata.page_values(device))
-    yield f"{folder}/manual.md", ("manual.md.jinja", family_pages.manual_values(device))
-    if kinds_with_masters:
-        yield f"{folder}-masters.md", ("masters.md.jinja", masters_page.page_values(device, masters))
-    yield changes_page.file_name(device), ("changes.md.jinja", changes_page.page_values(device))
+        yield f"{folder}/{group.name}.md", "code.md.jinja", partial(_code_values, codes, group, kinds_with_masters)
+    yield f"{folder}/hardware.md", "hardware.md.jinja", partial(family_pages.hardware_values, device)
+    yield f"{folder}/{page_links.ERRATA}", "errata.md.jinja", partial(inline_errata.page_values, device)
+    yield f"{folder}/manual.md", "manual.md.jinja", partial(family_pages.manual_values, device)
+    if has_any_masters:
+        yield f"{folder}-masters.md", "masters.md.jinja", partial(masters_page.page_values, device, masters)
+    yield changes_page.file_name(device), "changes.md.jinja", partial(changes_page.page_values, device)
 
 
-def _pictures(codes: order_code_page.OrderCodes) -> Iterator[tuple[str, str]]:
-    """Yield each picture with its file name."""
+def _interface_values(
+    codes: order_code_page.OrderCodes, kind: str, kinds_with_masters: Collection[str]
+) -> interface_page.InterfacePage:
+    return interface_page.page_values(
+        codes.device,
+        kind,
+        links=codes.links_in_folder,
+        has_masters=kind in kinds_with_masters,
+        pictures=codes.pictures,
+    )
+
+
+def _code_values(
+    codes: order_code_page.OrderCodes, group: order_code_page.CodeGroup, kinds_with_masters: Collection[str]
+) -> order_code_page.CodePage:
+    has_masters = group.interface.name in kinds_with_masters
+    return order_code_page.page_values(group, has_masters, codes.pictures)
+
+
+def _pictures(codes: order_code_page.OrderCodes) -> Iterator[tuple[str, Callable[[], str]]]:
+    """Yield the file name of each picture, and a function for its text."""
     for pictures in (codes.pictures, *(group.pictures for group in codes.groups)):
-        yield from ((picture.name, picture.svg) for picture in pictures.values())
+        yield from ((picture.name, partial(str, picture.svg)) for picture in pictures.values())
     for interface in codes.device.interfaces:
         diagram = timing_pictures.timing_diagram(codes.device, interface)
         if diagram is not None:
-            yield f"timing-{interface.name}.svg", timing_pictures.diagram_picture(diagram)
+            yield f"timing-{interface.name}.svg", partial(timing_pictures.diagram_picture, diagram)
 
 
 def _without_surplus_spaces(page_text: str) -> str:
@@ -228,5 +237,5 @@ TARGET = Target(
     summary="Markdown pages with pictures of every frame, and the settings of BiSS and SSI masters",
     files=generate,
     templates=TEMPLATES,
-    family=_family_part,
+    family=_family,
 )

@@ -6,7 +6,8 @@ The description of a master lists its file formats. A format is a row of ``FILE_
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Annotated, TypedDict
 
 from ...language.master_items import FILE_FORMATS
@@ -159,15 +160,14 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """
     files: dict[str, str] = {}
     for device in library.devices:
-        files |= library.part(_family_files, device, options)
+        files |= library.files_of(_family, device, options)
     return files | {"masters/README.md": _index(library, files)} | licence_in("masters")
 
 
-def _family_files(device: Device, library: Library, options: Options) -> dict[str, str]:
-    """Return the files of a family by path."""
+def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
+    """Yield the path of each file of a family, and a function for its text."""
     is_one_file_each = options.get(_ORDER_CODES_OPTION.name, _ORDER_CODES_OPTION.default) == _ONE_FILE_EACH
     write = _file_of_each_order_code if is_one_file_each else _bulk_file
-    files: dict[str, str] = {}
     masters = shipped_masters()
     interface_sheets = sheets_of(device, masters)
     for number, master in enumerate(masters):
@@ -178,8 +178,7 @@ def _family_files(device: Device, library: Library, options: Options) -> dict[st
                 device_prefix = "" if len(master.devices) == 1 else f"{names_of_codes([master_device])[0]}-"
                 start = f"masters/{master.name}/{rule['format']}/{device_prefix}"
                 sheets = [codes_sheet for codes_sheet in usable if master_device not in codes_sheet[0].unusable_devices]
-                files |= write(start, device, sheets, rule, master_device, library)
-    return files
+                yield from write(start, device, sheets, rule, master_device, library)
 
 
 def _usable_sheets(interface_sheets: Sequence[GroupSheets], number: int) -> Iterator[SheetOfCodes]:
@@ -218,14 +217,15 @@ SheetOfCodes = tuple[Sheet, Record, Sequence[str]]
 
 def _file_of_each_order_code(
     start: str, device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library
-) -> dict[str, str]:
+) -> Iterator[tuple[str, Callable[[], str]]]:
     suffix = FILE_FORMATS[rule["format"]].suffix
     labels: list[str] = []
-    texts: list[str] = []
+    texts: list[Callable[[], str]] = []
     for sheet, record, codes in sheets:
         labels += (_code_and_answers(code, record) for code in codes)
-        texts += (file_text(device, [code], sheet, rule, master_device, library) for code in codes)
-    return {f"{start}{name}{suffix}": text for name, text in zip(names_of_codes(labels), texts, strict=True)}
+        texts += (partial(file_text, device, [code], sheet, rule, master_device, library) for code in codes)
+    for name, text in zip(names_of_codes(labels), texts, strict=True):
+        yield f"{start}{name}{suffix}", text
 
 
 def _code_and_answers(code: str, record: Record) -> str:
@@ -234,9 +234,14 @@ def _code_and_answers(code: str, record: Record) -> str:
 
 def _bulk_file(
     start: str, device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library
-) -> dict[str, str]:
-    """Return one file in which order codes with the same content share a block."""
-    format_ = FILE_FORMATS[rule["format"]]
+) -> Iterator[tuple[str, Callable[[], str]]]:
+    """Yield the path of one file for all order codes, and a function for its text."""
+    path = f"{start}{device.name}{FILE_FORMATS[rule['format']].suffix}"
+    yield path, partial(_bulk_text, device, sheets, rule, master_device, library)
+
+
+def _bulk_text(device: Device, sheets: Sequence[SheetOfCodes], rule: Raw, master_device: str, library: Library) -> str:
+    """Return the text of a file in which order codes with the same content share a block."""
     codes_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], list[str]] = {}
     sheet_by_content: dict[tuple[Content, Sequence[tuple[str, str]]], Sheet] = {}
     for sheet, record, codes in sheets:
@@ -250,7 +255,7 @@ def _bulk_file(
         sheet = sheet_by_content[file_content, answers]
         text = file_text(device, codes, sheet, rule, master_device, library, is_short=True, file_content=file_content)
         blocks.append((title, text))
-    return {f"{start}{device.name}{format_.suffix}": _joined_blocks(device, blocks, sheet, rule, master_device)}
+    return _joined_blocks(device, blocks, sheet, rule, master_device)
 
 
 def _joined_blocks(
@@ -293,5 +298,5 @@ TARGET = Target(
     files=generate,
     options=(_ORDER_CODES_OPTION,),
     templates=TEMPLATES,
-    family=_family_files,
+    family=_family,
 )

@@ -8,6 +8,7 @@ the templates, and names and expressions from this package.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from pathlib import Path
 from posixpath import relpath
 from runpy import run_path
@@ -154,7 +155,7 @@ def _package(
     if not biss:
         del files[f"{package}/{BISS}.py"]
     for device in devices:
-        files |= library.part(_family, device, NO_OPTIONS)
+        files |= library.files_of(_family, device, NO_OPTIONS)
     return files
 
 
@@ -188,14 +189,15 @@ def _package_values(
     }
 
 
-def _family(device: Device, library: Library, options: Options) -> dict[str, str]:
-    """Return the modules of a family by path: its frames, its facts, and its shapes."""
-    package = device.manufacturer.python_package
-    modules = _modules(Module(device), package, library.own_templates)
-    return {f"{package}/{name}": text for name, text in modules}
+def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
+    """Yield the path of each module of a family, and a function for its text: its frames, its facts, and its shapes."""
+    package, module = device.manufacturer.python_package, Module(device)
+    for folder, template in (("", "device"), ("facts/", "facts"), ("_shapes/", "shapes")):
+        text = partial(_module_text, module, package, template, library.own_templates)
+        yield f"{package}/{folder}{module.name}.py", text
 
 
-def _modules(module: Module, package: str, user_templates: Path | None) -> Iterator[tuple[str, str]]:
+def _module_text(module: Module, package: str, template: str, user_templates: Path | None) -> str:
     family: Family = {
         "header": _header(f"the specification of {plain(module.device.title)}"),
         "package": package,
@@ -205,16 +207,11 @@ def _modules(module: Module, package: str, user_templates: Path | None) -> Itera
         "offers": sorted({name for _, names in module.contents for name in names}),
     }
     device_names = {f"..{module.name}": [name for name in family["offers"] if name not in module.fact_names]}
-    files = (
-        (f"{module.name}.py", "device", PACKAGE),
-        (f"facts/{module.name}.py", "facts", FACTS),
-        (f"_shapes/{module.name}.py", "shapes", {**SHAPES, **device_names}),
-    )
-    for path, template, sources in files:
-        # The first rendering shows which names the module uses, the second one imports them.
-        text_without_imports = TEMPLATES.render(f"{template}.py.jinja", {**family, "imports": []}, user_templates)
-        values: Family = {**family, "imports": imports_of(text_without_imports, STANDARD, sources)}
-        yield path, TEMPLATES.render(f"{template}.py.jinja", values, user_templates)
+    sources = {"device": PACKAGE, "facts": FACTS, "shapes": {**SHAPES, **device_names}}[template]
+    # The first rendering shows which names the module uses, the second one imports them.
+    text_without_imports = TEMPLATES.render(f"{template}.py.jinja", {**family, "imports": []}, user_templates)
+    values: Family = {**family, "imports": imports_of(text_without_imports, STANDARD, sources)}
+    return TEMPLATES.render(f"{template}.py.jinja", values, user_templates)
 
 
 def _header(source: str) -> str:
