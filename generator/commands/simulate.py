@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 EXAMPLES = (
     "codewheel simulate MY-ENCODER-13-SC --position 1000",
-    "codewheel simulate MY-ENCODER-13-SC --position sine:0.5Hz:90deg --fault flip:1e-3",
+    "codewheel simulate MY-ENCODER-13-SC --position sine:1Hz:90deg --fault flip",
 )
 _HOW_TO_USE = (
     "For RS-485, open the printed device like a serial port, at any baud rate. With --tcp, and on systems without "
