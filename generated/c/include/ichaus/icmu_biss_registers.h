@@ -56,7 +56,8 @@ typedef struct ichaus_icmu_biss_reg_bank {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_bank_decode(
-    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length, ichaus_icmu_biss_reg_bank *out)
+    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
+    ichaus_icmu_biss_reg_bank *out)
 {
     (void)variant;
     if (length != ICHAUS_ICMU_BISS_REG_BANK_LENGTH) {
@@ -71,7 +72,8 @@ static inline cw_result ichaus_icmu_biss_reg_bank_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_bank_encode(
-    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_bank *in, uint8_t *bytes, size_t length)
+    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_bank *in, uint8_t *bytes,
+    size_t length)
 {
     (void)variant;
     if (length != ICHAUS_ICMU_BISS_REG_BANK_LENGTH) {
@@ -87,7 +89,7 @@ static inline cw_result ichaus_icmu_biss_reg_bank_encode(
 /** Read the BANKSEL register (40h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_bank(
-    const cw_transport *transport, ichaus_icmu_biss variant,
+    const cw_transport *transport, const ichaus_icmu_biss *variant,
     ichaus_icmu_biss_reg_bank *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_BANK_LENGTH];
@@ -102,7 +104,7 @@ static inline cw_result ichaus_icmu_biss_read_bank(
 /** Write the BANKSEL register (40h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_write_bank(
-    const cw_transport *transport, ichaus_icmu_biss variant,
+    const cw_transport *transport, const ichaus_icmu_biss *variant,
     const ichaus_icmu_biss_reg_bank *in, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_BANK_LENGTH];
@@ -150,7 +152,8 @@ typedef struct ichaus_icmu_biss_reg_mode {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_mode_decode(
-    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length, ichaus_icmu_biss_reg_mode *out)
+    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
+    ichaus_icmu_biss_reg_mode *out)
 {
     (void)variant;
     if (length != ICHAUS_ICMU_BISS_REG_MODE_LENGTH) {
@@ -165,7 +168,8 @@ static inline cw_result ichaus_icmu_biss_reg_mode_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_mode_encode(
-    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_mode *in, uint8_t *bytes, size_t length)
+    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_mode *in, uint8_t *bytes,
+    size_t length)
 {
     (void)variant;
     if (length != ICHAUS_ICMU_BISS_REG_MODE_LENGTH) {
@@ -184,7 +188,7 @@ static inline cw_result ichaus_icmu_biss_reg_mode_encode(
  */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_mode(
-    const cw_transport *transport, ichaus_icmu_biss variant,
+    const cw_transport *transport, const ichaus_icmu_biss *variant,
     ichaus_icmu_biss_reg_mode *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_MODE_LENGTH];
@@ -206,7 +210,7 @@ static inline cw_result ichaus_icmu_biss_read_mode(
  */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_write_mode(
-    const cw_transport *transport, ichaus_icmu_biss variant,
+    const cw_transport *transport, const ichaus_icmu_biss *variant,
     const ichaus_icmu_biss_reg_mode *in, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_MODE_LENGTH];
@@ -250,7 +254,7 @@ typedef struct ichaus_icmu_biss_reg_output_length {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_output_length_decode(
-    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
+    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_output_length *out)
 {
     (void)variant;
@@ -268,7 +272,7 @@ static inline cw_result ichaus_icmu_biss_reg_output_length_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_output_length_encode(
-    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_output_length *in, uint8_t *bytes,
+    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_output_length *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -291,7 +295,7 @@ static inline cw_result ichaus_icmu_biss_reg_output_length_encode(
  */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_output_length(
-    const cw_transport *transport, ichaus_icmu_biss variant,
+    const cw_transport *transport, const ichaus_icmu_biss *variant,
     ichaus_icmu_biss_reg_output_length *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_OUTPUT_LENGTH_LENGTH];
@@ -314,7 +318,7 @@ static inline cw_result ichaus_icmu_biss_read_output_length(
  */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_write_output_length(
-    const cw_transport *transport, ichaus_icmu_biss variant,
+    const cw_transport *transport, const ichaus_icmu_biss *variant,
     const ichaus_icmu_biss_reg_output_length *in, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_OUTPUT_LENGTH_LENGTH];
@@ -372,7 +376,7 @@ typedef struct ichaus_icmu_biss_reg_output_selection {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_output_selection_decode(
-    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
+    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_output_selection *out)
 {
     (void)variant;
@@ -398,8 +402,8 @@ static inline cw_result ichaus_icmu_biss_reg_output_selection_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_output_selection_encode(
-    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_output_selection *in, uint8_t *bytes,
-    size_t length)
+    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_output_selection *in,
+    uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != ICHAUS_ICMU_BISS_REG_OUTPUT_SELECTION_LENGTH) {
@@ -424,7 +428,7 @@ static inline cw_result ichaus_icmu_biss_reg_output_selection_encode(
  */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_output_selection(
-    const cw_transport *transport, ichaus_icmu_biss variant,
+    const cw_transport *transport, const ichaus_icmu_biss *variant,
     ichaus_icmu_biss_reg_output_selection *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_OUTPUT_SELECTION_LENGTH];
@@ -447,7 +451,7 @@ static inline cw_result ichaus_icmu_biss_read_output_selection(
  */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_write_output_selection(
-    const cw_transport *transport, ichaus_icmu_biss variant,
+    const cw_transport *transport, const ichaus_icmu_biss *variant,
     const ichaus_icmu_biss_reg_output_selection *in, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_OUTPUT_SELECTION_LENGTH];
@@ -477,7 +481,7 @@ static inline cw_result ichaus_icmu_biss_write_output_selection(
 /** Read the EDSBANK register (41h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_eds_bank(
-    const cw_transport *transport, ichaus_icmu_biss variant,
+    const cw_transport *transport, const ichaus_icmu_biss *variant,
     uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
@@ -515,7 +519,7 @@ typedef struct ichaus_icmu_biss_reg_profile_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_profile_id_decode(
-    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
+    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_profile_id *out)
 {
     (void)variant;
@@ -531,7 +535,7 @@ static inline cw_result ichaus_icmu_biss_reg_profile_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_profile_id_encode(
-    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_profile_id *in, uint8_t *bytes,
+    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_profile_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -546,7 +550,7 @@ static inline cw_result ichaus_icmu_biss_reg_profile_id_encode(
 /** Read the PROFILE_ID register (42h to 43h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_profile_id(
-    const cw_transport *transport, ichaus_icmu_biss variant,
+    const cw_transport *transport, const ichaus_icmu_biss *variant,
     ichaus_icmu_biss_reg_profile_id *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_PROFILE_ID_LENGTH];
@@ -583,7 +587,7 @@ typedef struct ichaus_icmu_biss_reg_serial_number {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_serial_number_decode(
-    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
+    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_serial_number *out)
 {
     (void)variant;
@@ -600,7 +604,7 @@ static inline cw_result ichaus_icmu_biss_reg_serial_number_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_serial_number_encode(
-    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_serial_number *in, uint8_t *bytes,
+    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_serial_number *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -617,7 +621,7 @@ static inline cw_result ichaus_icmu_biss_reg_serial_number_encode(
 /** Read the SERIAL register (44h to 47h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_serial_number(
-    const cw_transport *transport, ichaus_icmu_biss variant,
+    const cw_transport *transport, const ichaus_icmu_biss *variant,
     ichaus_icmu_biss_reg_serial_number *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_SERIAL_NUMBER_LENGTH];
@@ -642,7 +646,7 @@ static inline cw_result ichaus_icmu_biss_read_serial_number(
 /** Read the EVENT_COUNT register (73h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_event_count(
-    const cw_transport *transport, ichaus_icmu_biss variant,
+    const cw_transport *transport, const ichaus_icmu_biss *variant,
     uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
@@ -669,7 +673,7 @@ static inline cw_result ichaus_icmu_biss_read_event_count(
 /** Read the HARD_REV register (74h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_hardware_revision(
-    const cw_transport *transport, ichaus_icmu_biss variant,
+    const cw_transport *transport, const ichaus_icmu_biss *variant,
     uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
@@ -719,7 +723,7 @@ typedef enum ichaus_icmu_biss_command {
 /** Write the CMD_MU register (75h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_write_command(
-    const cw_transport *transport, ichaus_icmu_biss variant,
+    const cw_transport *transport, const ichaus_icmu_biss *variant,
     ichaus_icmu_biss_command value, cw_failure *failure)
 {
     (void)variant;
@@ -772,7 +776,7 @@ typedef struct ichaus_icmu_biss_reg_status0 {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_status0_decode(
-    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
+    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_status0 *out)
 {
     (void)variant;
@@ -792,7 +796,8 @@ static inline cw_result ichaus_icmu_biss_reg_status0_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_status0_encode(
-    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_status0 *in, uint8_t *bytes, size_t length)
+    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_status0 *in, uint8_t *bytes,
+    size_t length)
 {
     (void)variant;
     if (length != ICHAUS_ICMU_BISS_REG_STATUS0_LENGTH) {
@@ -806,7 +811,7 @@ static inline cw_result ichaus_icmu_biss_reg_status0_encode(
 /** Read the STATUS0 register (76h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_status0(
-    const cw_transport *transport, ichaus_icmu_biss variant,
+    const cw_transport *transport, const ichaus_icmu_biss *variant,
     ichaus_icmu_biss_reg_status0 *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_STATUS0_LENGTH];
@@ -856,7 +861,7 @@ typedef struct ichaus_icmu_biss_reg_status1 {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_status1_decode(
-    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
+    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_status1 *out)
 {
     (void)variant;
@@ -879,7 +884,8 @@ static inline cw_result ichaus_icmu_biss_reg_status1_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_status1_encode(
-    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_status1 *in, uint8_t *bytes, size_t length)
+    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_status1 *in, uint8_t *bytes,
+    size_t length)
 {
     (void)variant;
     if (length != ICHAUS_ICMU_BISS_REG_STATUS1_LENGTH) {
@@ -895,7 +901,7 @@ static inline cw_result ichaus_icmu_biss_reg_status1_encode(
 /** Read the STATUS1 register (77h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_status1(
-    const cw_transport *transport, ichaus_icmu_biss variant,
+    const cw_transport *transport, const ichaus_icmu_biss *variant,
     ichaus_icmu_biss_reg_status1 *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_STATUS1_LENGTH];
@@ -932,7 +938,7 @@ typedef struct ichaus_icmu_biss_reg_device_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_device_id_decode(
-    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
+    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_device_id *out)
 {
     (void)variant;
@@ -950,7 +956,7 @@ static inline cw_result ichaus_icmu_biss_reg_device_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_device_id_encode(
-    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_device_id *in, uint8_t *bytes,
+    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_device_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -972,7 +978,7 @@ static inline cw_result ichaus_icmu_biss_reg_device_id_encode(
 /** Read the DEV_ID register (78h to 7Dh). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_device_id(
-    const cw_transport *transport, ichaus_icmu_biss variant,
+    const cw_transport *transport, const ichaus_icmu_biss *variant,
     ichaus_icmu_biss_reg_device_id *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_DEVICE_ID_LENGTH];
@@ -1010,7 +1016,7 @@ typedef struct ichaus_icmu_biss_reg_manufacturer_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_manufacturer_id_decode(
-    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
+    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_manufacturer_id *out)
 {
     (void)variant;
@@ -1026,7 +1032,7 @@ static inline cw_result ichaus_icmu_biss_reg_manufacturer_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_manufacturer_id_encode(
-    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_manufacturer_id *in, uint8_t *bytes,
+    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -1041,7 +1047,7 @@ static inline cw_result ichaus_icmu_biss_reg_manufacturer_id_encode(
 /** Read the MFG_ID register (7Eh to 7Fh). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_manufacturer_id(
-    const cw_transport *transport, ichaus_icmu_biss variant,
+    const cw_transport *transport, const ichaus_icmu_biss *variant,
     ichaus_icmu_biss_reg_manufacturer_id *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_MANUFACTURER_ID_LENGTH];

@@ -60,7 +60,8 @@ typedef struct lika_am36_biss_reg_profile_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_profile_id_decode(
-    lika_am36_biss variant, const uint8_t *bytes, size_t length, lika_am36_biss_reg_profile_id *out)
+    const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
+    lika_am36_biss_reg_profile_id *out)
 {
     (void)variant;
     if (length != LIKA_AM36_BISS_REG_PROFILE_ID_LENGTH) {
@@ -75,7 +76,8 @@ static inline cw_result lika_am36_biss_reg_profile_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_profile_id_encode(
-    lika_am36_biss variant, const lika_am36_biss_reg_profile_id *in, uint8_t *bytes, size_t length)
+    const lika_am36_biss *variant, const lika_am36_biss_reg_profile_id *in, uint8_t *bytes,
+    size_t length)
 {
     (void)variant;
     if (length != LIKA_AM36_BISS_REG_PROFILE_ID_LENGTH) {
@@ -92,7 +94,7 @@ static inline cw_result lika_am36_biss_reg_profile_id_encode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_am36_biss_reg_profile_id_is_expected(
-    lika_am36_biss variant, const lika_am36_biss_reg_profile_id *in)
+    const lika_am36_biss *variant, const lika_am36_biss_reg_profile_id *in)
 {
     (void)variant;
     return in->profile == LIKA_AM36_BISS_REG_PROFILE_ID_PROFILE_EXPECTED;
@@ -101,7 +103,7 @@ static inline bool lika_am36_biss_reg_profile_id_is_expected(
 /** Read the Profile ID register (42h to 43h). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_profile_id(
-    const cw_transport *transport, lika_am36_biss variant,
+    const cw_transport *transport, const lika_am36_biss *variant,
     lika_am36_biss_reg_profile_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_PROFILE_ID_LENGTH];
@@ -146,7 +148,7 @@ typedef struct lika_am36_biss_reg_serial_number {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_serial_number_decode(
-    lika_am36_biss variant, const uint8_t *bytes, size_t length,
+    const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_serial_number *out)
 {
     (void)variant;
@@ -166,7 +168,7 @@ static inline cw_result lika_am36_biss_reg_serial_number_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_serial_number_encode(
-    lika_am36_biss variant, const lika_am36_biss_reg_serial_number *in, uint8_t *bytes,
+    const lika_am36_biss *variant, const lika_am36_biss_reg_serial_number *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -183,7 +185,7 @@ static inline cw_result lika_am36_biss_reg_serial_number_encode(
 /** Read the Serial number register (44h to 47h). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_serial_number(
-    const cw_transport *transport, lika_am36_biss variant,
+    const cw_transport *transport, const lika_am36_biss *variant,
     lika_am36_biss_reg_serial_number *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_SERIAL_NUMBER_LENGTH];
@@ -238,7 +240,7 @@ typedef enum lika_am36_biss_command {
 /** Write the Command register (48h), then wait 30 ms. */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_write_command(
-    const cw_transport *transport, lika_am36_biss variant,
+    const cw_transport *transport, const lika_am36_biss *variant,
     lika_am36_biss_command value, cw_failure *failure)
 {
     cw_result result;
@@ -330,7 +332,7 @@ typedef struct lika_am36_biss_reg_configuration {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_configuration_decode(
-    lika_am36_biss variant, const uint8_t *bytes, size_t length,
+    const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_configuration *out)
 {
     (void)variant;
@@ -354,7 +356,7 @@ static inline cw_result lika_am36_biss_reg_configuration_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_configuration_encode(
-    lika_am36_biss variant, const lika_am36_biss_reg_configuration *in, uint8_t *bytes,
+    const lika_am36_biss *variant, const lika_am36_biss_reg_configuration *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -378,7 +380,7 @@ static inline cw_result lika_am36_biss_reg_configuration_encode(
 /** Read the Configuration register (49h). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_configuration(
-    const cw_transport *transport, lika_am36_biss variant,
+    const cw_transport *transport, const lika_am36_biss *variant,
     lika_am36_biss_reg_configuration *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_CONFIGURATION_LENGTH];
@@ -398,7 +400,7 @@ static inline cw_result lika_am36_biss_read_configuration(
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_write_configuration(
-    const cw_transport *transport, lika_am36_biss variant,
+    const cw_transport *transport, const lika_am36_biss *variant,
     const lika_am36_biss_reg_configuration *in, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_CONFIGURATION_LENGTH];
@@ -450,7 +452,7 @@ typedef struct lika_am36_biss_reg_information_per_revolution {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_information_per_revolution_decode(
-    lika_am36_biss variant, const uint8_t *bytes, size_t length,
+    const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_information_per_revolution *out)
 {
     (void)variant;
@@ -467,8 +469,8 @@ static inline cw_result lika_am36_biss_reg_information_per_revolution_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_information_per_revolution_encode(
-    lika_am36_biss variant, const lika_am36_biss_reg_information_per_revolution *in, uint8_t *bytes,
-    size_t length)
+    const lika_am36_biss *variant, const lika_am36_biss_reg_information_per_revolution *in,
+    uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != LIKA_AM36_BISS_REG_INFORMATION_PER_REVOLUTION_LENGTH) {
@@ -492,7 +494,7 @@ static inline cw_result lika_am36_biss_reg_information_per_revolution_encode(
 /** Read the Information per revolution register (4Bh to 4Dh). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_information_per_revolution(
-    const cw_transport *transport, lika_am36_biss variant,
+    const cw_transport *transport, const lika_am36_biss *variant,
     lika_am36_biss_reg_information_per_revolution *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_INFORMATION_PER_REVOLUTION_LENGTH];
@@ -512,7 +514,7 @@ static inline cw_result lika_am36_biss_read_information_per_revolution(
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_write_information_per_revolution(
-    const cw_transport *transport, lika_am36_biss variant,
+    const cw_transport *transport, const lika_am36_biss *variant,
     const lika_am36_biss_reg_information_per_revolution *in, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_INFORMATION_PER_REVOLUTION_LENGTH];
@@ -568,7 +570,7 @@ typedef struct lika_am36_biss_reg_number_of_revolutions {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_number_of_revolutions_decode(
-    lika_am36_biss variant, const uint8_t *bytes, size_t length,
+    const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_number_of_revolutions *out)
 {
     (void)variant;
@@ -584,8 +586,8 @@ static inline cw_result lika_am36_biss_reg_number_of_revolutions_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_number_of_revolutions_encode(
-    lika_am36_biss variant, const lika_am36_biss_reg_number_of_revolutions *in, uint8_t *bytes,
-    size_t length)
+    const lika_am36_biss *variant, const lika_am36_biss_reg_number_of_revolutions *in,
+    uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != LIKA_AM36_BISS_REG_NUMBER_OF_REVOLUTIONS_LENGTH) {
@@ -602,7 +604,7 @@ static inline cw_result lika_am36_biss_reg_number_of_revolutions_encode(
 /** Read the Number of revolutions register (4Eh to 4Fh). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_number_of_revolutions(
-    const cw_transport *transport, lika_am36_biss variant,
+    const cw_transport *transport, const lika_am36_biss *variant,
     lika_am36_biss_reg_number_of_revolutions *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_NUMBER_OF_REVOLUTIONS_LENGTH];
@@ -622,7 +624,7 @@ static inline cw_result lika_am36_biss_read_number_of_revolutions(
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_write_number_of_revolutions(
-    const cw_transport *transport, lika_am36_biss variant,
+    const cw_transport *transport, const lika_am36_biss *variant,
     const lika_am36_biss_reg_number_of_revolutions *in, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_NUMBER_OF_REVOLUTIONS_LENGTH];
@@ -645,9 +647,9 @@ static inline cw_result lika_am36_biss_write_number_of_revolutions(
 
 /** Return the highest position: used_information * used_revolutions - 1. */
 CW_CONSTEXPR
-static inline uint64_t lika_am36_biss_reg_preset_max(lika_am36_biss variant)
+static inline uint64_t lika_am36_biss_reg_preset_max(const lika_am36_biss *variant)
 {
-    return ((uint64_t)CW_OF(variant).used_information * CW_OF(variant).used_revolutions) - 1U;
+    return ((uint64_t)variant->used_information * variant->used_revolutions) - 1U;
 }
 
 /**
@@ -682,7 +684,8 @@ typedef struct lika_am36_biss_reg_preset {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_preset_decode(
-    lika_am36_biss variant, const uint8_t *bytes, size_t length, lika_am36_biss_reg_preset *out)
+    const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
+    lika_am36_biss_reg_preset *out)
 {
     (void)variant;
     if (length != LIKA_AM36_BISS_REG_PRESET_LENGTH) {
@@ -702,7 +705,8 @@ static inline cw_result lika_am36_biss_reg_preset_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_preset_encode(
-    lika_am36_biss variant, const lika_am36_biss_reg_preset *in, uint8_t *bytes, size_t length)
+    const lika_am36_biss *variant, const lika_am36_biss_reg_preset *in, uint8_t *bytes,
+    size_t length)
 {
     if (length != LIKA_AM36_BISS_REG_PRESET_LENGTH) {
         return CW_FAULT_LENGTH;
@@ -724,7 +728,7 @@ static inline cw_result lika_am36_biss_reg_preset_encode(
 /** Read the Preset register (50h to 54h). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_preset(
-    const cw_transport *transport, lika_am36_biss variant,
+    const cw_transport *transport, const lika_am36_biss *variant,
     lika_am36_biss_reg_preset *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_PRESET_LENGTH];
@@ -739,7 +743,7 @@ static inline cw_result lika_am36_biss_read_preset(
 /** Write the Preset register (50h to 54h). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_write_preset(
-    const cw_transport *transport, lika_am36_biss variant,
+    const cw_transport *transport, const lika_am36_biss *variant,
     const lika_am36_biss_reg_preset *in, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_PRESET_LENGTH];
@@ -767,7 +771,7 @@ static inline cw_result lika_am36_biss_write_preset(
 /** Read the Device type register (55h). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_device_type(
-    const cw_transport *transport, lika_am36_biss variant,
+    const cw_transport *transport, const lika_am36_biss *variant,
     uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
@@ -798,7 +802,7 @@ static inline cw_result lika_am36_biss_read_device_type(
 /** Read the No. of bits used for singleturn resolution register (56h). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_singleturn_bits_used(
-    const cw_transport *transport, lika_am36_biss variant,
+    const cw_transport *transport, const lika_am36_biss *variant,
     uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
@@ -830,7 +834,7 @@ static inline cw_result lika_am36_biss_read_singleturn_bits_used(
 /** Read the No. of bits used for multiturn resolution register (57h). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_multiturn_bits_used(
-    const cw_transport *transport, lika_am36_biss variant,
+    const cw_transport *transport, const lika_am36_biss *variant,
     uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
@@ -889,7 +893,8 @@ typedef struct lika_am36_biss_reg_device_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_device_id_decode(
-    lika_am36_biss variant, const uint8_t *bytes, size_t length, lika_am36_biss_reg_device_id *out)
+    const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
+    lika_am36_biss_reg_device_id *out)
 {
     (void)variant;
     if (length != LIKA_AM36_BISS_REG_DEVICE_ID_LENGTH) {
@@ -908,7 +913,8 @@ static inline cw_result lika_am36_biss_reg_device_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_device_id_encode(
-    lika_am36_biss variant, const lika_am36_biss_reg_device_id *in, uint8_t *bytes, size_t length)
+    const lika_am36_biss *variant, const lika_am36_biss_reg_device_id *in, uint8_t *bytes,
+    size_t length)
 {
     (void)variant;
     if (length != LIKA_AM36_BISS_REG_DEVICE_ID_LENGTH) {
@@ -932,7 +938,7 @@ static inline cw_result lika_am36_biss_reg_device_id_encode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_am36_biss_reg_device_id_is_expected(
-    lika_am36_biss variant, const lika_am36_biss_reg_device_id *in)
+    const lika_am36_biss *variant, const lika_am36_biss_reg_device_id *in)
 {
     (void)variant;
     return (in->model[0] == LIKA_AM36_BISS_REG_DEVICE_ID_MODEL_EXPECTED[0]) &&
@@ -945,7 +951,7 @@ static inline bool lika_am36_biss_reg_device_id_is_expected(
 /** Read the Device ID register (78h to 7Dh). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_device_id(
-    const cw_transport *transport, lika_am36_biss variant,
+    const cw_transport *transport, const lika_am36_biss *variant,
     lika_am36_biss_reg_device_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_DEVICE_ID_LENGTH];
@@ -985,7 +991,7 @@ typedef struct lika_am36_biss_reg_manufacturer_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_manufacturer_id_decode(
-    lika_am36_biss variant, const uint8_t *bytes, size_t length,
+    const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_manufacturer_id *out)
 {
     (void)variant;
@@ -1001,7 +1007,7 @@ static inline cw_result lika_am36_biss_reg_manufacturer_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_manufacturer_id_encode(
-    lika_am36_biss variant, const lika_am36_biss_reg_manufacturer_id *in, uint8_t *bytes,
+    const lika_am36_biss *variant, const lika_am36_biss_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -1019,7 +1025,7 @@ static inline cw_result lika_am36_biss_reg_manufacturer_id_encode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_am36_biss_reg_manufacturer_id_is_expected(
-    lika_am36_biss variant, const lika_am36_biss_reg_manufacturer_id *in)
+    const lika_am36_biss *variant, const lika_am36_biss_reg_manufacturer_id *in)
 {
     (void)variant;
     return (in->name[0] == LIKA_AM36_BISS_REG_MANUFACTURER_ID_NAME_EXPECTED[0]) &&
@@ -1029,7 +1035,7 @@ static inline bool lika_am36_biss_reg_manufacturer_id_is_expected(
 /** Read the Manufacturer ID register (7Eh to 7Fh). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_manufacturer_id(
-    const cw_transport *transport, lika_am36_biss variant,
+    const cw_transport *transport, const lika_am36_biss *variant,
     lika_am36_biss_reg_manufacturer_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_MANUFACTURER_ID_LENGTH];
@@ -1254,7 +1260,7 @@ static inline cw_result lika_am36_biss_read_identity(
 
 /** Return true if an encoder with this order code can have these contents. */
 static inline bool lika_am36_biss_could_be(
-    lika_am36_biss variant, const lika_am36_biss_identity *read)
+    const lika_am36_biss *variant, const lika_am36_biss_identity *read)
 {
     lika_am36_biss_reg_profile_id profile_id;
     lika_am36_biss_reg_device_id device_id;
@@ -1291,7 +1297,7 @@ static inline const lika_am36_biss_order_code *lika_am36_biss_next_candidate(
     while (*next < count) {
         const lika_am36_biss_order_code *const code = &codes[*next];
         (*next)++;
-        if (lika_am36_biss_could_be(code->variant, read)) {
+        if (lika_am36_biss_could_be(&code->variant, read)) {
             return code;
         }
     }
