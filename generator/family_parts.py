@@ -48,8 +48,8 @@ class FamilyParts:
             return render()
         key = (target_name, digest)
         if key not in self._parts:
-            is_complete = device.name not in self._only_paths
-            self._parts[key] = self._from_cache(f"part {target_name}", digest, render) if is_complete else render()
+            kind = "paths" if device.name in self._only_paths else "part"
+            self._parts[key] = self._from_cache(f"{kind} {target_name}", digest, render)
         return self._parts[key]
 
     def _from_cache(self, kind: str, digest: str, render: Callable[[], Any]) -> Any:

@@ -147,9 +147,16 @@ class CodeGroup:
 
     family: Device
     variants: tuple[Variant, ...]
-    narrowed_family: Device
-    device: Device
     name: str
+
+    @cached_property
+    def narrowed_family(self) -> Device:
+        return for_codes(self.family, [variant.code for variant in self.variants])
+
+    @cached_property
+    def device(self) -> Device:
+        with_numbers = with_quantities(self.narrowed_family, self.variants[0])
+        return with_widths_of_order_code(self.family, with_numbers, self.variants[0])
 
     @property
     def codes(self) -> list[str]:
@@ -186,17 +193,8 @@ class OrderCodes:
             variants_by_quantities.setdefault((variant.interface, quantities), []).append(variant)
         groups = variants_by_quantities.values()
         names = names_of_codes((variants[0].code for variants in groups), RESERVED_NAMES)
-        return tuple(self._code_group(tuple(variants), name) for variants, name in zip(groups, names, strict=True))
-
-    def _code_group(self, variants: tuple[Variant, ...], name: str) -> CodeGroup:
-        narrowed_family = for_codes(self.device, [variant.code for variant in variants])
-        with_numbers = with_quantities(narrowed_family, variants[0])
-        return CodeGroup(
-            family=self.device,
-            variants=variants,
-            narrowed_family=narrowed_family,
-            device=with_widths_of_order_code(self.device, with_numbers, variants[0]),
-            name=name,
+        return tuple(
+            CodeGroup(self.device, tuple(variants), name) for variants, name in zip(groups, names, strict=True)
         )
 
     @cached_property
@@ -218,7 +216,7 @@ class OrderCodes:
         """Return links to the order code pages of an interface, labelled with patterns, for pages next to it."""
         links = []
         for group in self.groups:
-            if group.interface.name == interface_name:
+            if group.variants[0].interface == interface_name:
                 label = ", ".join(map(code, patterns(self.device, group.codes)))
                 links.append(link(label, f"{self.device.name}/{group.name}.md"))
         return links
