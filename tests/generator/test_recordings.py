@@ -212,7 +212,7 @@ def test_the_alignment_decides_where_zeros_are(tmp_path: Path, decode: Decode) -
 def test_nothing_is_certain_without_a_crc(tmp_path: Path, capsys: pytest.CaptureFixture[str], decode: Decode) -> None:
     folder = write_family(tmp_path, "ssi", SSI, PLAIN, "2^21")
     main(["decode", "X-A", f"0b{0x12345A:021b}000", "--specs", str(folder)])
-    assert "none of them is certain" in " ".join(capsys.readouterr().out.split())
+    assert "Each of them is uncertain" in " ".join(capsys.readouterr().out.split())
 
 
 def test_a_short_word_says_so(tmp_path: Path, decode: Decode) -> None:
