@@ -303,7 +303,7 @@ def explained_together(explained: str, failed: str) -> str:
 
 def looks_wrong(name: str, readings: str) -> str:
     """Return the words about other readings of a position, separated by commas."""
-    return f"Does the position look wrong? This frame cannot show it. The {name} would be {readings}"
+    return f"Does the position look wrong? The {name} would be {readings}"
 
 
 #: Words about explanations of a frame.
@@ -311,4 +311,4 @@ ANOTHER_FRAME = (
     "Another frame would help: decode several frames at other positions together, one per line, to see which "
     "explanation fits all of them."
 )
-UNCERTAIN_READINGS = "Possible readings, most likely first. Without a CRC, none of them is certain"
+UNCERTAIN_READINGS = "Possible readings, most likely first. Each of them is uncertain"

@@ -239,7 +239,7 @@ def test_texts_are_read_as_the_command_reads_them(node: Asker, library: Library)
 
     def number(text: str) -> dict[str, Any]:
         read = frame_number(placed, text)
-        return {"number": str(read.number), "bits": read.bits, "exact": read.exact}
+        return {"number": str(read.number), "bits": read.bits, "exact": read.exact, "written": read.written}
 
     for text, answers in zip(TEXTS, node("readings", [{"text": text} for text in TEXTS]), strict=True):
         for read, answer in zip((lambda text: [*frame_bytes(text)], number), answers, strict=True):

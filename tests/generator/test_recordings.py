@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 from codewheel.commands.cli import main
+from codewheel.why.mistakes import Explanation, Why
+from codewheel.why.together import judge_together
 from planted import crc
 
 Decode = Callable[..., dict[str, Any]]
@@ -212,7 +214,7 @@ def test_the_alignment_decides_where_zeros_are(tmp_path: Path, decode: Decode) -
 def test_nothing_is_certain_without_a_crc(tmp_path: Path, capsys: pytest.CaptureFixture[str], decode: Decode) -> None:
     folder = write_family(tmp_path, "ssi", SSI, PLAIN, "2^21")
     main(["decode", "X-A", f"0b{0x12345A:021b}000", "--specs", str(folder)])
-    assert "none of them is certain" in " ".join(capsys.readouterr().out.split())
+    assert "Each of them is uncertain" in " ".join(capsys.readouterr().out.split())
 
 
 def test_a_short_word_says_so(tmp_path: Path, decode: Decode) -> None:
@@ -304,3 +306,20 @@ def test_several_frames_decide_what_one_cannot(
     assert "3 of 3 frames with an error have this explanation" in printed
     assert "- the CRC is not inverted; matches by chance in 1 of 262,144" in printed
     assert "Another frame would help" in printed
+
+
+def test_a_coincidence_in_one_frame_does_not_count() -> None:
+    """Two mistakes explain both frames, with 2 x 8 and 2 x 6 bits of evidence. One explains only the first frame."""
+    likely, unlikely = (Explanation(name, name, 64, 2.0**bits, {}) for name, bits in (("likely", 8), ("unlikely", 6)))
+    coincidence = Explanation("coincidence", "coincidence", 64, 2.0**40, {})
+    whys = [Why((coincidence, likely, unlikely), 3, 0.1, ()), Why((unlikely, likely), 2, 0.1, ())]
+    mistakes = judge_together(whys)
+    assert [(mistake.text, mistake.frames, mistake.one_in) for mistake in mistakes] == [
+        ("likely", 2, 64 * 64),
+        ("unlikely", 2, 64 * 64),
+    ]
+
+
+def test_another_frame_helps_only_in_doubt(resolute: Path, decode: Decode) -> None:
+    assert decode(resolute, f"0b010{FRAME}")["why"]["another_frame_helps"] is True
+    assert decode(resolute, f"0b{'0' * 40}")["why"]["another_frame_helps"] is False
