@@ -11,7 +11,7 @@ from functools import cache
 from typing import Any
 
 from codewheel.dump.plain import device_dump
-from codewheel.language.schema import load_schema
+from codewheel.language.schema_check import load_schema
 from codewheel.model import Device
 from codewheel.targets import Library, TargetError
 from codewheel.targets.registry import files_of, load_target

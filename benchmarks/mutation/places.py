@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from codewheel.language.document import Document, Path
-from codewheel.language.schema import load_schema
+from codewheel.language.schema_check import load_schema
 
 #: Quantities with which a wrong value can damage hardware.
 _HAZARDS = frozenset("battery clearance current frequency supply temperature torque".split())

@@ -343,7 +343,7 @@ def _finding(change: Change, document: Document, path: SpecPath, file_names: Map
 
 def _place_in_spec(document: Document, text: str) -> SpecPath:
     """Return the place of a path of keys and names, as far as it exists."""
-    from ..language.schema import value_at
+    from ..language.schema_check import value_at
 
     path: SpecPath = ()
     for step in _STEPS.findall(text):

@@ -12,7 +12,7 @@ from ..loading.configuration import NO_FILTERS, FamilyFilters
 from ..loading.library import load_families, sound_families
 from ..loading.overlays import Family
 from ..model import Device
-from ..owners import family_of
+from ..removable_outputs import family_of
 from ..render import unused_templates
 from ..say.plain_text import first_of
 from ..targets import Library, OptionError, Options, Target, TargetError

@@ -19,7 +19,7 @@ from .terminal import Stop, refuse_missing
 
 if TYPE_CHECKING:
     from ..model import Device
-    from ..owners import Guard
+    from ..removable_outputs import Guard
 
 OUTPUT = Path("generated")
 
@@ -56,7 +56,7 @@ class Selection:
 
     def guard(self, chosen: argparse.Namespace, devices: Sequence[Device], files: Sequence[str]) -> Guard:
         """Return the check that the run touches no output of other specs."""
-        from ..owners import Guard
+        from ..removable_outputs import Guard
 
         return Guard(chosen.output, devices, files, self.command_with, is_comparison=chosen.check)
 

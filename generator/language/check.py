@@ -10,7 +10,7 @@ from .rules import FOUNDATIONS, RULES, SHAPES
 from .rules.master import check_master
 from .rules.order_code import is_whole
 from .rules.values import number_base
-from .schema import FileKind, SchemaResult, check_schema, place_to_remove, shape_of, without_places
+from .schema_check import FileKind, SchemaResult, check_schema, place_to_remove, shape_of, without_places
 from .schema_files import family_of, with_stand_ins
 
 #: Stand-ins for missing keys at the top level, so that the rest can be built and checked.

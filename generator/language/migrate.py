@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from .document import Document
 from .read import LINE_BREAK
-from .schema import renamed_keys, value_at
+from .schema_check import renamed_keys, value_at
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,7 +1,8 @@
 """The JSON Schemas as data, and the language of second readings. This module loads no validator.
 
-It is derived from the schema of device files, so that each key is described only once. Other required keys of a device
-file are with_stand_ins in with stand-ins, so that rules and build can treat a second reading like a device file.
+The keys of each part of a spec are in device.schema.json. The language of second readings is derived from it, so that
+each key is described only once. Its other required keys are filled with stand-ins, so that rules and build can treat a
+second reading like a device file.
 """
 
 from __future__ import annotations

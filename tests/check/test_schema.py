@@ -15,7 +15,7 @@ from codewheel.language.document import Document
 from codewheel.language.messages import KEYWORDS, PATTERNS, explain
 from codewheel.language.problems import MAX_PROBLEMS, Report
 from codewheel.language.read import read_document
-from codewheel.language.schema import FileKind, check_schema, follows_schema, shape_of
+from codewheel.language.schema_check import FileKind, check_schema, follows_schema, shape_of
 from codewheel.language.schema_files import is_second, load_schema
 from codewheel.loading.device import build_device
 from codewheel.model import Manufacturer
@@ -114,7 +114,7 @@ def test_a_spec_full_of_faults_is_read_no_further_than_it_is_told(
         explained.append(error)
         return explain(error, kind)
 
-    monkeypatch.setattr("codewheel.language.schema.explain", count_explanation)
+    monkeypatch.setattr("codewheel.language.schema_check.explain", count_explanation)
     spec, report = read_spec(
         tmp_path, MINIMAL.read_text() + "".join(f"  - {{name: r{index}, adress: {index}}}\n" for index in range(5000))
     )
@@ -184,7 +184,7 @@ def test_the_quick_test_agrees_with_jsonschema(path: pathlib.Path, monkeypatch: 
     assert follows_schema(sound.data, shape)
     copies = [sound.data, *damaged_copies(sound.data, path.stem)]
     answers = [follows_schema(data, shape) for data in copies]
-    monkeypatch.setattr("codewheel.language.schema.follows_schema", lambda value, schema: False)
+    monkeypatch.setattr("codewheel.language.schema_check.follows_schema", lambda value, schema: False)
     for data, answer in zip(copies, answers, strict=True):
         report = Report()
         check_schema(Document(path.name, sound.lines, data, sound.marks), report, kind)

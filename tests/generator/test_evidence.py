@@ -11,7 +11,7 @@ from codewheel.commands.cli import main
 from codewheel.loading.configuration_file import read_configuration
 from codewheel.loading.library import load_library
 from codewheel.output_folder import families_in
-from codewheel.owners import family_of
+from codewheel.removable_outputs import family_of
 from codewheel.targets import Library
 from codewheel.targets.registry import files_of, load_target
 

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 from codewheel.commands.cli import main
-from codewheel.language.schema import load_schema
+from codewheel.language.schema_check import load_schema
 from codewheel.model import Scale
 from codewheel.model.kinds import WIDEST
 from codewheel.say.plain_text import formula, quantity

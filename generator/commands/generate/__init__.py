@@ -128,7 +128,7 @@ def run(chosen: argparse.Namespace) -> int:
 def _generate(chosen: argparse.Namespace, cache: Cache, selection: Selection, result: CachedResult) -> int:
     """Render the outputs, store the result, write or compare the files, and return the exit code."""
     from ...loading.library import load_families
-    from ...owners import owners
+    from ...removable_outputs import owners
     from ...targets import Library
     from ..outputs import accepted_devices, are_built_in, complete, devices_by_target, options_named, targets_named
     from ..read_specs import report_unknown_families

@@ -18,7 +18,7 @@ from ...language.problems import TemplateFault
 from ...loading.stored import digest_of as model_digest_of
 from ...model import Device
 from ...output_folder import WriteError
-from ...owners import Guard
+from ...removable_outputs import Guard
 from ...say.plain_text import counted
 from ...targets import Library, TargetError
 from ...targets.registry import BUILT_IN, load_target

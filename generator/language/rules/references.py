@@ -12,7 +12,7 @@ from ...model.steps import has_steps
 from ..document import Path
 from ..hints import expression_hint, number_hint
 from ..problems import DocumentReport, nearest_choice, quoted, suggestion
-from ..schema import value_at
+from ..schema_check import value_at
 from . import parameters
 from .shapes import KINDS
 from .walk import (

@@ -24,7 +24,7 @@ from ...plan.values import (
 )
 from .about import about_bits_crc, about_member, about_unused, about_word_crc
 from .comments import Paragraph
-from .crc_folds import BitsCrc, WordCrc, folds
+from .crc_functions import BitsCrc, WordCrc, folds
 from .decode import Decoder
 from .enumerations import AlternativeCode, alternatives_in
 from .names import (

@@ -32,7 +32,7 @@ from ..registry import licence_in
 from .about import place
 from .bits import digits
 from .comments import break_lines, comment, comment_lines, documented, end_comment, in_comment, in_lines, literals
-from .crc_folds import FoldOperation
+from .crc_functions import FoldOperation
 from .decode import ByteIs, FlagsIn, Positions, UnusedAre, UnusedIn
 from .device import DeviceView, Part, views_of
 from .examples import ExampleCode

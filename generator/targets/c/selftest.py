@@ -29,7 +29,7 @@ from ...plan.operations import Part
 from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans
 from .. import manufacturers
 from .codec import StructCodec
-from .crc_folds import WordCrc
+from .crc_functions import WordCrc
 from .decode import LengthPositions
 from .device import DeviceView
 from .names import c_name, number, runtime_tests, signed_number, string

@@ -1,4 +1,4 @@
-"""Owners of an output: the families that it was written from, so that nothing is removed by accident.
+"""What generate may remove: outputs of families that it has read. Others are refused or need --prune.
 
 The list of each target's folder records them. An output contains pages and tables of all families, so it is written
 from all of its families or not at all. The lists of earlier versions have no record. Then a file belongs to a family
@@ -20,6 +20,7 @@ from .write import Change
 
 if TYPE_CHECKING:
     from .model import Device
+
 
 _MOST_SHOWN = 5
 #: Parts of the names of files that belong to no family.

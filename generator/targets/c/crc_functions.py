@@ -1,4 +1,4 @@
-"""The steps by which a 32-bit processor reduces a long number to its CRC: by folds, or by the table for each byte.
+"""Functions for CRCs in C, as templates/c/crcs.h.jinja prints them: the steps for folds, or with a table per byte.
 
 Such processors are slow at shifting wider numbers. The step after which the number fits in 32 bits therefore takes the
 bits above and below its place from the halves of the wide number.
