@@ -126,7 +126,7 @@ def build_class(kind: Any, dump: Dump) -> Any:
     """Return an object of the model, built from its part of the description."""
     name = kind.__name__
     dump = ADAPT.get(name, lambda plain: plain)(dump)
-    names = vars(model) | vars(model.facts) | vars(model.kinds) | vars(model.layout) | vars(model.examples)
+    names = vars(model) | vars(model.facts) | vars(model.kinds) | vars(model.layout)
     hints = typing.get_type_hints(kind, names, {})
     arguments = {}
     for field in dataclasses.fields(kind):
