@@ -12,10 +12,11 @@ from typing import Any
 
 from .cache import Cache, content_of
 from .language.files import packaged_masters
+from .loading.configuration import BUILT_IN
 from .loading.stored import digest_of
 from .model import Device
 from .targets import Library, Options, Target
-from .targets.registry import BUILT_IN, files_of
+from .targets.registry import files_of
 
 
 class FamilyParts:

@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 from ..language.problems import Report, TemplateFault, listed, suggestion
-from ..loading.configuration import NO_FILTERS, FamilyFilters
+from ..loading.configuration import BUILT_IN, NO_FILTERS, FamilyFilters
 from ..loading.library import load_families, sound_families
 from ..loading.overlays import Family
 from ..model import Device
@@ -16,7 +16,7 @@ from ..removable_outputs import family_of
 from ..render import unused_templates
 from ..say.plain_text import first_of
 from ..targets import Library, OptionError, Options, Target, TargetError
-from ..targets.registry import BUILT_IN, PackageMissing, files_of, load_target, problems_of, target_names
+from ..targets.registry import PackageMissing, files_of, load_target, problems_of, target_names
 from .encoder_options import edition_devices
 from .terminal import Stop
 

@@ -26,7 +26,7 @@ from ..language.files import (
     is_spec,
     packaged_families,
 )
-from ..loading.configuration import PYPROJECT, Configuration, Faulty
+from ..loading.configuration import BUILT_IN, PYPROJECT, Configuration, Faulty
 from ..say.plain_text import counted, first_of
 from .terminal import Stop, problems, refuse_missing
 
@@ -282,12 +282,15 @@ def refuse_unknown_targets(settings: Configuration | None) -> None:
     """
     if settings is None or not (settings.targets or settings.only):
         return
+    places: list[tuple[str, Place]] = [(name, ("targets", index)) for index, name in enumerate(settings.targets)]
+    places += [(name, ("only", name)) for name in settings.only]
+    registered_places = [(name, place) for name, place in places if name not in BUILT_IN]
+    if not registered_places:
+        return
     from ..targets.registry import target_names
 
     known_names = target_names()
-    places: list[tuple[str, Place]] = [(name, ("targets", index)) for index, name in enumerate(settings.targets)]
-    places += [(name, ("only", name)) for name in settings.only]
-    unknown_places = [(name, place) for name, place in places if name not in known_names]
+    unknown_places = [(name, place) for name, place in registered_places if name not in known_names]
     if unknown_places:
         raise problems(_unknown_targets(settings.file, unknown_places, known_names))
 

@@ -13,6 +13,9 @@ from pathlib import Path
 from types import MappingProxyType
 
 PYPROJECT = "pyproject.toml"
+#: Built-in targets, in the order in which they are listed and run. They run by default, registered ones only on
+#: request.
+BUILT_IN = ("python", "c", "biss", "docs", "browser", "masters")
 
 
 class Faulty(Exception):

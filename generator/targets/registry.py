@@ -12,16 +12,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from ..language.problems import TemplateFault
+from ..loading.configuration import BUILT_IN
 from . import Library, Options, Target, TargetError, TargetProblem
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
 
-#: Built-in targets, in the order in which they are listed and run. They run by default, registered ones only on
-#: request.
-BUILT_IN = ("python", "c", "biss", "docs", "browser", "masters")
-#: Those of them that cannot express everything. ``check`` asks only these for problems.
+#: Built-in targets that cannot express everything. ``check`` asks only these for problems.
 WITH_PROBLEMS = ("c",)
 GROUP = "codewheel.targets"
 _Result = TypeVar("_Result")

@@ -20,6 +20,7 @@ from codewheel.model.expressions import Expression, ExpressionError
 from codewheel.order_codes.labels import find
 from codewheel.reference.codec import decode_bytes
 from codewheel.reference.findings import findings
+from codewheel.targets import Library
 
 # Checks all families against the schemas of data, which do not depend on wording or rules of check.
 pytestmark = pytest.mark.slow
@@ -140,10 +141,11 @@ def _encoder_specs() -> list[Path]:
 
 
 @pytest.mark.parametrize("path", _encoder_specs(), ids=lambda path: path.stem)
-def test_every_fact_of_the_spec_is_there(path: Path, devices: Mapping[str, Device]) -> None:
+def test_every_fact_of_the_spec_is_there(path: Path, every_encoder: Library) -> None:
     document = read_document(path, Report())
     assert document is not None
-    dump = device_dump(devices[document.data["device"]])
+    device = next(device for device in every_encoder.devices if device.name == document.data["device"])
+    dump = device_dump(device)
     values = [value for _, value in leaves(dump)]
     texts = {value for value in values if isinstance(value, str)}
     words = {word for text in texts for word in text.split()}

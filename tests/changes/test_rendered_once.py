@@ -11,11 +11,12 @@ from codewheel.cache import NO_CACHE, Cache
 from codewheel.commands.generate.files import changed_files, unchanged_families
 from codewheel.family_parts import FamilyParts
 from codewheel.loading import library
+from codewheel.loading.configuration import BUILT_IN
 from codewheel.loading.library import load_families
 from codewheel.model import Device
 from codewheel.render import Templates
 from codewheel.targets import Library
-from codewheel.targets.registry import BUILT_IN, load_target
+from codewheel.targets.registry import load_target
 
 ROOT = Path(__file__).parents[2]
 HIGHEST_CLOCK = 'clock: {min_hz: 100000, max_hz: 3000000, source: "5.3"}'

@@ -14,8 +14,9 @@ import jinja2
 import pytest
 from codewheel import environments as module
 from codewheel.commands.cli import main
+from codewheel.loading.configuration import BUILT_IN
 from codewheel.render import Templates
-from codewheel.targets.registry import BUILT_IN, load_target
+from codewheel.targets.registry import load_target
 from exhaustive import exhaustive_if
 
 ROOT = Path(__file__).resolve().parents[2]

@@ -51,7 +51,7 @@ ASKING = {
         ("about", "about_member"),
         ("decode", "fields_with_local"),
         ("device", "_is_read_twice"),
-        ("encode", "_bits_in_whole"),
+        ("codec", "_bits_in_whole"),
         ("enumerations", "__init__"),
         ("examples", "asking"),
         ("examples", "is_signed"),

@@ -41,8 +41,8 @@ def test_no_wrong_value_passes_where_it_moves_a_position_or_breaks_an_access(tri
 
 
 def test_mutants_of_second_readings_are_tried(trial: Trial) -> None:
-    """Every spec has a second reading."""
-    assert len(trial.second_readings) == len(SPECS) == len(trial.families)
+    """Every spec that was read twice has its second reading in the trial."""
+    assert len(trial.second_readings) == len(SPECS)
     for document in trial.second_readings:
         assert trial.verdict(next(iter(mutants(document)))).crash == ""
 

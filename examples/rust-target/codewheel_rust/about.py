@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable
 
 from codewheel.model import Device, Field, Interface, Layout, Register, cite
-from codewheel.say import layout, names_and_places, register
-from codewheel.say import register as field
+from codewheel.say import layout, register
+from codewheel.say.names_and_places import field_place, title
 from codewheel.say.plain_text import wrapped
 from codewheel.say.text import Statement, Style
 
@@ -39,17 +39,15 @@ def doc(statements: Iterable[Statement | str] | Statement, indent: int = 0, mark
 
 def frame_text(device: Device, interface: Interface, frame: Layout) -> list[Statement]:
     """Return the description of a frame."""
-    return [layout.head(interface, frame, names_and_places.title(frame)), *layout.layout(device, interface, frame)]
+    return [layout.head(interface, frame, title(frame)), *layout.layout(device, interface, frame)]
 
 
 def register_text(device: Device, described: Register) -> list[Statement]:
     """Return the description of a register."""
-    return [register.head(device, described, names_and_places.title(described)), *register.register(device, described)]
+    return [register.head(device, described, title(described)), *register.register(device, described)]
 
 
 def field_text(device: Device, owner: Layout, described: Field) -> list[str]:
     """Return place and meaning of a field, in one paragraph."""
-    text = _STYLE.paragraph(
-        [Statement(tuple(names_and_places.field_place(owner, described))), *field.field(device, described)]
-    )
+    text = _STYLE.paragraph([Statement(tuple(field_place(owner, described))), *register.field(device, described)])
     return [text[0].upper() + text[1:]]

@@ -15,13 +15,14 @@ from ...cache import Cache
 from ...changes.report import Files as FileCounts
 from ...family_parts import FamilyParts
 from ...language.problems import TemplateFault
+from ...loading.configuration import BUILT_IN
 from ...loading.stored import digest_of as model_digest_of
 from ...model import Device
 from ...output_folder import WriteError
 from ...removable_outputs import Guard
 from ...say.plain_text import counted
 from ...targets import Library, TargetError
-from ...targets.registry import BUILT_IN, load_target
+from ...targets.registry import load_target
 from ...write import Change, changes, digest_of, digest_on_disk, left_stages, write
 from ..terminal import Stop
 

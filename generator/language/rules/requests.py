@@ -14,6 +14,8 @@ from .walk import Fields, Has, Spec, by_name, expanded, field_names, interface_o
 
 #: Senders with the key of their frames in an exchange.
 KEYS: Mapping[str, str] = {"master": "request", "encoder": "reply"}
+#: Bits of the longest SPI word. Another rule reports a longer one.
+_WIDEST_WORD = 64
 
 
 def check_exchanges(
@@ -300,11 +302,11 @@ def _may_be_equal(request: str, write: str) -> bool:
 
 
 def _constant_bits(layout: Spec, groups: dict[str, Spec]) -> str:
-    """Return a word as 0, 1 and ? for bits that are not constant. Empty if a width depends on the order code."""
+    """Return a word as 0, 1 and ? for bits that are not constant. Empty if a width depends on the code or is too large."""
     bits = ""
     for _, field in expanded(Fields(Has.LAYOUT, layout, (), Spi.name), groups):
         width = 1 if "parity_of" in field else constant_width(field)
-        if width is None:
+        if width is None or width > _WIDEST_WORD:
             return ""
         constant = field.get("constant", field.get("unused"))
         bits += f"{constant:0{width}b}" if isinstance(constant, int) else "?" * width
