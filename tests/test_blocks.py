@@ -98,9 +98,9 @@ ELSEWHERE = {
         ": ": "tests/docs/test_templates_page.py::test_its_example",
     },
     "docs/virtual-encoders.md": {
-        "python: def": "tests/virtual/test_page.py::test_the_fixture",
-        "python: from": "tests/virtual/test_page.py::test_the_programs",
-        "text: $ codewheel simulate AMM5A21": "tests/virtual/test_page.py::test_the_simulation",
+        "python: def": "tests/virtual/test_virtual_page.py::test_the_fixture",
+        "python: from": "tests/virtual/test_virtual_page.py::test_the_programs",
+        "text: $ codewheel simulate AMM5A21": "tests/virtual/test_virtual_page.py::test_the_simulation",
     },
     "docs/why-a-crc-fails.md": {
         ": $ codewheel": "tests/generator/test_why.py::test_the_page_shows_what_the_command_prints"

@@ -302,8 +302,8 @@ def test_the_colour_of_the_box_is_that_of_the_verdict(chromium: str, page: Path,
     colours = {"usable": "green", "usable_with_warning": "amber", "not_usable": "red", "crc error": "red"}
     verdicts = set()
     for message, line in run_in_page(chromium, page, COLOURS.replace("FRAMES", frames)):
-        message = re.sub(r"^Made-up order code: .*\n+", "", message)  # A note about the order code is not the answer.
-        verdict = message.partition(":")[0]
+        # A note about the order code is not the answer.
+        verdict = re.sub(r"^Made-up order code: .*\n+", "", message).partition(":")[0]
         verdicts.add(verdict)
         # A question to the reader has the colour of a warning, since nothing is decoded until it is answered.
         is_question = message.startswith("The manual is ambiguous here")

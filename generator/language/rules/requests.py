@@ -302,7 +302,7 @@ def _may_be_equal(request: str, write: str) -> bool:
 
 
 def _constant_bits(layout: Spec, groups: dict[str, Spec]) -> str:
-    """Return a word as 0, 1 and ? for bits that are not constant. Empty if a width depends on the code or is too large."""
+    """Return a word as 0, 1 and ? for bits that are not constant. Empty if a width is not constant or too large."""
     bits = ""
     for _, field in expanded(Fields(Has.LAYOUT, layout, (), Spi.name), groups):
         width = 1 if "parity_of" in field else constant_width(field)
