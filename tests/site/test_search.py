@@ -70,7 +70,7 @@ ASC8525/BG1 cable length        | Clock and cable     | asc85/ASC8525-BG1.html#c
 AMM5A21/65KSC1 clock            | Clock and cable     | amm5/AMM5A21-65KSC1.html#clock-and-cable
 AM3616/4096-I7 frame time       | Frame               | am36/AM3616-4096-I7.html#frame
 AMM5A23/65KJP1 baud             | Baud rate and times | amm5/AMM5A23-65KJP1.html#baud-rate-and-times
-baud rate                       | AMM5: RS-485        | amm5/rs485.html
+baud rate                       | Clocks, ports and codes | #clocks-ports-and-codes
 timeout                         | Times               | am36/biss.html#times
 time-out                        | Times               | am36/biss.html#times
 monoflop                        | Times               | am36/biss.html#times
@@ -143,7 +143,7 @@ startup time                    | Times               | am36/biss.html#times
 power consumption               | Wiring              | am36/biss.html#wiring
 5v                              | T12 cable           | sma21/rs485.html#t12-cable
 rs485 baud                      | AMM5: RS-485        | amm5/rs485.html
-2.5 Mbit                        | AMM5: RS-485        | amm5/rs485.html
+2.5 Mbit                        | Clocks, ports and codes | #clocks-ports-and-codes
 gray code                       | Order codes and quantities | am36/biss.html#order-codes-and-quantities
 counting direction reverse | Input: Counting direction (Complementary input) | -direction-complementary-input
 factory reset                   | Load and save the default parameters | #load-and-save-the-default-parameters
@@ -154,7 +154,7 @@ AMM5A21/65KSC1 how long is a frame | Frame            | amm5/AMM5A21-65KSC1.html
 AMM5A21/65KSC1 which bit says error | Frame           | amm5/AMM5A21-65KSC1.html#frame
 tape                            | Tape length, travel and number of positions | -travel-and-number-of-positions
 mounting                        | Characteristics, mounting, safety | am36/hardware.html#characteristics-mounting-safety
-acknowledge                     | Times               | am36/biss.html#times
+acknowledge                     | Acknowledge         | spi.html#acknowledge
 siemens                         | Siemens TM PosInput | docs/am36-masters.html#siemens-tm-posinput
 arduino                         | In firmware and Python | docs/editions.html#in-firmware-and-python
 """

@@ -147,10 +147,10 @@ class Peer:
     def encoded(self, codec: Codec, value: Any) -> tuple[int, bytes]:
         """Return the result and the bytes that C should give for ``value``.
 
-        Python also keeps the bits of a register that no field has. C writes 0 there.
+        Python also keeps the bits of a register that no field has. C writes 0 there. A copy does not keep the bytes of
+        a register with limits, so it is checked as in C.
         """
-        if codec.view.plan.keeps_others:
-            value = value._replace(unused=0)
+        value = value._replace(unused=0) if codec.view.plan.keeps_others else value._replace()
         try:
             again = value.encode()
         except self.error as reason:
