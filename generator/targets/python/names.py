@@ -73,7 +73,7 @@ PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
         "encoder": "Encoder Exchanged Failed Positioned check_encoder fact looked_up reported returned wrong_encoder",
         "measures": "FineLinear Linear Rotary Wrapping",
         "errors": "ConstantError CrcError FrameError LengthError RangeError",
-        "frames.base": """BitsOf BytesOf FixedBits FixedBytes FixedLimitedRegister FixedRegister InBits InBytes
+        "frames.base": """BitsOf BytesOf FixedBits FixedBytes FixedLimitedRegister FixedRegister ForEncoder InBits InBytes
             LimitedRegisterOf RegisterOf Sent decode_many encode_many with_bytes""",
         "frames.decoders": "decoder raised",
         "frames.descriptions": "needed_by shape_of",
