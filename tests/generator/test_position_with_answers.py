@@ -1,4 +1,4 @@
-"""A position whose fields are joined, with widths that an answer sets. The expected bits are written as they are sent."""
+"""A position of joined fields whose widths an answer sets. The expected bits are written as they are sent."""
 
 from __future__ import annotations
 
