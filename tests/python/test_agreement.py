@@ -6,6 +6,7 @@ import dataclasses
 import inspect
 import itertools
 import random
+import re
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property, partial
 from pathlib import Path
@@ -53,8 +54,10 @@ SPECS = TESTS.parent / "specs"
 
 
 def is_family(path: Path) -> bool:
-    """Return whether a spec describes encoders, and is not a second reading."""
-    return path.stem != "manufacturer" and path.parent.name != "masters" and not is_second(path)
+    """Return whether a spec describes encoders of the fixture ``library``, and is not a second reading."""
+    if path.stem == "manufacturer" or path.parent.name == "masters" or is_second(path):
+        return False
+    return re.search(r"grade: (manual|quoted)\b", path.read_text(encoding="utf-8")) is not None
 
 
 FAMILIES = sorted(path.stem for path in SPECS.glob("*/*.yaml") if is_family(path))
