@@ -136,7 +136,7 @@ def frames(kind, before, now):
     others = {name: [4 if name == "data_id" else 0] * 2 for name in encoded(kind)}
     return encoder.encode_many({"position": [before, now], **others}, kind)
 def encoded(kind):
-    return [name for name in encoder.decode_many([], kind) if name not in ("position", "verdict", "fault")]
+    return [name for name in encoder.decode_many([], kind).names if name not in ("position", "verdict", "fault")]
 for kind, moves in ((sma21.WidePositionReply, WIDE), (sma21.PositionReply, NARROW)):
     span = encoder.range_of(kind)
     for now, before, moved in moves:

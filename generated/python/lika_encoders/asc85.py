@@ -71,7 +71,16 @@ from codewheel_runtime.encoder import (
 )
 from codewheel_runtime.measures import Rotary, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
-from codewheel_runtime.frames.base import BitsOf, FixedRegister, InBits, RegisterOf, Sent, decode_many, encode_many
+from codewheel_runtime.frames.base import (
+    BitsOf,
+    FixedRegister,
+    ForEncoder,
+    InBits,
+    RegisterOf,
+    Sent,
+    decode_many,
+    encode_many,
+)
 from codewheel_runtime.frames.decoders import decoder, raised
 from codewheel_runtime.frames.descriptions import shape_of
 from codewheel_runtime.registers import agrees, held_bytes
@@ -560,7 +569,7 @@ class _SingleCycleData(NamedTuple):
     warning: bool = False
 
 
-class SingleCycleData(Sent, InBits, _SingleCycleData, Positioned):
+class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
     """Single cycle data, sent by the encoder over BiSS C-mode: ``zero_bits + position_bits + 8`` bits, most significant
     first [6.2.1 p.20].
 

@@ -68,10 +68,11 @@ class Maker:
         return field_bits[::-1]
 
     @staticmethod
-    def whole_depends(whole: Whole) -> bool:
-        """Return whether the expression of a joined number depends on the order code."""
+    def parameters_of_whole(whole: Whole) -> frozenset[str]:
+        """Return the parameters on which the expression of a joined number depends."""
         checked_fields = (field for field in whole.fields if _has_width_check(meaning_of(field)))
-        return whole.depends or not all(field.width.is_constant for field in checked_fields)
+        expressions = [low for _, low in whole.from_low] + [field.width for field in checked_fields]
+        return frozenset(name for expression in expressions for name in expression.parameters)
 
     def _index(self, name: str) -> Expr:
         return call("index", f"self.{self.names.attribute(name)}")

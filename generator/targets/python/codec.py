@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from functools import cached_property
 
@@ -67,8 +67,7 @@ class Coder:
         self.interface, self.encoder = interface_name(interface), encoder_name(interface)
         self.names = ClassNames(layout, register, context.crcs.values())
         self.make = Maker(context.scope, self.plan, self.names)
-        answered = frozenset(parameter for question in self.questions for parameter, _ in question.members)
-        scope = NamedValues(context.scope.names, answered) if register is None else context.scope
+        scope = NamedValues(context.scope.names, self.answered) if register is None else context.scope
         self.decoding = Decoder(scope, self.plan, self.names, self.enum)
         #: Questions whose answers the decoder accepts: those of all frames among which it is chosen.
         self.passed = self.questions
@@ -88,13 +87,18 @@ class Coder:
             self.plan.depends
             or limited
             or reported
-            or not all(expression.is_constant for expression in stated_expressions)
+            or not all(self.answered.issuperset(expression.parameters) for expression in stated_expressions)
         )
 
     @cached_property
     def questions(self) -> list[OpenQuestion]:
         """Questions that the manual leaves open and the caller must answer."""
         return self.context.questions_of(self.layout)
+
+    @cached_property
+    def answered(self) -> frozenset[str]:
+        """Parameters that the answers set."""
+        return frozenset(parameter for question in self.questions for parameter, _ in question.members)
 
     @property
     def encoder_and_answers(self) -> list[tuple[str, str]]:
@@ -138,7 +142,8 @@ class Coder:
         """Bases of the class, except the NamedTuple of its fields."""
         mixin = "Sent, " if self.reports is not None else ""
         if self.questions:
-            return f"{mixin}{'InBytes' if self.plan.in_bytes else 'InBits'}"
+            dependence = "ForEncoder, " if self.takes_variant else ""
+            return f"{mixin}{dependence}{'InBytes' if self.plan.in_bytes else 'InBits'}"
         kind = "Bytes" if self.plan.in_bytes else "Bits"
         if self.register is not None:
             kind = "LimitedRegister" if self.keeps_bytes else "Register"
@@ -236,6 +241,15 @@ class Coder:
         """Return a joined number as an expression of local variables named like the attributes."""
         return self.make.whole_of_numbers(whole, self.make.scope, str)
 
+    def whole_takes_variant(self, whole: Whole) -> bool:
+        """Return whether the expression of a joined number depends on the order code."""
+        return not self.answered.issuperset(self.make.parameters_of_whole(whole))
+
+    def whole_questions(self, whole: Whole) -> list[OpenQuestion]:
+        """Return the questions whose answers the expression of a joined number needs."""
+        parameters = self.make.parameters_of_whole(whole)
+        return [question for question in self.questions if any(name in parameters for name, _ in question.members)]
+
     def whole_width(self, whole: Whole) -> Expr:
         return self.number(sum((field.width for field in reversed(whole.fields)), Expression(0)))
 
@@ -263,7 +277,7 @@ class Coder:
     def stated(self, field: Field) -> Expr:
         match field.equals:
             case Expression() as value:
-                return self.context.scope_of("self.variant").of(value)
+                return self._scope_of_attributes(lambda name: f"self.{name}").of(value)
             case str(characters):
                 return Atom(quoted(characters))
             case value:
@@ -287,7 +301,14 @@ class Coder:
         plain = position is not None and all(isinstance(meaning_of(field), Raw) for field in position.fields)
         if position is None or not plain:
             return self.by_index(self.measured)
-        return str(self.make.whole_of_numbers(position, self.context.scope_of(self.by_index("variant")), self.by_index))
+        return str(self.make.whole_of_numbers(position, self._scope_of_attributes(self.by_index), self.by_index))
+
+    def _scope_of_attributes(self, read: Callable[[str], str]) -> Scope:
+        """Return the scope in which ``read`` is the expression for the encoder or an answer of a frame."""
+        names = dict(self.context.scope_of(read("variant")).names)
+        for question in self.questions:
+            names.update({parameter: f"{read(question.name)}.{member}" for parameter, member in question.members})
+        return Scope(names)
 
     @property
     def not_usable(self) -> list[str]:

@@ -73,8 +73,8 @@ PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
         "encoder": "Encoder Exchanged Failed Positioned check_encoder fact looked_up reported returned wrong_encoder",
         "measures": "FineLinear Linear Rotary Wrapping",
         "errors": "ConstantError CrcError FrameError LengthError RangeError",
-        "frames.base": """BitsOf BytesOf FixedBits FixedBytes FixedLimitedRegister FixedRegister InBits InBytes
-            LimitedRegisterOf RegisterOf Sent decode_many encode_many with_bytes""",
+        "frames.base": """BitsOf BytesOf FixedBits FixedBytes FixedLimitedRegister FixedRegister ForEncoder InBits
+            InBytes LimitedRegisterOf RegisterOf Sent decode_many encode_many with_bytes""",
         "frames.decoders": "decoder raised",
         "frames.descriptions": "needed_by shape_of",
         "registers": "Held agrees held_bytes held_parameters held_text whole",

@@ -28,6 +28,9 @@ class Rotary(Encoder):
     def degrees(self, position: int) -> float:
         """Convert ``position`` from counts to degrees within one revolution.
 
+        A count of ``unwrap`` can be outside the range of positions. It is at the same angle as the position from which
+        it was computed. For continuous degrees, multiply by 360 and divide by ``counts_per_turn``.
+
         Raises:
             RangeError: The encoder does not send such a position.
             TypeError: ``position`` is not an integer.

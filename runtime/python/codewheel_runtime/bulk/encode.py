@@ -13,7 +13,7 @@ from .decode import CHUNK
 from .shape import Column, Join, Shape, scales, width_of
 from .table import Table
 
-#: Kinds of NumPy arrays for a field, as ``dtype.kind``, unless they are integers. Like ``encode``, a number is no bool.
+#: Kinds of NumPy arrays for a field, as ``dtype.kind``, unless they are integers. Bools are not numbers.
 ARRAY_KINDS: Final[Mapping[str, str]] = {"text": "SU", "flag": "uib", "not_flag": "uib"}
 
 

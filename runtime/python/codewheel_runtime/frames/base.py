@@ -89,6 +89,22 @@ class Coded:
             return encode
 
 
+class ForEncoder(Coded):
+    """Frame or register whose bits depend on the encoder, which is its first field."""
+
+    __slots__ = ()
+
+    def _encoder(self) -> Encode:
+        fields: Any = self
+        try:
+            encode: Encode = fields[0].__dict__["_encoders"][self.__class__]
+        except (AttributeError, KeyError):
+            # Raises an error if the first field is not an encoder.
+            encode = encoder_of_class(self)
+            fields[0].__dict__.setdefault("_encoders", {})[self.__class__] = encode
+        return encode
+
+
 class InBits(Coded):
     """Frame that is sent as a string of bits."""
 
@@ -221,8 +237,8 @@ else:
             return cls
 
 
-class ByEncoder(_Of[_Encoder]):
-    """Frame or register that depends on the encoder."""
+class ByEncoder(ForEncoder, _Of[_Encoder]):
+    """Frame or register that depends on the encoder, and on no answer."""
 
     __slots__ = ()
 
@@ -233,16 +249,6 @@ class ByEncoder(_Of[_Encoder]):
         A field that the encoder does not have is 0 bits wide.
         """
         return shape_of(cls, variant).fields
-
-    def _encoder(self) -> Encode:
-        fields: Any = self
-        try:
-            encode: Encode = fields[0].__dict__["_encoders"][self.__class__]
-        except (AttributeError, KeyError):
-            # Raises an error if the first field is not an encoder.
-            encode = encoder_of_class(self)
-            fields[0].__dict__.setdefault("_encoders", {})[self.__class__] = encode
-        return encode
 
 
 class FrameOf(ByEncoder[_Encoder]):

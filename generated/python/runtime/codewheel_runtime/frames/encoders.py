@@ -29,9 +29,11 @@ def encoder_of_class(frame: Any) -> Encode:
     needed = described(kind)[1]
     # The encoder is the same in all frames that the function encodes. The answers can differ.
     first, count = sum(issubclass(argument_type, Encoder) for argument_type in needed), len(needed)
+    # Raises an error if a field is not an encoder or an answer.
+    encode_first = make_encoder(kind, frame[:count])
     if count == first:
-        return make_encoder(kind, frame[:count])
-    by_answers: dict[tuple[Any, ...], Encode] = {}
+        return encode_first
+    by_answers: dict[tuple[Any, ...], Encode] = {frame[first:count]: encode_first}
 
     def encode(frame: Any) -> Any:
         answers = frame[first:count]
