@@ -160,10 +160,10 @@ def test_every_fact_of_the_spec_is_there(path: Path, every_encoder: Library) -> 
     cited = {(source["document"], source["section"], source["page"]) for source in sources(dump)}
     names = set(map(str, keys(dump)))
     missing = []
-    for key, value in leaves(document.data):
-        if key in WRITTEN or isinstance(value, bool) or (isinstance(value, str) and is_expression(value)):
+    for key, written in leaves(document.data):
+        if key in WRITTEN or isinstance(written, bool) or (isinstance(written, str) and is_expression(written)):
             continue
-        value = number_or_text(value) if isinstance(value, str) else value
+        value = number_or_text(written) if isinstance(written, str) else written
         if key == "source" or key.endswith("_source"):
             named = [(source, (source.document, source.section, source.page)) for source in parse_sources(value)]
             missing += [str(source) for source, citation in named if citation not in cited]
