@@ -11,6 +11,8 @@ from .values import constant_width
 from .walk import Fields, Has, Spec, by_name, expanded, items
 
 _HERE = ("interfaces", Spi.name)
+#: Bits of the longest word. Another rule reports a longer one.
+_WIDEST = 64
 
 
 def requests_that_write(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -46,11 +48,11 @@ def _may_be_equal(request: str, write: str) -> bool:
 
 
 def _constant_bits(layout: Spec, groups: dict[str, Spec]) -> str:
-    """Return a word as 0, 1 and ? for bits that are not constant. Empty if a width depends on the order code."""
+    """Return a word as 0, 1 and ? for bits that are not constant. Empty if a width is not constant or too large."""
     bits = ""
     for _, field in expanded(Fields(Has.LAYOUT, layout, (), Spi.name), groups):
         width = 1 if "parity_of" in field else constant_width(field)
-        if width is None:
+        if width is None or width > _WIDEST:
             return ""
         constant = field.get("constant", field.get("unused"))
         bits += f"{constant:0{width}b}" if isinstance(constant, int) else "?" * width
