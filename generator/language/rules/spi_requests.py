@@ -11,8 +11,8 @@ from .values import constant_width
 from .walk import Fields, Has, Spec, by_name, expanded, items
 
 _HERE = ("interfaces", Spi.name)
-#: Bits of the longest word. Another rule reports a longer one.
-_WIDEST = 64
+#: Bits of the longest word over SPI. The check of the layouts reports longer ones.
+_MOST_BITS = 64
 
 
 def requests_that_write(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -52,7 +52,7 @@ def _constant_bits(layout: Spec, groups: dict[str, Spec]) -> str:
     bits = ""
     for _, field in expanded(Fields(Has.LAYOUT, layout, (), Spi.name), groups):
         width = 1 if "parity_of" in field else constant_width(field)
-        if width is None or width > _WIDEST:
+        if width is None or width > _MOST_BITS:
             return ""
         constant = field.get("constant", field.get("unused"))
         bits += f"{constant:0{width}b}" if isinstance(constant, int) else "?" * width
