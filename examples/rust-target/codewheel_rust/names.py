@@ -7,8 +7,8 @@ import re
 from codewheel.model import Device
 from codewheel.targets import TargetProblem
 
+#: Keys of a spec down to a part.
 Place = tuple[str, ...]
-
 #: Reserved words of Rust.
 KEYWORDS = frozenset(
     "abstract as async await become box break const continue crate do dyn else enum extern false final fn for if impl"
@@ -47,8 +47,7 @@ class Names:
         self.problems: list[TargetProblem] = []
 
     def give(self, name: str, *place: str) -> str:
-        if name in self._places:
-            other_place = self._places[name]
+        if (other_place := self._places.get(name)) is not None:
             where = "something on line {line}" if other_place else "something that every module has"
             message = f"this would be called {name} in Rust, as {where}. Rename it"
             self.problems.append(TargetProblem(self._device, "rust-name", place, message, other_place))
