@@ -81,7 +81,7 @@ def _character(lines: list[str], mark: Any) -> str:
     """Return the character at a mark, or an empty string at the end of a line and of the file."""
     if mark is None or mark.line >= len(lines):
         return ""
-    line = lines[mark.line]
+    line: str = lines[mark.line]
     return line[mark.column : mark.column + 1]
 
 
