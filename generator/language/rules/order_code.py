@@ -12,7 +12,7 @@ from typing import Any
 from ...model.expressions import Expression, ExpressionError
 from ..document import Path
 from ..problems import WORDS_ONLY, DocumentReport, quoted
-from .references import NameResolver
+from .name_resolver import NameResolver
 from .walk import Spec, by_name, items, mapping
 
 
