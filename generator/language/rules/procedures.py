@@ -10,6 +10,7 @@ from ...model import INTERFACES, Biss
 from ..document import Path
 from ..problems import DocumentReport, quoted
 from ..schema_files import is_second
+from .shapes import KeysOfKind, check_keys
 from .walk import (
     Fields,
     Has,
@@ -26,6 +27,34 @@ from .walk import (
 
 #: Access of a register that makes a kind of step impossible.
 _REFUSED = {"write": "read_only", "read": "write_only", "poll": "write_only"}
+#: Keys of each kind of step, and those of all kinds.
+_STEPS: dict[str, KeysOfKind] = {
+    "write": (("register", "value"), ("field",)),
+    "read": (("register",), ("field",)),
+    "poll": (("register", "field", "until"), ()),
+    "wait": (("at_least_ms",), ()),
+    "send": (("data_id",), ("times", "every_at_least_us", "in_succession")),
+}
+_ALL_STEPS = frozenset(("do", "meaning", "source"))
+
+
+def step_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that each step has the keys of its kind."""
+    for path, procedure in items(spec, "procedures"):
+        for below, step in items(procedure, "steps"):
+            kind: str = step["do"]
+            check_keys("step-shape", f"a {kind} step", (*path, *below), step, _STEPS[kind], _ALL_STEPS, report)
+            _check_repeated((*path, *below), step, report)
+
+
+def _check_repeated(path: Path, step: Spec, report: DocumentReport) -> None:
+    """Check that conditions between the requests of a step are only given for several requests."""
+    conditions = [key for key in ("in_succession", "every_at_least_us") if step.get(key)]
+    if step["do"] == "send" and conditions and step.get("times", 1) == 1:
+        request_count = "sends one" if "times" in step else "has no 'times'"
+        key = quoted(conditions[0])
+        problem = f"{key} applies to several requests, but the step {request_count}; add 'times', or remove {key}"
+        report.add("step-shape", (*path, conditions[0]), problem, at_key=True)
 
 
 def step_access(spec: Spec, raw: Spec, report: DocumentReport) -> None:
