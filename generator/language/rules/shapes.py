@@ -157,9 +157,7 @@ def _problem_with_others(fields: Fields, field: Spec) -> str:
     if not values:
         return f"'others' names the values that 'values' does not list; {name} also needs 'values'"
     if width is None or width > MOST_RESERVED_BITS:
-        return (
-            f"'others' gives every value a name, so 'bits' of {name} must be a number from 1 to {MOST_RESERVED_BITS}"
-        )
+        return f"'others' gives every value a name, so 'bits' of {name} must be a number from 1 to {MOST_RESERVED_BITS}"
     if fields.owner.get("from") == "master" or fields.owner.get("access", "read_only") != "read_only":
         return f"{name} is written by a master, which does not write reserved values; leave 'others' out"
     reserved_names = {f"{RESERVED}_{number}" for number in range(1 << MOST_RESERVED_BITS)}
