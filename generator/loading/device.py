@@ -230,13 +230,13 @@ def _parameter(name: str, raw: Raw, context: Context) -> Parameter:
     """Return a parameter with its limits, and its largest value over all order codes."""
     coded = coded_values(raw)
     if coded:
-        values = raw["by_code"].values()
-        raw = {**raw, "min": min(values), "max": max(values)}
-    largest = 0
+        coded_numbers = raw["by_code"].values()
+        raw = {**raw, "min": min(coded_numbers), "max": max(coded_numbers)}
+    values: list[int] = []
     for sets in context.parameter_sets.values():
-        largest = max([largest, *(parameters.get(name, 0) for parameters in sets)])
+        values += [parameters.get(name, 0) for parameters in sets]
     equals = context.definitions.get(name)
-    return record(Parameter, raw, name=name, equals=equals, largest=largest, by_code=coded)
+    return record(Parameter, raw, name=name, equals=equals, largest=max(values, default=0), by_code=coded)
 
 
 def _registers(raw: Raw, context: Context) -> tuple[Register, ...]:
