@@ -128,13 +128,13 @@ def _change_lists(family: Family, revision: str) -> Iterator[tuple[int, str, str
         key, passed_revisions = "before", revisions[own_index:wanted_index:-1]
     else:
         key, passed_revisions = "then", revisions[own_index + 1 : wanted_index + 1]
-    indices = {}
     raw_editions = family.document.data.get("editions", ())
-    for index, edition in enumerate(raw_editions):
-        indices[edition["revision"]] = index
+    indices = {edition["revision"]: index for index, edition in enumerate(raw_editions)}
     for passed_revision in passed_revisions:
-        index = indices.get(passed_revision)
-        if index is not None and key in raw_editions[index]:
+        if passed_revision not in indices:
+            continue
+        index = indices[passed_revision]
+        if key in raw_editions[index]:
             yield index, key, f"before {passed_revision}" if key == "before" else passed_revision
 
 
