@@ -16,7 +16,7 @@ from ..model.expressions import Expression
 from ..model.kinds import WIDEST
 from ..model.record import dataclass
 from .fields import Context, Site, bit_range, build_combinations, expected_value, kind_of, pieces, zero_field
-from .frame_kinds import with_verdicts_of_reserved_bits
+from .frame_kinds import with_unknown_verdicts
 from .from_mapping import Raw, record, sources
 from .layout_rules import check_layout
 
@@ -63,7 +63,7 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
     layout = _layout(raw, site, byte_order, bits, _in_order(fields, low_first and total is None), gaps)
     if not check_layout(layout, site, raw.get("byte_order") == "low_byte_first"):
         return None
-    return with_verdicts_of_reserved_bits(layout, raw["fields"], site) if total is None else layout
+    return with_unknown_verdicts(layout, raw["fields"], site) if total is None else layout
 
 
 def _layout(raw: Raw, site: Site, byte_order: str, bits: Expression, fields: Sequence[Field], gaps: str) -> Layout:
