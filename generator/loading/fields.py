@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 from ..language.problems import DocumentReport, Path
 from ..language.rules.shapes import RESERVED
@@ -58,7 +58,7 @@ class Context:
         has_unknown_parameter = not self._known_parameters().issuperset(expression.parameters)
         return None if has_unknown_parameter else expression
 
-    def _known_parameters(self) -> Set[str]:
+    def _known_parameters(self) -> frozenset[str]:
         """Return the names of the parameters, which are the same in all sets."""
         for sets in self.parameter_sets.values():
             for parameters in sets:
