@@ -104,18 +104,20 @@ def _check_device(checked: SchemaResult, document: Document, report: Report) -> 
     """
     are_codes_whole = is_whole(checked.data, document.data)
     report.mark(document, checked.cut)
-    cut_paths = set(checked.cut)
+    removed_places = set(checked.cut)
     completed_data = _with_prose(checked.data, checked.kind)
-    noting_report = _RecordingReport(report, document)
+    recording_report = _RecordingReport(report, document)
     for rule in RULES:
-        noting_report.noted = []
-        rule(completed_data, document.data, noting_report)
-        if rule in FOUNDATIONS:
-            are_codes_whole = are_codes_whole and not any(path[0] in _NO_CODES for path in noting_report.noted)
+        recording_report.noted = []
+        rule(completed_data, document.data, recording_report)
+        reported_paths = recording_report.noted
+        if rule in FOUNDATIONS and any(path[0] in _NO_CODES for path in reported_paths):
+            are_codes_whole = False
         if rule in SHAPES:
-            cut_paths |= set(map(place_to_remove, noting_report.noted))
-    if cut_paths != checked.cut:
-        completed_data = _with_prose(without_places(document, cut_paths, checked.stand_ins), checked.kind)
+            removed_places.update(place_to_remove(path) for path in reported_paths)
+    if removed_places != checked.cut:
+        remaining_data = without_places(document, removed_places, checked.stand_ins)
+        completed_data = _with_prose(remaining_data, checked.kind)
     return _with_stand_ins(completed_data, are_codes_whole, document)
 
 
@@ -130,8 +132,9 @@ def _with_prose(data: dict[str, Any], kind: FileKind) -> dict[str, Any]:
 def _with_stand_ins(data: dict[str, Any], are_codes_whole: bool, document: Document) -> dict[str, Any]:
     """Return the data with stand-ins for missing keys at the top level and at the top level of an interface."""
     family = document.family or family_of(document.file)
-    whole = {"device": family, **_STAND_INS, **data}
+    completed_data = {"device": family, **_STAND_INS, **data}
     if not are_codes_whole:
-        whole |= _NO_CODES
-    whole["interfaces"] = {kind: {"layouts": [], **interface} for kind, interface in whole["interfaces"].items()}
-    return whole
+        completed_data |= _NO_CODES
+    interfaces = completed_data["interfaces"]
+    completed_data["interfaces"] = {kind: {"layouts": [], **interface} for kind, interface in interfaces.items()}
+    return completed_data

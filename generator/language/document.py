@@ -71,8 +71,8 @@ class Document:
 
     def file_of(self, path: Path) -> str:
         """Return the file to which the line from ``position`` belongs, or an empty string for the document's file."""
-        files = [mark.file for _, mark in self._walk(path)]
-        return files[-1] if files else ""
+        marks = [mark for _, mark in self._walk(path)]
+        return marks[-1].file if marks else ""
 
     def position(self, path: Path, at_key: bool = False) -> tuple[int, int]:
         """Return line and column, both from 1, of the value at ``path``, or of its nearest ancestor if there is none.
@@ -105,7 +105,10 @@ class Document:
 
     def mark(self, path: Path) -> Mark:
         """Return the mark of the value at ``path``, or of its nearest ancestor if there is none."""
-        return next((mark for _, mark in reversed(list(self._walk(path)))), self.marks)
+        nearest_mark = self.marks
+        for _, mark in self._walk(path):
+            nearest_mark = mark
+        return nearest_mark
 
     def name_path(self, path: Path) -> str:
         """Return the path as shown in messages: ``procedures.preset.steps[3]``.
@@ -115,13 +118,14 @@ class Document:
         text = ""
         node: Any = self.data
         for step in self.original(path):
+            child = _child(node, step)
             if isinstance(node, list) and isinstance(step, int):
-                node = node[step] if step < len(node) else None
-                label = label_of(node)
-                text += f".{label}" if label and _PLAIN_LABEL.fullmatch(label) else f"[{step + 1}]"
+                label = label_of(child)
+                has_plain_label = label is not None and _PLAIN_LABEL.fullmatch(label)
+                text += f".{label}" if has_plain_label else f"[{step + 1}]"
             else:
-                node = node.get(step) if isinstance(node, dict) else None
                 text += f".{step}"
+            node = child
         return text.removeprefix(".")
 
     def _walk(self, path: Path) -> Iterator[tuple[str | int, Mark]]:
@@ -138,31 +142,40 @@ class Document:
         """Return the path in the data as read, with indices for names and original indices for pruned lists."""
         node: Any = self.data
         original_path: Path = ()
-        for asked_step in path:
-            step = asked_step
-            if isinstance(node, list):
-                if isinstance(asked_step, int):
-                    original_indices = self.kept_indices.get(original_path)
-                    step = (
-                        asked_step
-                        if original_indices is None or asked_step >= len(original_indices)
-                        else original_indices[asked_step]
-                    )
-                else:
-                    step = self._index(node, asked_step)
-                node = node[step] if isinstance(step, int) and 0 <= step < len(node) else None
-            else:
-                node = node.get(step) if isinstance(node, dict) else None
-            original_path += (step,)
+        for step in path:
+            original_step = self._original_step(node, step, original_path)
+            node = _child(node, original_step)
+            original_path += (original_step,)
         return original_path
+
+    def _original_step(self, node: Any, step: str | int, original_path: Path) -> str | int:
+        """Return the index in a list as read for a name or for an index in the pruned list, or the key of a map."""
+        if not isinstance(node, list):
+            return step
+        if not isinstance(step, int):
+            return self._index(node, step)
+        original_indices = self.kept_indices.get(original_path)
+        if original_indices is None or step >= len(original_indices):
+            return step
+        return original_indices[step]
 
     def _index(self, node: list[Any], label: str) -> str | int:
         """Return the index of the first item of a list with this label, or the label if there is none."""
-        index_by_label = self._indices.get(id(node))
-        if index_by_label is None:
-            labels = ((label_of(node_item), index) for index, node_item in reversed(list(enumerate(node))))
-            index_by_label = self._indices[id(node)] = {label: index for label, index in labels if label is not None}
-        return index_by_label.get(label, label)
+        if id(node) not in self._indices:
+            first_indices: dict[str, int] = {}
+            for index, list_item in enumerate(node):
+                item_label = label_of(list_item)
+                if item_label is not None:
+                    first_indices.setdefault(item_label, index)
+            self._indices[id(node)] = first_indices
+        return self._indices[id(node)].get(label, label)
+
+
+def _child(node: Any, step: str | int) -> Any:
+    """Return the value at a key of a map or at an index of a list, or None if there is none."""
+    if isinstance(node, list):
+        return node[step] if isinstance(step, int) and 0 <= step < len(node) else None
+    return node.get(step) if isinstance(node, dict) else None
 
 
 def label_of(value: Any) -> str | None:
@@ -208,7 +221,7 @@ def resolve(data: Any, text: str) -> Path:
     """Return the path for a place given as text, with an index for each list item.
 
     Raises:
-        NothingThere: A step does not exist.
+        MissingPath: A step does not exist.
     """
     path: Path = ()
     for step in steps_of(text):
@@ -238,7 +251,8 @@ def named_path(data: Any, path: Path) -> Path:
     named_path: Path = ()
     for step in path:
         child: Any = data[step] if isinstance(step, int) or step in data else None
-        named_path += ((label_of(child) or step) if isinstance(step, int) else step,)
+        label = label_of(child) if isinstance(step, int) else None
+        named_path += (label or step,)
         data = child
     return named_path
 
@@ -265,44 +279,60 @@ def from_file(mark: Mark, file: str) -> Mark:
 
 def with_value(data: Any, marks: Mark, path: Path, value: Any, mark: Mark) -> tuple[Any, Mark]:
     """Return data and marks with a value at ``path``: replaced, at a new key, or appended to a list."""
+    key = path[-1]
 
-    def edit(holder: Any, holder_mark: Mark) -> tuple[Any, Mark]:
-        key = path[-1]
-        edited: Any = [*holder, None] if isinstance(holder, list) and key == len(holder) else copy(holder)
-        edited[key] = value
-        return edited, replace(holder_mark, children={**holder_mark.children, key: mark})
+    def put(parent: Any, parent_mark: Mark) -> tuple[Any, Mark]:
+        new_parent = copy(parent)
+        if isinstance(parent, list) and key == len(parent):
+            new_parent.append(value)
+        else:
+            new_parent[key] = value
+        return new_parent, replace(parent_mark, children={**parent_mark.children, key: mark})
 
-    return _edited(data, marks, path[:-1], edit)
+    return _with_edited_parent(data, marks, path[:-1], put)
 
 
 def without_value(data: Any, marks: Mark, path: Path) -> tuple[Any, Mark]:
     """Return data and marks without the value at ``path``."""
+    key = path[-1]
 
-    def edit(holder: Any, holder_mark: Mark) -> tuple[Any, Mark]:
-        key = path[-1]
-        if isinstance(holder, dict):
-            remaining = {name: child for name, child in holder.items() if name != key}
-            return remaining, replace(
-                holder_mark,
-                children={name: child_mark for name, child_mark in holder_mark.children.items() if name != key},
-            )
-        remaining_indices = [index for index in range(len(holder)) if index != key]
-        child_marks = holder_mark.children
-        marked = [(place, index) for place, index in enumerate(remaining_indices) if index in child_marks]
-        children: dict[str | int, Mark] = {place: child_marks[index] for place, index in marked}
-        return [holder[index] for index in remaining_indices], replace(holder_mark, children=children)
+    def remove(parent: Any, parent_mark: Mark) -> tuple[Any, Mark]:
+        if isinstance(parent, dict):
+            return _without_key(parent, parent_mark, key)
+        return _without_item(parent, parent_mark, key)
 
-    return _edited(data, marks, path[:-1], edit)
+    return _with_edited_parent(data, marks, path[:-1], remove)
 
 
-def _edited(data: Any, mark: Mark, path: Path, edit: _Edit) -> tuple[Any, Mark]:
-    if not path:
+def _without_key(mapping: dict[str, Any], mark: Mark, removed_key: str | int) -> tuple[dict[str, Any], Mark]:
+    """Return a map and its mark without one of its keys."""
+    remaining = {key: value for key, value in mapping.items() if key != removed_key}
+    remaining_marks = {key: child_mark for key, child_mark in mark.children.items() if key != removed_key}
+    return remaining, replace(mark, children=remaining_marks)
+
+
+def _without_item(items: list[Any], mark: Mark, removed_index: str | int) -> tuple[list[Any], Mark]:
+    """Return a list and its mark without one of its items. The marks of later items move with them."""
+    remaining: list[Any] = []
+    remaining_marks: dict[str | int, Mark] = {}
+    for index, list_item in enumerate(items):
+        if index == removed_index:
+            continue
+        if index in mark.children:
+            remaining_marks[len(remaining)] = mark.children[index]
+        remaining.append(list_item)
+    return remaining, replace(mark, children=remaining_marks)
+
+
+def _with_edited_parent(data: Any, mark: Mark, parent_path: Path, edit: _Edit) -> tuple[Any, Mark]:
+    """Return copies of data and marks in which the map or list at ``parent_path`` is replaced by its edited form."""
+    if not parent_path:
         return edit(data, mark)
-    key = path[0]
-    edited_child, marked = _edited(data[key], mark.children[key], path[1:], edit)
-    edited = copy(data)
-    edited[key] = edited_child
-    return edited, replace(mark, children={**mark.children, key: marked})
+    key = parent_path[0]
+    new_child, new_child_mark = _with_edited_parent(data[key], mark.children[key], parent_path[1:], edit)
+    new_data = copy(data)
+    new_data[key] = new_child
+    return new_data, replace(mark, children={**mark.children, key: new_child_mark})
 
 
 def as_affected(data: Any, path: Path) -> str:
@@ -313,11 +343,13 @@ def as_affected(data: Any, path: Path) -> str:
     words: list[str] = []
     for depth, step in enumerate(path):
         data = data[step]
-        word = label_of(data) if isinstance(step, int) else step
-        if word is None or _UNNAMED.search(str(word)):
+        is_list_item = isinstance(step, int)
+        word = label_of(data) if is_list_item else str(step)
+        if word is None or _UNNAMED.search(word):
             break
-        if depth == 0 or isinstance(step, int) or word not in _LEFT_OUT:
-            words.append(str(word))
+        is_omitted = word in _LEFT_OUT and not is_list_item and depth > 0
+        if not is_omitted:
+            words.append(word)
     return ".".join(words)
 
 
@@ -348,6 +380,7 @@ class Affected:
         if not isinstance(node, dict):
             return []
         matches = [node[step]] if step in node else []
+        # Paths of errata omit the lists of fields, layouts and steps, and the map of values.
         for key, child in node.items():
             if isinstance(child, list):
                 matches += self._items_of(child).get(step, [])

@@ -97,18 +97,13 @@ class _Search:
         self._outputs, self._names_left = outputs, most_names
 
     def run(self, root: Path) -> None:
+        """Search ``root``, then the folders in it, and so on, until the limit of names is reached."""
         folders = deque([root])
         while folders:
             folder = folders.popleft()
-            try:
-                with os.scandir(folder) as listing:
-                    entries = list(listing)
-            except OSError:
-                # Also treated as a file, so that reading it reports why it cannot be read.
-                self.files.append(folder)
-                self.not_entered.append((folder, UNREADABLE))
-                continue
-            if folder != root and self._is_left_out(folder, {folder_entry.name for folder_entry in entries}):
+            entries = self._entries(folder)
+            names = {folder_entry.name for folder_entry in entries}
+            if folder != root and self._is_left_out(folder, names):
                 continue
             self._names_left -= len(entries)
             if self._names_left < 0:
@@ -118,8 +113,22 @@ class _Search:
                 if not folder_entry.name.startswith("."):
                     self._look_at(folder_entry, folder / folder_entry.name, folders)
 
+    def _entries(self, folder: Path) -> list[os.DirEntry[str]]:
+        """Return the entries of a folder. An unreadable one has none and is noted."""
+        try:
+            with os.scandir(folder) as listing:
+                return list(listing)
+        except OSError:
+            # Also treated as a file, so that reading it reports why it cannot be read.
+            self.files.append(folder)
+            self.not_entered.append((folder, UNREADABLE))
+            return []
+
     def _is_left_out(self, folder: Path, names: Collection[str]) -> bool:
-        if not _MARKS.isdisjoint(names) or (self._outputs and os.path.realpath(folder) in self._outputs):
+        """Return True for an environment, a cache, an output or another repository with these names in it."""
+        if not _MARKS.isdisjoint(names):
+            return True
+        if self._outputs and os.path.realpath(folder) in self._outputs:
             return True
         if REPOSITORY in names:
             self.not_entered.append((folder, NESTED))
@@ -175,16 +184,22 @@ def top_keys(path: Path) -> frozenset[str] | None:
         if not path.is_file():
             return None
         with open(path, "rb") as file:
-            # Specs are not UTF-16, but such a file must be rejected and not skipped.
-            text = re.sub(rb"\r\n?", b"\n", file.read(_LOOKED_AT).replace(b"\0", b"").lstrip(b"\xef\xbb\xbf\xff\xfe"))
+            content = file.read(_LOOKED_AT)
     except (OSError, ValueError):
         return None
-    start = _CONTENT.search(text)
-    if start is None:
+    # Specs are not UTF-16, but such a file must be rejected and not skipped.
+    text = content.replace(b"\0", b"").lstrip(b"\xef\xbb\xbf\xff\xfe")
+    text = re.sub(rb"\r\n?", b"\n", text)
+    first_content = _CONTENT.search(text)
+    if first_content is None:
         return frozenset()
-    in_braces = text[start.end() - 1 : start.end()] == b"{"
-    # A line break is found faster than the beginning of a line.
-    keys = re.findall(_KEY if in_braces else rb"\n" + re.escape(start[1]) + _KEY, b"\n" + text, re.MULTILINE)
+    if first_content[0].endswith(b"{"):
+        pattern = _KEY
+    else:
+        # Keys at the top level have the same indentation as the first one.
+        # A line break is found faster than the beginning of a line.
+        pattern = rb"\n" + re.escape(first_content[1]) + _KEY
+    keys = re.findall(pattern, b"\n" + text, re.MULTILINE)
     return frozenset(key.decode() for key in keys)
 
 
@@ -218,5 +233,6 @@ def family_files(spec: Path, names_in: Callable[[Path], Iterable[str]] = os.list
 
     ``names_in`` returns the names in a folder.
     """
-    own_names = sorted(name for name in names_in(spec.parent) if name.startswith(f"{spec.stem}."))
-    return [*(spec.with_name(name) for name in own_names), spec.with_name(MANUFACTURER)]
+    file_names = sorted(name for name in names_in(spec.parent) if name.startswith(f"{spec.stem}."))
+    files = [spec.with_name(name) for name in file_names]
+    return [*files, spec.with_name(MANUFACTURER)]

@@ -85,9 +85,16 @@ def number_hint(key: str, value: Any) -> str:
     """Return what to write instead of ``value`` under ``key``, which takes a whole number. Empty if unclear."""
     if isinstance(value, float):
         return _float_hint(key, value)
-    if isinstance(value, list) and len(value) > 1 and all(type(byte) is int and 0 <= byte < 256 for byte in value):
+    if _is_list_of_bytes(value):
         return _text_hint(key, bytes(value).hex(" "))
-    return _text_hint(key, value.strip()) if isinstance(value, str) and len(value) <= _LONGEST else ""
+    if isinstance(value, str) and len(value) <= _LONGEST:
+        return _text_hint(key, value.strip())
+    return ""
+
+
+def _is_list_of_bytes(value: Any) -> bool:
+    """Return True for a list of two or more numbers that each fit into a byte."""
+    return isinstance(value, list) and len(value) > 1 and all(type(byte) is int and 0 <= byte < 256 for byte in value)
 
 
 def _float_hint(key: str, value: float) -> str:
@@ -124,14 +131,18 @@ def expression_hint(text: str) -> str:
 
 def value_hint(key: str, value: Any, schema: Mapping[str, Any]) -> str:
     """Return what to write instead of a value of the wrong type: true or false, or a map with one key."""
-    text = str(value).lower()
-    if schema.get("type") == "boolean":
+    required_type = schema.get("type")
+    required_keys = schema.get("required", ())
+    if required_type == "boolean":
+        text = str(value).lower()
         return f"; write {_YES_OR_NO[text]}" if text in _YES_OR_NO else ""
-    needed = schema.get("required", ())
-    if schema.get("type") == "object" and len(needed) == 1 and not isinstance(value, dict | list | type(None)):
-        form = _FORMS.get(key, f"{{{needed[0]}: NAME}}") if isinstance(value, bool) else f"{{{needed[0]}: {value}}}"
-        return f"; write '{key}: {form}'"
-    return ""
+    if required_type != "object" or len(required_keys) != 1 or isinstance(value, dict | list | type(None)):
+        return ""
+    if isinstance(value, bool):
+        form = _FORMS.get(key, f"{{{required_keys[0]}: NAME}}")
+    else:
+        form = f"{{{required_keys[0]}: {value}}}"
+    return f"; write '{key}: {form}'"
 
 
 def word_hint(key: str, value: Any) -> str:
@@ -145,23 +156,35 @@ def foreign_key_hint(key: str, value: Any, allowed_keys: Collection[str], used_k
 
     ``allowed_keys`` contains the keys that are allowed here, and ``used_keys`` those that are used.
     """
-    words = [word for word in _ELSEWHERE.get(key.lower(), ()) if word in allowed_keys]
-    fitting = (word for word in words if word_hint(word, value) or value in _VALUES.get(word, {}).values())
-    our_key = next(fitting, words[0] if words else "")
+    our_key = _our_key(key, value, allowed_keys)
     if not our_key:
         return ""
     if our_key in used_keys:
         return f"; leave it out, because '{our_key}' says the same"
     if our_key == "active":
-        low = (key.lower() == "active_low") == (value is not False)
-        return f"; write 'active: {'low' if low else 'high'}'"
+        # Both 'active_low: true' and 'active_high: false' mean low.
+        is_low = (key.lower() == "active_low") == (value is not False)
+        return "; write 'active: low'" if is_low else "; write 'active: high'"
     if our_key in _VALUES:
         word = _VALUES[our_key].get(str(value).lower().replace("-", "_"), "")
         return f"; write '{our_key}: {word}'" if word else f"; it is called '{our_key}' here"
-    if (bits := _TYPE_BITS.fullmatch(str(value).lower())) is not None:
-        number = int(bits[1] or bits[2])
-        return f"; write '{our_key}: {number // 8 if our_key == 'length' else number}'"
+    type_bits = _TYPE_BITS.fullmatch(str(value).lower())
+    if type_bits is not None:
+        bits = int(type_bits[1] or type_bits[2])
+        return f"; write '{our_key}: {bits // 8 if our_key == 'length' else bits}'"
     return f"; it is called '{our_key}' here"
+
+
+def _our_key(key: str, value: Any, allowed_keys: Collection[str]) -> str:
+    """Return the key of our language for one of another tool, or an empty string.
+
+    A key that takes words is preferred if the value is one of its words, so that ``mode: rw`` becomes ``access``.
+    """
+    candidates = [our_key for our_key in _ELSEWHERE.get(key.lower(), ()) if our_key in allowed_keys]
+    for our_key in candidates:
+        if word_hint(our_key, value) or value in _VALUES.get(our_key, {}).values():
+            return our_key
+    return candidates[0] if candidates else ""
 
 
 def _bytes_hint(data: bytes) -> str:
@@ -179,9 +202,11 @@ def _fraction_hint(key: str, value: float) -> str:
     if key == "step_um":
         return _step_hint(value)
     problem = f"; there are no fractions of {_word(unit)}" if unit in _UNITS else "; there are no fractions"
-    if "at_least" in key or key.startswith("min_"):
+    is_lower_bound = "at_least" in key or key.startswith("min_")
+    is_upper_bound = "at_most" in key or key.startswith("max_")
+    if is_lower_bound:
         return f"{problem}: round up and write {math.ceil(value)}"
-    if ("at_most" in key or key.startswith("max_")) and value > 1:
+    if is_upper_bound and value > 1:
         return f"{problem}: round down and write {math.floor(value)}"
     return problem
 
@@ -206,12 +231,13 @@ def _step_hint(value: float) -> str:
 
 
 def _polynomial_hint(text: str) -> str:
+    """Return the hint for ``x^6 + x + 1``: the number whose bits are the powers below the highest, and the width."""
     powers = polynomial_powers(text)
-    top = max(powers)
-    if top > 64:
+    width = max(powers)
+    if width > 64:
         return ""
-    low_powers = sum(1 << power for power in powers - {top})
-    return f"; write {low_powers:#x}, which omits x^{top}, and 'width: {top}'"
+    poly = sum(1 << power for power in powers if power != width)
+    return f"; write {poly:#x}, which omits x^{width}, and 'width: {width}'"
 
 
 def polynomial_powers(text: str) -> set[int]:
@@ -228,38 +254,58 @@ def _power(term: str) -> int:
 def key_hint(key: str, value: Any, known_keys: Iterable[str]) -> str:
     """Return what to write instead of a key with the wrong unit, such as ``min_khz: 200`` for ``min_hz: 200000``."""
     stem, _, unit = key.rpartition("_")
-    if not stem or unit.lower() not in _UNITS:
+    unit = unit.lower()
+    if not stem or unit not in _UNITS:
         return ""
-    kind = _UNITS[unit.lower()][0]
-    keys_of_kind = (known_key for known_key in known_keys if _UNITS.get(_unit(known_key), ("", 0))[0] == kind)
-    units_by_key = {known_key: _unit(known_key) for known_key in keys_of_kind}
-    stems = {known_key.rpartition("_")[0] for known_key in units_by_key}
-    meant_stem = stem if stem in stems else nearest_choice(stem, list(stems))
-    fitting = [known_key for known_key in units_by_key if meant_stem and known_key.rpartition("_")[0] == meant_stem]
-    if not fitting or key in fitting:
+    fitting_keys = _keys_of_same_kind(stem, unit, known_keys)
+    if not fitting_keys or key in fitting_keys:
         return ""
-    # The largest unit in which the value is a whole number, or else the smallest one.
-    fitting.sort(key=lambda known_key: -_UNITS[units_by_key[known_key]][1])
-    best_key = next(
-        (known_key for known_key in fitting if _whole(value, unit.lower(), units_by_key[known_key])), fitting[-1]
-    )
-    unit_word = _word(units_by_key[best_key])
-    if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
+    best_key = _best_unit(fitting_keys, value, unit)
+    best_unit = _unit(best_key)
+    if not _is_finite_number(value):
         or_else = f". If that is not a whole number{_INSTEAD[best_key]}" if best_key in _INSTEAD else ""
-        return f"; the unit is {unit_word}: write '{best_key}'{or_else}"
+        return f"; the unit is {_word(best_unit)}: write '{best_key}'{or_else}"
     # From the shortest decimal form: 0.05 means five hundredths, not the nearest binary fraction.
-    converted = _converted(Fraction(str(value)), unit.lower(), units_by_key[best_key])
+    converted = _converted(Fraction(str(value)), unit, best_unit)
     if converted is None:
-        text = f"{value} {_word(unit.lower())}"
-        return (
-            f"; there is only '{best_key}', and {text} is not a whole number of {unit_word}{_INSTEAD.get(best_key, '')}"
-        )
-    return f"; write '{best_key}: {converted}', in {unit_word}"
+        problem = f"{value} {_word(unit)} is not a whole number of {_word(best_unit)}"
+        return f"; there is only '{best_key}', and {problem}{_INSTEAD.get(best_key, '')}"
+    return f"; write '{best_key}: {converted}', in {_word(best_unit)}"
+
+
+def _keys_of_same_kind(stem: str, unit: str, known_keys: Iterable[str]) -> list[str]:
+    """Return the known keys that differ from this one only in the unit, of the same kind, or in a typo as well."""
+    base_unit, _ = _UNITS[unit]
+    keys_of_kind = []
+    for known_key in known_keys:
+        known_unit = _unit(known_key)
+        if known_unit in _UNITS and _UNITS[known_unit][0] == base_unit:
+            keys_of_kind.append(known_key)
+    stems = {_stem(known_key) for known_key in keys_of_kind}
+    meant_stem = stem if stem in stems else nearest_choice(stem, list(stems))
+    return [known_key for known_key in keys_of_kind if meant_stem and _stem(known_key) == meant_stem]
+
+
+def _best_unit(keys: list[str], value: Any, unit: str) -> str:
+    """Return the key with the largest unit in which the value is a whole number, or else with the smallest one."""
+    largest_first = sorted(keys, key=lambda known_key: -_UNITS[_unit(known_key)][1])
+    for known_key in largest_first:
+        if _whole(value, unit, _unit(known_key)):
+            return known_key
+    return largest_first[-1]
+
+
+def _is_finite_number(value: Any) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
 def _whole(value: Any, unit: str, target_unit: str) -> bool:
-    is_number = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
-    return is_number and _converted(Fraction(str(value)), unit, target_unit) is not None
+    """Return True if a value is a whole number in another unit."""
+    return _is_finite_number(value) and _converted(Fraction(str(value)), unit, target_unit) is not None
+
+
+def _stem(key: str) -> str:
+    return key.rpartition("_")[0]
 
 
 def _unit(key: str) -> str:

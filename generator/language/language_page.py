@@ -147,12 +147,15 @@ def _definitions_in_order(schema: Shape) -> list[str]:
 
 
 def _definition(name: str, shape: Shape, definitions: Shape) -> list[str]:
-    lines = [anchor(name), "", f"### {code(name)}", "", paragraph(text(shape.get("description", "")))]
-    limits = _limits(shape)
-    kind = _kind(shape)
-    if "properties" not in shape:
-        lines += ["", f"{kind[0].upper() + kind[1:]}{': ' + limits if limits else ''}."]
-    return [*lines, "", _properties(shape, definitions), ""] if "properties" in shape else [*lines, ""]
+    """Return the lines of the section on a definition: its meaning, and its keys or the values that it allows."""
+    lines = [anchor(name), "", f"### {code(name)}", "", paragraph(text(shape.get("description", ""))), ""]
+    if "properties" in shape:
+        lines.append(_properties(shape, definitions))
+    else:
+        kind, limits = _kind(shape), _limits(shape)
+        capitalised_kind = kind[0].upper() + kind[1:]
+        lines.append(f"{capitalised_kind}: {limits}." if limits else f"{capitalised_kind}.")
+    return [*lines, ""]
 
 
 def _properties(shape: Shape, definitions: Shape) -> str:
@@ -166,15 +169,15 @@ def _definition_name(shape: Shape) -> str:
 
 def _members(shape: Shape, definitions: Shape, prefix: str = "") -> Iterator[tuple[str, str, str, str]]:
     """Yield a row for each key, followed by rows for its inner keys if they have no section of their own."""
-    required = shape.get("required", ())
+    required_keys = shape.get("required", ())
     for name, inner in shape.get("properties", {}).items():
         limits = _limits(inner)
-        value = _kind(inner) + (f", {limits}" if limits else "")
-        meaning = inner.get("description") or definitions.get(_definition_name(inner), {}).get("description", "")
-        yield code(prefix + name), "required" if name in required else "", value, text(meaning)
-        items = inner.get("items", {})
+        value = f"{_kind(inner)}, {limits}" if limits else _kind(inner)
+        definition = definitions.get(_definition_name(inner), {})
+        meaning = inner.get("description") or definition.get("description", "")
+        yield code(prefix + name), "required" if name in required_keys else "", value, text(meaning)
         yield from _members(inner, definitions, f"{prefix}{name}.")
-        yield from _members(items, definitions, f"{prefix}{name}[].")
+        yield from _members(inner.get("items", {}), definitions, f"{prefix}{name}[].")
     value_shape = shape.get("additionalProperties")
     if isinstance(value_shape, Mapping) and "properties" in value_shape:
         yield from _members(value_shape, definitions, f"{prefix}<name>.")
@@ -193,33 +196,37 @@ def _kind(shape: Shape, plural: bool = False) -> str:
         return "any value"
     types = shape.get("type", "string")
     if "items" in shape:
-        scalar_prefix = "" if types == "array" else f"{_kind(shape['items'])}, or "
-        return f"{scalar_prefix}list{'s' * plural} of {_kind(shape['items'], True)}"
+        list_of_items = f"{'lists' if plural else 'list'} of {_kind(shape['items'], plural=True)}"
+        can_be_single = types != "array"
+        return f"{_kind(shape['items'])}, or {list_of_items}" if can_be_single else list_of_items
     value_shape = shape.get("additionalProperties")
     if isinstance(value_shape, Mapping):
-        return f"mapping{'s' * plural} of names to {_kind(value_shape, True)}"
+        return f"{'mappings' if plural else 'mapping'} of names to {_kind(value_shape, plural=True)}"
     type_names = [types] if isinstance(types, str) else types
     return listed([_NOUNS[type_name][plural] for type_name in type_names], "or")
 
 
 def _limits(shape: Shape) -> str:
-    parts = []
+    """Return the limits of a value in words, or an empty string."""
+    limits = []
     if "minimum" in shape or "maximum" in shape:
-        low, high = shape.get("minimum"), shape.get("maximum")
-        if high is None:
-            parts.append(f"{low} or more")
-        else:
-            parts.append(f"at most {high}" if low is None else f"{low} to {high}")
+        limits.append(_range_in_words(shape.get("minimum"), shape.get("maximum")))
     if "pattern" in shape:
-        parts.append(f"pattern {code(shape['pattern'])}")
+        limits.append(f"pattern {code(shape['pattern'])}")
     if shape.get("maxLength"):
-        parts.append(f"at most {shape['maxLength']} characters")
+        limits.append(f"at most {shape['maxLength']} characters")
     if shape.get("minItems", 0) > 0:
-        parts.append("not empty")
+        limits.append("not empty")
     max_entries = shape.get("maxItems", shape.get("maxProperties", _MOST_ENTRIES))
     if max_entries != _MOST_ENTRIES:
-        parts.append(f"at most {max_entries} entr{'y' if max_entries == 1 else 'ies'}")
-    return ", ".join(parts)
+        limits.append(f"at most {max_entries} {'entry' if max_entries == 1 else 'entries'}")
+    return ", ".join(limits)
+
+
+def _range_in_words(low: int | None, high: int | None) -> str:
+    if high is None:
+        return f"{low} or more"
+    return f"at most {high}" if low is None else f"{low} to {high}"
 
 
 if __name__ == "__main__":

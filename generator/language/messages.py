@@ -188,30 +188,32 @@ def _suggest_key(error: Any, key: str) -> str:
 
 def _missing_keys(error: Any, path: Path, kind: str) -> Iterator[Finding]:
     """Yield one finding for all missing keys, except those of which an unknown key is a misspelling."""
-    misspelt_keys = [key for key in error.validator_value if _is_misspelt(error, key)]
-    missing_keys = [key for key in error.validator_value if key not in error.instance and key not in misspelt_keys]
+    required_keys = error.validator_value
+    misspelt_keys = [key for key in required_keys if _is_misspelt(error, key)]
+    missing_keys = [key for key in required_keys if key not in error.instance and key not in misspelt_keys]
     if not missing_keys:
         return
     hints = [TO_ADD[key] for key in missing_keys if key in TO_ADD]
     message = "; ".join([missing(missing_keys, _owner(error, path, kind)), *hints])
     is_only_prose = not misspelt_keys and WORDS_ONLY.issuperset(missing_keys)
-    is_at_key = bool(path) and isinstance(path[-1], str)
-    yield Finding("missing-key", path, message, at_key=is_at_key, alone=is_only_prose)
+    is_in_named_map = bool(path) and isinstance(path[-1], str)
+    yield Finding("missing-key", path, message, at_key=is_in_named_map, alone=is_only_prose)
 
 
 def _is_misspelt(error: Any, required_key: str) -> bool:
     """Return True if an unknown key is a misspelling of a required one."""
     known_keys = error.schema["properties"]
     unknown_keys = [key for key in error.instance if key not in known_keys]
-    return any(_stands_for(key, required_key, error.instance, known_keys) for key in unknown_keys)
+    return any(_is_meant_as(required_key, key, error.instance, known_keys) for key in unknown_keys)
 
 
-def _stands_for(unknown_key: str, key: str, instance: Any, known_keys: Any) -> bool:
-    hints = (
-        key_hint(unknown_key, instance[unknown_key], known_keys),
-        foreign_key_hint(unknown_key, instance[unknown_key], known_keys, instance),
-    )
-    return nearest_choice(unknown_key, list(known_keys)) == key or any(f"'{key}" in hint for hint in hints)
+def _is_meant_as(required_key: str, unknown_key: str, instance: Any, known_keys: Any) -> bool:
+    """Return True if an unknown key is a typo of the required one, or the hint about it names the required one."""
+    if nearest_choice(unknown_key, list(known_keys)) == required_key:
+        return True
+    value = instance[unknown_key]
+    hints = key_hint(unknown_key, value, known_keys) + foreign_key_hint(unknown_key, value, known_keys, instance)
+    return f"'{required_key}" in hints
 
 
 def _owner(error: Any, path: Path, kind: str) -> str:
@@ -219,14 +221,20 @@ def _owner(error: Any, path: Path, kind: str) -> str:
     if not path:
         return {"second": "a second reading", "overlay": "an overlay"}.get(kind, f"a {kind} file")
     schema_path = list(error.absolute_schema_path)
-    if len(schema_path) > 1 and schema_path[-2] in ("items", "additionalProperties"):
-        return _item(next(step for step in reversed(path[:-1]) if isinstance(step, str)))
+    is_list_item_or_named_entry = len(schema_path) > 1 and schema_path[-2] in ("items", "additionalProperties")
+    if is_list_item_or_named_entry:
+        keys_above = [step for step in path[:-1] if isinstance(step, str)]
+        return _item(keys_above[-1])
     return f"'{path[-1]}'"
 
 
 def _item(plural: str) -> str:
+    """Return one item of a list or map with its article, such as ``a register`` for ``registers``."""
+    if plural in _ITEMS:
+        return _ITEMS[plural]
     singular = plural.removesuffix("s").replace("_", " ")
-    return _ITEMS.get(plural) or f"{'an' if singular[0] in 'aeiou' else 'a'} {singular}"
+    article = "an" if singular[0] in "aeiou" else "a"
+    return f"{article} {singular}"
 
 
 def _subject(path: Path) -> str:
@@ -237,17 +245,22 @@ def _subject(path: Path) -> str:
 
 
 def _type(error: Any, subject: str) -> tuple[str, str]:
+    """Return rule and message for a value of the wrong type, with the likely correction."""
+    value = error.instance
     types = [error.validator_value] if isinstance(error.validator_value, str) else error.validator_value
     key = str(error.absolute_path[-1]) if error.absolute_path else ""
-    sums = _NUMBER_OR_TEXT.get(key) if len(types) > 1 else None
-    accepted = sums or listed([_TYPES[name] for name in types], "or")
-    if error.instance is None:
+    number_or_text = _NUMBER_OR_TEXT.get(key) if len(types) > 1 else None
+    accepted = number_or_text or listed([_TYPES[name] for name in types], "or")
+    if value is None:
         return "wrong-type", f"{subject} has no value; it must be {accepted}"
-    hint = _text_hint(error) if "string" in types and isinstance(error.instance, (int, float)) else ""
-    if sums or types == ["integer"]:
-        hint = number_hint(key, error.instance)
-    hint = hint or value_hint(key, error.instance, error.schema)
-    return "wrong-type", f"{subject} must be {accepted}, not {quoted(error.instance)}{hint}"
+    hint = ""
+    if number_or_text or types == ["integer"]:
+        hint = number_hint(key, value)
+    elif "string" in types and isinstance(value, (int, float)):
+        hint = _text_hint(error)
+    if not hint:
+        hint = value_hint(key, value, error.schema)
+    return "wrong-type", f"{subject} must be {accepted}, not {quoted(value)}{hint}"
 
 
 def _text_hint(error: Any) -> str:
@@ -270,11 +283,11 @@ def _enum(error: Any, subject: str) -> tuple[str, str]:
 
 
 def _const(error: Any, subject: str) -> tuple[str, str]:
-    is_later_version = (
-        type(error.instance) is int and subject == "'codewheel'" and error.instance > error.validator_value
-    )
+    """Return rule and message for a value that must be another one, such as the version of the language."""
+    value, required_value = error.instance, error.validator_value
+    is_later_version = type(value) is int and subject == "'codewheel'" and value > required_value
     hint = "; a later version of codewheel can read this file" if is_later_version else ""
-    return "not-allowed", f"{subject} must be {quoted(error.validator_value)}, not {quoted(error.instance)}{hint}"
+    return "not-allowed", f"{subject} must be {quoted(required_value)}, not {quoted(value)}{hint}"
 
 
 def _pattern(error: Any, subject: str) -> tuple[str, str]:

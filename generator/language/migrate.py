@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 from .document import Document
 from .read import LINE_BREAK
@@ -23,20 +24,23 @@ class Edit:
 def migrate(document: Document) -> tuple[Edit, ...]:
     """Give the keys of a document their current names, and return the same edits for its text."""
     edits = []
-    for path, new in renamed_keys(document):
-        *parent, old = path
-        holder = value_at(document.data, tuple(parent))
+    for path, new_key in renamed_keys(document):
+        parent_path, old_key = path[:-1], path[-1]
+        mapping = value_at(document.data, parent_path)
         line, column = document.position(path, at_key=True)
-        if old not in holder:
+        if old_key not in mapping:
             continue  # An alias repeats a map that has been migrated.
-        edits.append(Edit(line, column, str(old), new))
-        marks = document.mark(tuple(parent)).children
-        for mapping in (holder, marks):
-            old_items = list(mapping.items())
-            mapping.clear()
-            for key, value in old_items:
-                mapping[new if key == old else key] = value
+        edits.append(Edit(line, column, str(old_key), new_key))
+        _rename_key(mapping, old_key, new_key)
+        _rename_key(document.mark(parent_path).children, old_key, new_key)
     return tuple(edits)
+
+
+def _rename_key(mapping: dict[Any, Any], old_key: str | int, new_key: str) -> None:
+    """Rename a key of a map without changing the order of its entries."""
+    renamed = {new_key if key == old_key else key: value for key, value in mapping.items()}
+    mapping.clear()
+    mapping.update(renamed)
 
 
 def edited(text: str, edits: Iterable[Edit]) -> str:

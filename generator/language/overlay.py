@@ -92,17 +92,18 @@ class LayeredSpec:
 
     def document(self, family: str = "") -> Document:
         """Return the spec in its current state, renamed to ``family`` if given."""
-        data, marks = self._data, self._marks
+        data = self._data
         if self.applied:
             data = _with_existing_affects(data, self._base.data)
             removed_names = _characteristics(self._base.data) - _characteristics(data)
-            data = _without_steps(data, removed_names) if removed_names else data
+            if removed_names:
+                data = _without_steps(data, removed_names)
         if family:
             data = {**data, "device": family}
         return replace(
             self._base,
             data=data,
-            marks=marks,
+            marks=self._marks,
             other_files=self._other_files,
             family=family or self._base.family,
             kept_indices={},
@@ -116,42 +117,51 @@ class LayeredSpec:
                 self._other_files[layer.document.file] = layer.document.lines
             self._add_documents(layer)
             for number, change in enumerate(layer.changes):
-                kinds = [kind for kind in KINDS if kind in change]
-                if len(kinds) == 1 and self._has_value(layer, number, kinds[0]):
-                    self._apply_change(layer, number, kinds[0], change)
-                elif len(kinds) != 1:
-                    fault = "has " + " and ".join(map(quoted, kinds)) if kinds else "does nothing"
-                    message = f"this change {fault}; use 'set', 'add', 'remove', 'unknown' or 'also'"
-                    self._report_problem("overlay-change", layer, (number,), message)
+                kind = self._kind_of_change(layer, number, change)
+                if kind is not None and self._has_value(layer, number, kind):
+                    self._apply_change(layer, number, kind, change)
+
+    def _kind_of_change(self, layer: Layer, number: int, change: Mapping[str, Any]) -> str | None:
+        """Return the kind of a change. If it has none or several, report it and return None."""
+        kinds = [kind for kind in KINDS if kind in change]
+        if len(kinds) == 1:
+            return kinds[0]
+        fault = "has " + " and ".join(map(quoted, kinds)) if kinds else "does nothing"
+        message = f"this change {fault}; use 'set', 'add', 'remove', 'unknown' or 'also'"
+        self._report_problem("overlay-change", layer, (number,), message)
+        return None
 
     def _has_value(self, layer: Layer, number: int, kind: str) -> bool:
+        """Return True if a change has the key for its new value, and no other. Report it otherwise."""
         change = layer.changes[number]
         needed_key = _VALUE_OF.get(kind)
         for key in _VALUE_OF.values():
-            if (key in change) != (key == needed_key):
-                verb = "needs" if key == needed_key else "cannot have"
-                self._report_problem(
-                    "overlay-change", layer, (number,), f"a change with {quoted(kind)} {verb} {quoted(key)}"
-                )
+            is_needed = key == needed_key
+            if (key in change) != is_needed:
+                verb = "needs" if is_needed else "cannot have"
+                message = f"a change with {quoted(kind)} {verb} {quoted(key)}"
+                self._report_problem("overlay-change", layer, (number,), message)
                 return False
         return True
 
     def _add_documents(self, layer: Layer) -> None:
-        """Add the documents that a layer cites."""
-        for key, cited in (layer.document.data.get("documents", {}) if layer.kind is LayerKind.OVERLAY else {}).items():
-            documents = self._data.get("documents", {})
-            if key in documents and documents[key] != cited:
-                message = f"{quoted(key)} is a different document in the spec; rename this one"
-                self._report.add("overlay-conflict", layer.document, ("documents", key), message, at_key=True)
-                continue
-            marks = from_file(layer.document.marks.children["documents"], layer.document.file)
+        """Add the documents that an overlay cites. An edition cites those of its own spec."""
+        if layer.kind is not LayerKind.OVERLAY:
+            return
+        overlay = layer.document
+        for key, cited_document in overlay.data.get("documents", {}).items():
+            documents = self._data.get("documents")
             if not documents:
-                self._data, self._marks = with_value(self._data, self._marks, ("documents",), {key: cited}, marks)
-            else:
-                mark = marks.children[key]
-                self._data, self._marks = with_value(self._data, self._marks, ("documents", key), cited, mark)
-        if layer.kind is LayerKind.OVERLAY:
-            bad_source(layer.document.data, self._data, self._report.for_document(layer.document))
+                documents_mark = replace(mark_at(overlay.marks, ("documents",)), children={}, file=overlay.file)
+                self._data, self._marks = with_value(self._data, self._marks, ("documents",), {}, documents_mark)
+            elif key in documents and documents[key] != cited_document:
+                message = f"{quoted(key)} is a different document in the spec; rename this one"
+                self._report.add("overlay-conflict", overlay, ("documents", key), message, at_key=True)
+                continue
+            path = ("documents", key)
+            mark = from_file(mark_at(overlay.marks, path), overlay.file)
+            self._data, self._marks = with_value(self._data, self._marks, path, cited_document, mark)
+        bad_source(overlay.data, self._data, self._report.for_document(overlay))
 
     def _apply_change(self, layer: Layer, number: int, kind: str, change: Mapping[str, Any]) -> None:
         if kind == "also":
@@ -169,20 +179,14 @@ class LayeredSpec:
                 self._set_or_remove(layer, place, text, kind)
 
     def _add_value(self, layer: Layer, place: Path, text: str, change: Mapping[str, Any]) -> None:
-        value = change["value"]
+        """Add the value of a change at a new key, or at the end of a list."""
         try:
             path = resolve(self._data, text)
-        except MissingPath as nothing:
-            if nothing.step == text.rpartition(".")[2] and isinstance(
-                value_at(self._data, nothing.existing_path), dict
-            ):
-                if self._is_free(layer, place, (*nothing.existing_path, nothing.step)):
-                    self._put_value(layer, place, (*nothing.existing_path, nothing.step), f"no {_short(text)}")
-                return
-            self._report_missing_place(layer, place, text, nothing)
+        except MissingPath as missing_path:
+            self._add_key(layer, place, text, missing_path)
             return
         current = value_at(self._data, path)
-        name = label_of(value)
+        name = label_of(change["value"])
         if not isinstance(current, list):
             self._report_problem("overlay-unused", layer, place, f"{quoted(text)} already exists; change it with 'set'")
         elif name is not None and name in map(label_of, current):
@@ -191,25 +195,46 @@ class LayeredSpec:
         else:
             self._put_value(layer, place, (*path, len(current)), f"{_short(text)} without this item")
 
+    def _add_key(self, layer: Layer, place: Path, text: str, missing_path: MissingPath) -> None:
+        """Add the value of a change at a new key of an existing map. Nothing else may be missing."""
+        last_step = text.rpartition(".")[2]
+        parent = value_at(self._data, missing_path.existing_path)
+        if missing_path.step != last_step or not isinstance(parent, dict):
+            self._report_missing_place(layer, place, text, missing_path)
+            return
+        path = (*missing_path.existing_path, missing_path.step)
+        if self._is_free(layer, place, path):
+            self._put_value(layer, place, path, f"no {_short(text)}")
+
     def _set_or_remove(self, layer: Layer, place: Path, text: str, kind: str) -> None:
+        """Replace the value at an existing place by that of a change, or remove it."""
         try:
             path = resolve(self._data, text)
-        except MissingPath as nothing:
-            self._report_missing_place(layer, place, text, nothing)
+        except MissingPath as missing_path:
+            self._report_missing_place(layer, place, text, missing_path)
             return
         if not self._is_free(layer, place, path):
             return
-        current = value_at(self._data, path)
-        if kind == "set" and _is_equal(layer.changes[place_number(place)]["to"], current):
-            message = f"the spec already has {_value_text(current, self._text_from(path))} here; leave the change out"
-            self._report_problem("overlay-unused", layer, place, message)
-        elif kind == "set":
-            self._put_value(layer, place, path, f"{_short(text)}: {_value_text(current, self._text_from(path))}")
+        if kind == "set":
+            self._replace_value(layer, place, text, path)
         else:
-            affects, above = as_affected(self._data, path), as_affected(self._data, path[:-1])
-            self._data, self._marks = without_value(self._data, self._marks, path)
-            affected = affects if leads_somewhere(self._data, affects) else above
-            self._record_change(layer, place, was=_short(text), now="", affects=affected, is_known=kind != "unknown")
+            self._remove_value(layer, place, text, path, is_known=kind != "unknown")
+
+    def _replace_value(self, layer: Layer, place: Path, text: str, path: Path) -> None:
+        current = value_at(self._data, path)
+        current_text = _value_text(current, self._text_from(path))
+        if _is_equal(layer.changes[place_number(place)]["to"], current):
+            message = f"the spec already has {current_text} here; leave the change out"
+            self._report_problem("overlay-unused", layer, place, message)
+        else:
+            self._put_value(layer, place, path, f"{_short(text)}: {current_text}")
+
+    def _remove_value(self, layer: Layer, place: Path, text: str, path: Path, *, is_known: bool) -> None:
+        affected, parent_affected = as_affected(self._data, path), as_affected(self._data, path[:-1])
+        self._data, self._marks = without_value(self._data, self._marks, path)
+        # Without its name, only the parent of the removed item can still be referred to.
+        affects = affected if leads_somewhere(self._data, affected) else parent_affected
+        self._record_change(layer, place, was=_short(text), now="", affects=affects, is_known=is_known)
 
     def _put_value(self, layer: Layer, place: Path, path: Path, was: str) -> None:
         """Put the value of a change at a path."""
@@ -232,11 +257,12 @@ class LayeredSpec:
         """Return True if no other change touches the place, its parents or its children."""
         path = named_path(self._data, at)  # Indices change when an item is removed.
         for changed_path, (first_layer, number) in self._set.items():
-            shared_length = min(len(changed_path), len(path))
-            if changed_path[:shared_length] == path[:shared_length]:
+            is_same_or_parent = path[: len(changed_path)] == changed_path
+            is_child = changed_path[: len(path)] == path
+            if is_same_or_parent or is_child:
                 mark = mark_at(first_layer.document.marks, (*first_layer.path, number))
-                where = f"{File(first_layer.document.file).name}:{mark.line}"
-                message = f"{where} changes the same location; keep one of the two"
+                first_place = f"{File(first_layer.document.file).name}:{mark.line}"
+                message = f"{first_place} changes the same location; keep one of the two"
                 self._report_problem("overlay-conflict", layer, place, message)
                 return False
         self._set[path] = (layer, place_number(place))
@@ -248,11 +274,12 @@ class LayeredSpec:
         lines = self._other_files[mark.file] if mark.file else self._base.lines
         return lines[mark.line - 1][mark.column - 1 :]
 
-    def _report_missing_place(self, layer: Layer, place: Path, text: str, nothing: MissingPath) -> None:
-        parent_name = self._base.name_path(nothing.existing_path) or "the spec"
-        hint = suggestion(nothing.step, nothing.known_steps, "known")
-        message = f"there is nothing at {quoted(text)}: {quoted(parent_name)} has no {quoted(nothing.step)}{hint}"
-        self._report_problem("overlay-unused", layer, place, message.replace("'the spec'", "the spec"))
+    def _report_missing_place(self, layer: Layer, place: Path, text: str, missing_path: MissingPath) -> None:
+        existing_name = self._base.name_path(missing_path.existing_path)
+        parent = quoted(existing_name) if existing_name else "the spec"
+        hint = suggestion(missing_path.step, missing_path.known_steps, "known")
+        message = f"there is nothing at {quoted(text)}: {parent} has no {quoted(missing_path.step)}{hint}"
+        self._report_problem("overlay-unused", layer, place, message)
 
     def _report_problem(self, rule: str, layer: Layer, place: Path, message: str) -> None:
         self._report.add(rule, layer.document, (*layer.path, *place), message)
@@ -271,18 +298,23 @@ def _short(text: str) -> str:
     return text.removeprefix("registers.")
 
 
-def _value_text(value: Any, written: str) -> str:
-    """Return a value as text: numbers as written in the file, maps and lists in braces and brackets."""
+def _value_text(value: Any, text_from_value: str) -> str:
+    """Return a value as text: numbers as written in the file, maps and lists in braces and brackets.
+
+    ``text_from_value`` is the line of the file, starting at the value.
+    """
     if isinstance(value, int) and not isinstance(value, bool):
-        word = written.split(maxsplit=1)[0].rstrip(",}]") if written.split() else ""
-        return word if word.startswith("0x") else str(value)
+        words = text_from_value.split(maxsplit=1)
+        number = words[0].rstrip(",}]") if words else ""
+        return number if number.startswith("0x") else str(value)
     text = _plain(value)
     return text if len(text) <= _LONGEST_SHOWN else text[: _LONGEST_SHOWN - 3] + "..."
 
 
 def _plain(value: Any) -> str:
     if isinstance(value, dict):
-        return f"{{{', '.join(f'{key}: {_plain(inner)}' for key, inner in value.items())}}}"
+        entries = ", ".join(f"{key}: {_plain(inner)}" for key, inner in value.items())
+        return f"{{{entries}}}"
     if isinstance(value, list):
         return f"[{', '.join(map(_plain, value))}]"
     return str(value).lower() if isinstance(value, bool) else str(value)
@@ -304,11 +336,15 @@ def _without_steps(node: Any, removed_names: Collection[str]) -> Any:
         return node
     cleaned = {}
     for key, inner in node.items():
-        contains_field_names = key in ("join", "when")  # These are not keys of the language.
-        cleaned[key] = inner if contains_field_names else _without_steps(inner, removed_names)
-    if isinstance(cleaned.get("by_hand"), list):
-        cleaned["by_hand"] = [name for name in cleaned["by_hand"] if name not in removed_names]
-    return {key: inner for key, inner in cleaned.items() if key != "by_hand" or inner != []}
+        if key in ("join", "when"):  # Their keys are names of the spec, not keys of the language.
+            cleaned[key] = inner
+        elif key == "by_hand" and isinstance(inner, list):
+            remaining_steps = [name for name in inner if name not in removed_names]
+            if remaining_steps:
+                cleaned[key] = remaining_steps
+        else:
+            cleaned[key] = _without_steps(inner, removed_names)
+    return cleaned
 
 
 def _with_existing_affects(data: dict[str, Any], before: dict[str, Any]) -> dict[str, Any]:
@@ -324,7 +360,7 @@ def _affects_existing(erratum: Any, data: dict[str, Any], before: dict[str, Any]
     affects = erratum.get("affects") if isinstance(erratum, dict) else None
     if not isinstance(affects, list):
         return erratum
-    removed_paths = {path for path in affects if not leads_somewhere(data, path) and leads_somewhere(before, path)}
+    removed_paths = {path for path in affects if leads_somewhere(before, path) and not leads_somewhere(data, path)}
     if not removed_paths:
         return erratum
     return {**erratum, "affects": [path for path in affects if path not in removed_paths]}

@@ -130,8 +130,10 @@ class Report:
     @property
     def shown(self) -> tuple[Problem, ...]:
         """The problems to list: the first ones of each file, and then one that counts the others."""
-        by_file = groupby(self.problems, key=lambda problem: problem.file)
-        return tuple(problem for _, file_problems in by_file for problem in _first_problems(list(file_problems)))
+        shown_problems: list[Problem] = []
+        for _, problems_of_file in groupby(self.problems, key=lambda problem: problem.file):
+            shown_problems += _first_problems(list(problems_of_file))
+        return tuple(shown_problems)
 
     def __len__(self) -> int:
         return len(self._problems)
@@ -142,18 +144,20 @@ class Report:
 
 def _first_problems(file_problems: Sequence[Problem]) -> Iterator[Problem]:
     """Yield the first problems of one file, and one that counts the others if there are more."""
-    listed_problems = [problem for problem in file_problems if problem.rule != TOO_MANY]
-    unlisted = len(listed_problems) - MAX_PROBLEMS
+    # If checking ended early, one of the problems only says so.
+    counted_problems = [problem for problem in file_problems if problem.rule != TOO_MANY]
+    unlisted = len(counted_problems) - MAX_PROBLEMS
     if unlisted <= 0:
         yield from file_problems
         return
-    yield from listed_problems[:MAX_PROBLEMS]
-    number = f"at least {unlisted}" if len(listed_problems) < len(file_problems) else str(unlisted)
+    yield from counted_problems[:MAX_PROBLEMS]
+    ended_early = len(counted_problems) < len(file_problems)
+    number = f"at least {unlisted}" if ended_early else str(unlisted)
     if unlisted == 1:
         message = f"there is {number} more problem from here on; it is reported once these are fixed"
     else:
         message = f"there are {number} more problems from here on; they are reported once these are fixed"
-    yield replace(listed_problems[MAX_PROBLEMS], rule=TOO_MANY, path="", message=message)
+    yield replace(counted_problems[MAX_PROBLEMS], rule=TOO_MANY, path="", message=message)
 
 
 class DocumentReport:
@@ -228,7 +232,10 @@ def suggestion(word: str, known_words: Iterable[str], otherwise: str = "known") 
 
 
 def nearest_choice(word: str, choices: Sequence[str]) -> str:
-    """Return the one choice that ``word`` misspells or abbreviates, or an empty string."""
+    """Return the one choice that ``word`` misspells or abbreviates, or an empty string.
+
+    The first test that any choice passes decides, and only if no other choice passes it.
+    """
     if len(word) > LONGEST_QUOTE:
         return ""
     for is_alike in (_is_spelling, is_typo, _is_abbreviation):
@@ -263,24 +270,30 @@ def is_typo(word: str, known_word: str) -> bool:
     """
     if abs(len(word) - len(known_word)) > 1 or not _has_same_meaning(word, known_word):
         return False
+    # What remains between the common beginning and the common end are the differing letters.
     start = _common_prefix_length(word, known_word)
     end = _common_prefix_length(word[start:][::-1], known_word[start:][::-1])
-    differing, known_differing = word[start : len(word) - end], known_word[start : len(known_word) - end]
-    shortest = min(len(word), len(known_word))
-    if len(differing) == len(known_differing) == 2:
-        return shortest >= 4 and differing == known_differing[::-1]
-    if not start or len(differing) > 1 or len(known_differing) > 1:
+    differing = word[start : len(word) - end]
+    known_differing = known_word[start : len(known_word) - end]
+    shorter_length = min(len(word), len(known_word))
+    if len(differing) == 2 and len(known_differing) == 2:
+        are_swapped = differing == known_differing[::-1]
+        return are_swapped and shorter_length >= 4
+    if start == 0 or len(differing) > 1 or len(known_differing) > 1:
         return False
-    is_plural = not end and "s" in (differing, known_differing)
+    is_plural = end == 0 and "s" in (differing, known_differing)
     if is_plural:
-        return shortest >= 3
-    is_same_length = len(differing) == len(known_differing)
-    return shortest >= (5 if is_same_length else 4)
+        return shorter_length >= 3
+    is_wrong_letter = len(differing) == len(known_differing)
+    return shorter_length >= (5 if is_wrong_letter else 4)
 
 
 def _has_same_meaning(word: str, known_word: str) -> bool:
-    units = {text.rpartition("_")[2] for text in (word, known_word)}
-    return _DIGITS.findall(word) == _DIGITS.findall(known_word) and not (len(units) == 2 and units <= UNITS)
+    """Return True if two words have the same digits and no different units at their ends."""
+    if _DIGITS.findall(word) != _DIGITS.findall(known_word):
+        return False
+    unit, known_unit = word.rpartition("_")[2], known_word.rpartition("_")[2]
+    return unit == known_unit or unit not in UNITS or known_unit not in UNITS
 
 
 def _is_abbreviation(word: str, known_word: str) -> bool:
@@ -321,14 +334,26 @@ def _window(text: str, column: int, width: int) -> tuple[str, int]:
     first = max(0, caret - width)
     before = [_visible_character(character) for character in stripped[first:caret]]
     after = [_visible_character(character) for character in stripped[caret : caret + width + 1]]
-    if first or _columns("".join(before + after)) > width:
-        start = _fitting(before[::-1], width * 2 // 3)
-        is_cut = first > 0 or start < len(before)
-        before = ["...", *before[len(before) - start :]] if is_cut else before
-        room = width - _columns("".join(before))
-        if _columns("".join(after)) > room:
-            after = [*after[: _fitting(after, room - 3)], "..."]
+    is_too_long = first > 0 or _columns("".join(before + after)) > width
+    if is_too_long:
+        before = _cut_at_start(before, width * 2 // 3, is_cut_already=first > 0)
+        after = _cut_at_end(after, width - _columns("".join(before)))
     return "".join(before + after), _columns("".join(before))
+
+
+def _cut_at_start(pieces: list[str], room: int, *, is_cut_already: bool) -> list[str]:
+    """Return the last pieces that fit into ``room`` columns, after dots if any were omitted."""
+    fitting_count = _fitting(pieces[::-1], room)
+    if not is_cut_already and fitting_count == len(pieces):
+        return pieces
+    return ["...", *pieces[len(pieces) - fitting_count :]]
+
+
+def _cut_at_end(pieces: list[str], room: int) -> list[str]:
+    """Return the pieces, or the first ones and dots if not all fit into ``room`` columns."""
+    if _columns("".join(pieces)) <= room:
+        return pieces
+    return [*pieces[: _fitting(pieces, room - 3)], "..."]
 
 
 def _fitting(pieces: Sequence[str], room: int) -> int:

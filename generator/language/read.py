@@ -91,7 +91,7 @@ def parse(
         stand_in: Called with the path of each value that could not be read and was replaced by None.
 
     Raises:
-        Refused: Nothing can be read: broken syntax, too deep, too many values, not a map.
+        Unreadable: Nothing can be read: broken syntax, too deep, too many values, not a map.
     """
     try:
         return _Parser(text, complain, stand_in).document()
@@ -104,16 +104,10 @@ def parse(
 class _Parser:
     def __init__(self, text: str, complain: Callable[[Unreadable], None], stand_in: Callable[[Path], None]) -> None:
         self._complain = complain
-        lines = LINE_BREAK.split(text)
-        self._events = iter(
-            CorrectedEvents(
-                iter(yaml.parse(text, Loader=_LOADER)),
-                lines,
-                lambda scalar: isinstance(_resolved(scalar), str),
-                self._refuse,
-            )
-        )
         self._stand_in = stand_in
+        parser_events = iter(yaml.parse(text, Loader=_LOADER))
+        self._events = iter(CorrectedEvents(parser_events, LINE_BREAK.split(text), _is_text, self._refuse))
+        #: Values by anchor. None while the value is being read.
         self._anchors: dict[str, _Value | None] = {}
         self._count = 0
 
@@ -121,6 +115,7 @@ class _Parser:
         self._complain(_refused(event, rule, message, path))
 
     def document(self) -> tuple[dict[str, Any], Mark]:
+        """Return the data and marks of the only document."""
         next(self._events)  # The start of the stream.
         start = next(self._events)
         if isinstance(start, yaml.StreamEndEvent):
@@ -129,16 +124,14 @@ class _Parser:
             raise _refused(start, "yaml-syntax", "specs are read as YAML 1.2; remove the %YAML line")
         value = self._value(next(self._events), (), 1)
         next(self._events)  # The end of the document.
-        following = next(self._events)
-        if not isinstance(following, yaml.StreamEndEvent):
-            raise _refused(following, "several-documents", "a second document begins here; a file holds one")
+        next_event = next(self._events)
+        if not isinstance(next_event, yaml.StreamEndEvent):
+            raise _refused(next_event, "several-documents", "a second document begins here; a file holds one")
         if value.data is None:
             raise Unreadable(1, 1, "empty", "the file is empty; a spec begins with 'codewheel: 1'")
         if not isinstance(value.data, dict):
-            message = (
-                "a spec is a map of keys and begins with 'codewheel: 1'; "
-                f"this is {'a list' if isinstance(value.data, list) else 'one value'}"
-            )
+            kind = "a list" if isinstance(value.data, list) else "one value"
+            message = f"a spec is a map of keys and begins with 'codewheel: 1'; this is {kind}"
             raise Unreadable(value.mark.line, value.mark.column, "not-a-map", message)
         return value.data, value.mark
 
@@ -146,7 +139,7 @@ class _Parser:
         """Return the value that begins with ``event``.
 
         Raises:
-            Refused: A bound is exceeded, or an alias cannot be followed.
+            Unreadable: A bound is exceeded, or an alias cannot be followed.
         """
         if isinstance(event, yaml.AliasEvent):
             return self._alias(event, depth)
@@ -159,15 +152,17 @@ class _Parser:
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
         mark = Mark(line, column, line, column)
         if isinstance(event, yaml.ScalarEvent):
-            value = _Value(self._scalar(event, path), mark, 1, 0)
+            value = _Value(self._scalar(event, path), mark, count=1, depth=0)
         else:
             self._check_container_tag(event)
-            value = (self._map if isinstance(event, yaml.MappingStartEvent) else self._list)(mark, path, depth)
+            read_container = self._map if isinstance(event, yaml.MappingStartEvent) else self._list
+            value = read_container(mark, path, depth)
         if anchor is not None:
             self._anchors[anchor] = value
         return value
 
     def _alias(self, event: Any, depth: int) -> _Value:
+        """Return the value that an alias repeats."""
         if event.anchor not in self._anchors:
             raise _refused(event, "alias", f"there is no anchor '&{event.anchor}' before this alias")
         value = self._anchors[event.anchor]
@@ -175,55 +170,57 @@ class _Parser:
             raise _refused(event, "alias", f"the alias '*{event.anchor}' is inside the value that it repeats")
         self._add(value.count, event)
         if depth + value.depth > MAX_DEPTH:
-            raise _refused(
-                event, "too-deep", f"maps and lists are nested more than {MAX_DEPTH} levels deep through this alias"
-            )
+            message = f"maps and lists are nested more than {MAX_DEPTH} levels deep through this alias"
+            raise _refused(event, "too-deep", message)
         # The values keep the place where they are written. Only the item itself is located at the alias.
         line, column = event.start_mark.line + 1, event.start_mark.column + 1
         return _Value(value.data, Mark(line, column, line, column, value.mark.children), value.count, value.depth)
 
     def _add(self, count: int, event: Any) -> None:
+        """Count values and refuse the file if there are too many."""
         self._count += count
         if self._count > MAX_VALUES:
-            raise _refused(
-                event,
-                "too-large",
+            message = (
                 f"there are more than {MAX_VALUES} values up to this point, counting those repeated by aliases; remove"
-                " the aliases",
+                " the aliases"
             )
+            raise _refused(event, "too-large", message)
 
     def _list(self, mark: Mark, path: Path, depth: int) -> _Value:
         list_data: list[Any] = []
         count, deepest = 1, 0
-        while not isinstance(event := next(self._events), yaml.SequenceEndEvent):
+        while True:
+            event = next(self._events)
+            if isinstance(event, yaml.SequenceEndEvent):
+                return _Value(list_data, mark, count, deepest + 1)
             value = self._value(event, (*path, len(list_data)), depth + 1)
             mark.children[len(list_data)] = value.mark
             list_data.append(value.data)
-            count, deepest = count + value.count, max(deepest, value.depth)
-        return _Value(list_data, mark, count, deepest + 1)
+            count += value.count
+            deepest = max(deepest, value.depth)
 
     def _map(self, mark: Mark, path: Path, depth: int) -> _Value:
         map_data: dict[str, Any] = {}
         count, deepest = 1, 0
-        while not isinstance(event := next(self._events), yaml.MappingEndEvent):
-            key = self._key(event, path, depth)
+        while True:
+            key_event = next(self._events)
+            if isinstance(key_event, yaml.MappingEndEvent):
+                return _Value(map_data, mark, count, deepest + 1)
+            key = self._key(key_event, path, depth)
             value = self._value(next(self._events), (*path, "" if key is None else key), depth + 1)
-            count, deepest = count + value.count, max(deepest, value.depth)
+            count += value.count
+            deepest = max(deepest, value.depth)
             if key is None:
-                continue
+                continue  # Already reported. Its value was read only to find its end.
             if key in map_data:
-                first = mark.children[key].key_line
-                self._refuse(
-                    event,
-                    "duplicate-key",
-                    f"duplicate key {quoted(key)}, already on line {first}; keep one of them",
-                    (*path, key),
-                )
+                first_line = mark.children[key].key_line
+                message = f"duplicate key {quoted(key)}, already on line {first_line}; keep one of them"
+                self._refuse(key_event, "duplicate-key", message, (*path, key))
                 continue
-            value.mark.key_line, value.mark.key_column = event.start_mark.line + 1, event.start_mark.column + 1
+            value.mark.key_line = key_event.start_mark.line + 1
+            value.mark.key_column = key_event.start_mark.column + 1
             mark.children[key] = value.mark
             map_data[key] = value.data
-        return _Value(map_data, mark, count, deepest + 1)
 
     def _key(self, event: Any, path: Path, depth: int) -> str | None:
         """Return the key as written, or None if it is not usable.
@@ -245,25 +242,19 @@ class _Parser:
     def _scalar(self, event: Any, path: Path) -> Any:
         """Return the value of a scalar by the core schema, or None, noted as a stand-in, if it is not valid."""
         text, tag = event.value, event.tag
+        is_quoted = bool(event.style)
+        # Elsewhere the whole file was searched. Only an escape in double quotes can still produce one.
         forbidden = FORBIDDEN.search(text) if event.style == '"' else None
-        if forbidden is not None:  # Only an escape in double quotes can contain one.
-            return self._unusable(
-                event,
-                path,
-                "not-text",
-                f"the character U+{ord(forbidden[0]):04X} is not allowed in text; remove its escape",
-            )
-        if tag in ("!", f"{_CORE}str") or (tag is None and event.style):
+        if forbidden is not None:
+            message = f"the character U+{ord(forbidden[0]):04X} is not allowed in text; remove its escape"
+            return self._unusable(event, path, "not-text", message)
+        if tag in ("!", f"{_CORE}str") or (tag is None and is_quoted):
             return text
         if tag is not None and tag not in _TAGGED_TYPES:
             return self._unusable(event, path, "tag", f"the tag {quoted(_short(tag))} is not supported; remove it")
         if len(text) > MAX_DIGITS and _INTEGER.fullmatch(text):
-            return self._unusable(
-                event,
-                path,
-                "number-too-long",
-                f"a number of {len(text)} digits is too long; put it in quotes if it is text",
-            )
+            message = f"a number of {len(text)} digits is too long; put it in quotes if it is text"
+            return self._unusable(event, path, "number-too-long", message)
         value = _resolved(text)
         if tag is not None and not isinstance(value, _TAGGED_TYPES[tag]):
             return self._unusable(event, path, "tag", f"{quoted(text)} is not of type {_short(tag)}")
@@ -292,6 +283,11 @@ def _resolved(text: str) -> str | int | float | bool | None:
     if _FLOAT.fullmatch(text):
         return float(text)
     return float(text.replace(".", "")) if _SPECIAL_FLOAT.fullmatch(text) else text
+
+
+def _is_text(scalar: str) -> bool:
+    """Return True if an unquoted scalar is text, not a number or the like."""
+    return isinstance(_resolved(scalar), str)
 
 
 def _short(tag: str) -> str:
@@ -323,28 +319,33 @@ def read_document(path: pathlib.Path, report: Report, shown_as: str | None = Non
         return None
     lines = tuple(LINE_BREAK.split(text))
     forbidden = FORBIDDEN.search(text)
-    if forbidden is not None:
-        before = LINE_BREAK.split(text[: forbidden.start()])
-        message = _not_text(content, f"the character U+{ord(forbidden[0]):04X} is not allowed in text; remove it")
-        excerpt = "" if "\0" in text else lines[len(before) - 1]
-        report.add_at(file, len(before), len(before[-1]) + 1, "not-text", message, text=excerpt)
-        return None
-    return _parsed_document(file, text, lines, report)
+    if forbidden is None:
+        return _parsed_document(file, text, lines, report)
+    lines_before = LINE_BREAK.split(text[: forbidden.start()])
+    line, column = len(lines_before), len(lines_before[-1]) + 1
+    message = _not_text(content, f"the character U+{ord(forbidden[0]):04X} is not allowed in text; remove it")
+    is_binary = "\0" in text
+    report.add_at(file, line, column, "not-text", message, text="" if is_binary else lines[line - 1])
+    return None
 
 
 def _parsed_document(file: str, text: str, lines: tuple[str, ...], report: Report) -> Document | None:
-    findings: list[Unreadable] = []
-    broken: list[Path] = []
+    """Return the document of a text, or None if nothing in it can be used. Report its errors."""
+    errors: list[Unreadable] = []
+    broken_places: list[Path] = []
+    parsed = None
     try:
-        data, marks = parse(text, findings.append, broken.append)
-    except Unreadable as refusal:
-        findings.append(refusal)
-        data = None
-    for finding in findings:
-        excerpt = lines[finding.line - 1] if finding.line <= len(lines) else ""
-        report.add_at(file, finding.line, finding.column, finding.rule, finding.message, text=excerpt)
-    doubtful = tuple(finding.path for finding in findings if finding.path)
-    return None if data is None else Document(file, lines, data, marks, tuple(broken), doubtful)
+        parsed = parse(text, errors.append, broken_places.append)
+    except Unreadable as last_error:
+        errors.append(last_error)
+    for error in errors:
+        line_text = lines[error.line - 1] if error.line <= len(lines) else ""
+        report.add_at(file, error.line, error.column, error.rule, error.message, text=line_text)
+    if parsed is None:
+        return None
+    data, marks = parsed
+    doubtful_places = tuple(error.path for error in errors if error.path)
+    return Document(file, lines, data, marks, broken=tuple(broken_places), doubtful=doubtful_places)
 
 
 def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
@@ -358,19 +359,28 @@ def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
     requested_paths = tuple(paths)
     for requested_path in requested_paths:
         if is_second(requested_path) and not files.is_folder(requested_path):
-            spec = requested_path.with_name(f"{family_of(str(requested_path))}{requested_path.suffix}")
-            if spec not in requested_paths:
-                message = f"this is a second reading; give {spec.name}, the spec that it belongs to"
-                report.add_at(str(requested_path), 1, 1, "second-reading", message)
+            _report_lone_second_reading(requested_path, requested_paths, report)
             continue
         for path in _specs_at(requested_path, report):
-            real_path = os.path.realpath(path) if "\0" not in str(path) else str(path)
-            if real_path not in read_paths:
-                read_paths.add(real_path)
-                document = read_document(path, report)
-                if document is not None:
-                    documents.append(document)
+            # A path with a NUL cannot be resolved. Reading it reports the error.
+            real_path = str(path) if "\0" in str(path) else os.path.realpath(path)
+            if real_path in read_paths:
+                continue
+            read_paths.add(real_path)
+            document = read_document(path, report)
+            if document is not None:
+                documents.append(document)
     return documents
+
+
+def _report_lone_second_reading(
+    second_reading: pathlib.Path, requested_paths: Sequence[pathlib.Path], report: Report
+) -> None:
+    """Report a second reading that was given by name without its spec."""
+    spec = second_reading.with_name(f"{family_of(str(second_reading))}{second_reading.suffix}")
+    if spec not in requested_paths:
+        message = f"this is a second reading; give {spec.name}, the spec that it belongs to"
+        report.add_at(str(second_reading), 1, 1, "second-reading", message)
 
 
 def _specs_at(path: pathlib.Path, report: Report) -> Sequence[pathlib.Path]:
@@ -381,9 +391,11 @@ def _specs_at(path: pathlib.Path, report: Report) -> Sequence[pathlib.Path]:
     report.passed_over += map(str, found_files.passed_over)
     if not found_files.specs:
         message = "no spec (a .yaml file with the key 'device', 'manufacturer' or 'master') in this folder"
-        count = len(found_files.passed_over)
-        if count:
-            message += f"; {count} other YAML file{'s were' if count > 1 else ' was'} skipped"
+        skipped_count = len(found_files.passed_over)
+        if skipped_count == 1:
+            message += "; 1 other YAML file was skipped"
+        elif skipped_count > 1:
+            message += f"; {skipped_count} other YAML files were skipped"
         report.add_at(str(path), 1, 1, "no-specs", message)
     return found_files.specs
 
@@ -392,7 +404,7 @@ def _content(path: pathlib.Path) -> bytes:
     """Return the bytes of a file.
 
     Raises:
-        Refused: The file cannot be read, is not a regular file, or is too large.
+        Unreadable: The file cannot be read, is not a regular file, or is too large.
     """
     try:
         mode = os.stat(path).st_mode
@@ -404,13 +416,11 @@ def _content(path: pathlib.Path) -> bytes:
     except FileNotFoundError:
         raise Unreadable(1, 1, "unreadable", "there is no such file") from None
     except (OSError, ValueError) as error:
-        raise Unreadable(
-            1, 1, "unreadable", f"the file cannot be read: {getattr(error, 'strerror', None) or error}"
-        ) from None
+        reason = getattr(error, "strerror", None) or error
+        raise Unreadable(1, 1, "unreadable", f"the file cannot be read: {reason}") from None
     if len(content) > MAX_BYTES:
-        raise Unreadable(
-            1, 1, "too-large", f"the file is larger than {MAX_BYTES // 2**20} MB; one spec covers one manual"
-        )
+        message = f"the file is larger than {MAX_BYTES // 2**20} MB; one spec covers one manual"
+        raise Unreadable(1, 1, "too-large", message)
     return content
 
 
@@ -418,7 +428,7 @@ def _text(content: bytes) -> str:
     """Return the text of a file.
 
     Raises:
-        Refused: The file is not UTF-8.
+        Unreadable: The file is not UTF-8.
     """
     try:
         return content.decode("utf-8").removeprefix("\ufeff")

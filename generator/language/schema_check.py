@@ -66,12 +66,13 @@ def _has_properties(value: Any, expected: Mapping[str, Any], _: object) -> bool:
 
 
 def _has_additional(value: Any, expected: Any, schema: Mapping[str, Any]) -> bool:
+    """Return True if the keys without a schema of their own are allowed. ``expected`` is False or their schema."""
     if not isinstance(value, dict):
         return True
     additional_values = [inner for key, inner in value.items() if key not in schema.get("properties", ())]
-    return not additional_values or (
-        isinstance(expected, dict) and all(follows_schema(inner, expected) for inner in additional_values)
-    )
+    if not additional_values:
+        return True
+    return isinstance(expected, dict) and all(follows_schema(inner, expected) for inner in additional_values)
 
 
 def _only_for_type(kind: str, test: Callable[[Any, Any], bool]) -> Callable[[Any, Any, object], bool]:
@@ -154,21 +155,27 @@ def check_schema(document: Document, report: Report, kind: FileKind | None = Non
         report.add("missing-key", document, (), message)
         return None
     document.kept_indices.clear()
-    broken = set(document.broken)
-    if not broken and follows_schema(document.data, shape_of(kind.value)):
+    unread_places = set(document.broken)
+    if not unread_places and follows_schema(document.data, shape_of(kind.value)):
         return SchemaResult(without_places(document, frozenset()), kind, complete=True)
     validator = _validator(kind.value)
-    findings = _findings(validator, document.data, broken, kind.value)
+    findings = _findings(validator, document.data, unread_places, kind.value)
     _report_findings(findings, document, report)
     if len(findings) > MAX_PROBLEMS:
         return None
-    if not findings and not broken:
+    if not findings and not unread_places:
         return SchemaResult(without_places(document, frozenset()), kind, complete=True)
-    removed_places = set(map(place_to_remove, broken))
+    return _remove_broken_items(validator, document, _places_to_remove(unread_places, findings), kind)
+
+
+def _places_to_remove(unread_places: set[Path], findings: Sequence[Finding]) -> set[Path]:
+    """Return the places that later checks cannot use."""
+    places = set(map(place_to_remove, unread_places))
     for finding in findings:
-        if not _can_be_incomplete(finding.path) and not _is_missing_prose(finding):
-            removed_places.add(finding.path if finding.alone else place_to_remove(finding.path))
-    return _remove_broken_items(validator, document, removed_places, kind)
+        if _can_be_incomplete(finding.path) or _is_missing_prose(finding):
+            continue
+        places.add(finding.path if finding.alone else place_to_remove(finding.path))
+    return places
 
 
 def _report_findings(findings: Sequence[Finding], document: Document, report: Report) -> None:
@@ -189,22 +196,29 @@ def renamed_keys(document: Document) -> list[tuple[Path, str]]:
         return []
     new_names: dict[Path, str] = {}
     for error in _validator(kind.value).iter_errors(document.data):
-        if error.validator == "additionalProperties" and isinstance(error.schema.get("properties"), dict):
-            for key in RENAMED.keys() & error.instance.keys() - error.schema["properties"].keys():
-                new_name = RENAMED[key]
-                if new_name in error.schema["properties"] and new_name not in error.instance:
-                    new_names[(*error.absolute_path, key)] = new_name
-    return sorted(new_names.items(), key=lambda renamed: document.position(renamed[0], at_key=True))
+        if error.validator != "additionalProperties" or "properties" not in error.schema:
+            continue
+        known_keys = error.schema["properties"]
+        for key, new_name in RENAMED.items():
+            is_old_key = key in error.instance and key not in known_keys
+            if is_old_key and new_name in known_keys and new_name not in error.instance:
+                new_names[(*error.absolute_path, key)] = new_name
+
+    def position_of(renamed: tuple[Path, str]) -> tuple[int, int]:
+        path, _ = renamed
+        return document.position(path, at_key=True)
+
+    return sorted(new_names.items(), key=position_of)
 
 
 def _kind_of(data: dict[str, Any]) -> FileKind | None:
     """Return the kind of a file. A key that only device files have makes it a device file, even without ``device``."""
-    shared = set(load_schema("manufacturer")["properties"])
     if "master" in data or "takes" in data:
         return FileKind.MASTER
     if "overlay" in data or "changes" in data:
         return FileKind.OVERLAY
-    if "device" in data or any(key in data for key in load_schema("device")["properties"] if key not in shared):
+    only_in_devices = load_schema("device")["properties"].keys() - load_schema("manufacturer")["properties"].keys()
+    if "device" in data or not only_in_devices.isdisjoint(data):
         return FileKind.DEVICE
     return FileKind.MANUFACTURER if "manufacturer" in data else None
 
@@ -215,10 +229,10 @@ def without_places(
     """Return the data without these places and with these stand-ins. The document records the removed list items."""
     document.kept_indices.clear()
     data: dict[str, Any] = _pruned(document.data, cut, (), document.kept_indices)
-    for path, words in stand_ins.items():
-        holder_data = value_at(data, path, document.kept_indices)
-        if isinstance(holder_data, dict):
-            holder_data.update(words)
+    for path, stand_ins_by_key in stand_ins.items():
+        mapping = value_at(data, path, document.kept_indices)
+        if isinstance(mapping, dict):
+            mapping.update(stand_ins_by_key)
     return data
 
 
@@ -227,19 +241,22 @@ def _remove_broken_items(validator: Any, document: Document, cut: set[Path], kin
     stand_ins: dict[Path, Mapping[str, str]] = {}
     while True:
         data = without_places(document, cut, stand_ins)
-        is_complete, new_paths = True, set()
+        is_complete = True
+        new_places: set[Path] = set()
         stand_ins_before = len(stand_ins)
         for error in validator.iter_errors(data):
             path = _original(tuple(error.absolute_path), document.kept_indices)
-            if kind is FileKind.DEVICE and path and error.validator == "required" and _lacks_only_prose(error):
+            is_missing_key = error.validator == "required"
+            if kind is FileKind.DEVICE and path and is_missing_key and _lacks_only_prose(error):
                 stand_ins[path] = _stand_ins(error)
-            elif _can_be_incomplete(path) and error.validator == "required":
+            elif is_missing_key and _can_be_incomplete(path):
                 is_complete = False
             elif path:
-                new_paths.add(path)
-        if new_paths <= cut and len(stand_ins) == stand_ins_before:
+                new_places.add(path)
+        has_changed = not new_places <= cut or len(stand_ins) > stand_ins_before
+        if not has_changed:
             return SchemaResult(data, kind, is_complete, cut=frozenset(cut), stand_ins=stand_ins)
-        cut |= new_paths
+        cut |= new_places
 
 
 def _stand_ins(error: Any) -> dict[str, str]:
@@ -271,34 +288,44 @@ def place_to_remove(path: Path) -> Path:
     Removing only a width or a key would cause further errors, such as a missing key or bits without a field. Prose
     can be removed individually.
     """
-    if path[-1:] and path[-1] in WORDS_ONLY:
+    is_prose = bool(path) and path[-1] in WORDS_ONLY
+    if is_prose:
         return path
     if "fields" in path[:-1]:
         return path[: path.index("fields")]
-    return next((path[:end] for end in range(len(path), 0, -1) if isinstance(path[end - 1], int)), path)
+    for length in range(len(path), 0, -1):
+        is_list_item = isinstance(path[length - 1], int)
+        if is_list_item:
+            return path[:length]
+    return path
 
 
 def _pruned(value: Any, cut: Collection[Path], path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Any:
-    """Return a copy of the value without the places in ``cut``. ``kept_indices`` records the remaining list items."""
+    """Return a copy of the value at ``path`` without the places in ``cut``.
+
+    ``kept_indices`` records the original indices of the remaining items of each list that loses some.
+    """
     if isinstance(value, dict):
-        keys = [key for key in value if (*path, key) not in cut]
-        return {key: _pruned(value[key], cut, (*path, key), kept_indices) for key in keys}
+        remaining_keys = [key for key in value if (*path, key) not in cut]
+        return {key: _pruned(value[key], cut, (*path, key), kept_indices) for key in remaining_keys}
     if isinstance(value, list):
-        indices = tuple(index for index in range(len(value)) if (*path, index) not in cut)
-        if len(indices) < len(value):
-            kept_indices[path] = indices
-        return [_pruned(value[index], cut, (*path, index), kept_indices) for index in indices]
+        remaining_indices = tuple(index for index in range(len(value)) if (*path, index) not in cut)
+        if len(remaining_indices) < len(value):
+            kept_indices[path] = remaining_indices
+        return [_pruned(value[index], cut, (*path, index), kept_indices) for index in remaining_indices]
     return value
 
 
 def value_at(data: Any, path: Path, kept_indices: Mapping[Path, Sequence[int]] = MappingProxyType({})) -> Any:
     """Return the value in pruned data at a path into the data as read, or None if it was removed."""
-    for end, step in enumerate(path):
+    for depth, step in enumerate(path):
         if isinstance(data, list) and isinstance(step, int):
-            places = kept_indices.get(path[:end], range(len(data)))
-            data = data[places.index(step)] if step in places else None
+            original_indices = kept_indices.get(path[:depth], range(len(data)))
+            data = data[original_indices.index(step)] if step in original_indices else None
+        elif isinstance(data, dict):
+            data = data.get(step)
         else:
-            data = data.get(step) if isinstance(data, dict) else None
+            return None
     return data
 
 
@@ -313,12 +340,13 @@ def _original(path: Path, kept_indices: dict[Path, tuple[int, ...]]) -> Path:
     return original_path
 
 
-def _findings(validator: Any, data: dict[str, Any], broken: set[Path], kind: str) -> list[Finding]:
+def _findings(validator: Any, data: dict[str, Any], unread_places: set[Path], kind: str) -> list[Finding]:
     """Return one finding for each place, except places that the reader reported, and limit their number."""
     findings: dict[tuple[Path, bool], Finding] = {}
     for error in validator.iter_errors(data):
         for finding in explain(error, kind):
-            if not any(finding.path[:end] in broken for end in range(len(finding.path) + 1)):
+            parents = [finding.path[:length] for length in range(len(finding.path))]
+            if finding.path not in unread_places and unread_places.isdisjoint(parents):
                 findings.setdefault((finding.path, finding.at_key), finding)
             if len(findings) > MAX_PROBLEMS:  # One error can have a finding for each of thousands of keys.
                 return list(findings.values())
@@ -330,9 +358,11 @@ def _is_explained(finding: Finding, findings: Sequence[Finding], data: dict[str,
     wrong_key_paths = {key_finding.path for key_finding in findings if key_finding.at_key}
     if not finding.at_key and finding.path in wrong_key_paths and finding.rule != "missing-key":
         return True
-    is_interface_name = finding.rule == "not-allowed" and {"interface", "interfaces"} & set(finding.path[-2:])
-    value = value_at(data, finding.path)
-    return bool(is_interface_name) and isinstance(value, str) and ("interfaces", value) in wrong_key_paths
+    names_interface = "interface" in finding.path[-2:] or "interfaces" in finding.path[-2:]
+    if finding.rule != "not-allowed" or not names_interface:
+        return False
+    interface = value_at(data, finding.path)
+    return isinstance(interface, str) and ("interfaces", interface) in wrong_key_paths
 
 
 @functools.cache
@@ -367,6 +397,7 @@ def _inlined(schema: Any, definitions: dict[str, Any]) -> Any:
         return [_inlined(inner, definitions) for inner in schema]
     if not isinstance(schema, dict):
         return schema
-    target = definitions[schema["$ref"].removeprefix("#/$defs/")] if "$ref" in schema else {}
-    members = {**schema, **target}
-    return {key: _inlined(value, definitions) for key, value in members.items() if key not in ("$ref", "$defs")}
+    keywords = dict(schema)
+    if "$ref" in schema:
+        keywords |= definitions[schema["$ref"].removeprefix("#/$defs/")]
+    return {key: _inlined(value, definitions) for key, value in keywords.items() if key not in ("$ref", "$defs")}

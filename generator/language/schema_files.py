@@ -106,11 +106,13 @@ def with_stand_ins(data: Any, schema: Mapping[str, Any]) -> Any:
         return [with_stand_ins(inner, schema.get("items", {})) for inner in data]
     if not isinstance(data, dict):
         return data
-    shapes = schema.get("properties", {})
-    other_shape = schema.get("additionalProperties", {})
-    if not isinstance(other_shape, dict):
+    shapes_by_key = schema.get("properties", {})
+    other_shape = schema.get("additionalProperties")
+    if not isinstance(other_shape, dict):  # False: no other keys are allowed.
         other_shape = {}
-    completed = {key: with_stand_ins(value, shapes.get(key) or other_shape) for key, value in data.items()}
+    completed = {}
+    for key, value in data.items():
+        completed[key] = with_stand_ins(value, shapes_by_key.get(key) or other_shape)
     for key in schema.get("required", ()):
         if key not in completed and key in PROSE:
             completed[key] = _SOME_SOURCE if key == "source" else "?"

@@ -27,42 +27,49 @@ _COMMENT = re.compile(r"\s#")
 
 
 def explain(error: yaml.MarkedYAMLError, text: str) -> tuple[int, int, str, str]:
-    """Return line, column, rule and message for an error of the parser."""
+    """Return line, column, rule and message for an error of the parser.
+
+    The parser's ``problem_mark`` is where it stopped, and its ``context_mark`` where the open value begins.
+    """
     lines = _LINE_BREAK.split(text)
-    mark: Any = error.problem_mark or error.context_mark
     problem, context = error.problem or "not understood", error.context or ""
     opened: Any = error.context_mark
-    odd_space = _odd_space(lines, [position.line for position in (opened, mark) if position is not None])
+    stopped: Any = error.problem_mark or opened
+    odd_space = _odd_space(lines, [mark.line for mark in (opened, stopped) if mark is not None])
     if odd_space is not None:
         return odd_space
-    # The mark of this problem is where the search for the colon ended.
+    # Where the parser stopped is only the end of its search for the colon.
     if opened is not None and problem == "could not find expected ':'":
         return *_place(opened), _RULE, _missing_colon(_character(lines, opened))
     if opened is not None and "quoted scalar" in context and "end of stream" in problem:
         return *_place(opened), _RULE, "the quote that opens here is never closed; close it on this line"
-    quote = _last_quoted(text, mark)
+    quote = _last_quoted(text, stopped)
     if quote is not None:
         return *_place(quote.start_mark), _RULE, _about_quote(quote)
     if opened is not None and "flow" in context and "expected ','" in problem:
-        if mark.line == opened.line and not _COMMENT.search(lines[opened.line], opened.column):
-            return *_place(mark), _RULE, _NO_COMMA
-        return *_place(opened), _RULE, _about_bracket(lines, opened, mark)
-    line, column = (1, 1) if mark is None else _place(mark)
-    character = _character(lines, mark)
-    return line, column, _RULE, _message(problem, character, line >= len(lines) and not character)
+        is_on_one_line = stopped.line == opened.line
+        if is_on_one_line and not _COMMENT.search(lines[opened.line], opened.column):
+            return *_place(stopped), _RULE, _NO_COMMA
+        return *_place(opened), _RULE, _about_bracket(lines, opened, stopped)
+    line, column = (1, 1) if stopped is None else _place(stopped)
+    character = _character(lines, stopped)
+    is_at_end = line >= len(lines) and not character
+    return line, column, _RULE, _message(problem, character, is_at_end)
 
 
 def _odd_space(lines: list[str], positions: list[int]) -> tuple[int, int, str, str] | None:
     """Return the error for an unusual space in one of these lines, counted from 0, or in the line before."""
     for position in positions:
         for line in (position, position - 1):
-            match = _ODD_SPACE.search(lines[line]) if 0 <= line < len(lines) else None
-            if match is not None:
-                character = f"U+{ord(match[0]):04X}"
+            if not 0 <= line < len(lines):
+                continue
+            odd_space = _ODD_SPACE.search(lines[line])
+            if odd_space is not None:
+                character = f"U+{ord(odd_space[0]):04X}"
                 message = (
                     f"the space {character} is not an ordinary space, so YAML reads it as text; replace it with one"
                 )
-                return line + 1, match.start() + 1, _RULE, message
+                return line + 1, odd_space.start() + 1, _RULE, message
     return None
 
 
@@ -71,7 +78,11 @@ def _place(mark: Any) -> tuple[int, int]:
 
 
 def _character(lines: list[str], mark: Any) -> str:
-    return lines[mark.line][mark.column : mark.column + 1] if mark is not None and mark.line < len(lines) else ""
+    """Return the character at a mark, or an empty string at the end of a line and of the file."""
+    if mark is None or mark.line >= len(lines):
+        return ""
+    line: str = lines[mark.line]
+    return line[mark.column : mark.column + 1]
 
 
 def _missing_colon(character: str) -> str:
@@ -80,20 +91,26 @@ def _missing_colon(character: str) -> str:
     return "a key has no colon, or the text of a value continues without indentation"
 
 
-def _last_quoted(text: str, mark: Any) -> Any:
-    """Return the quoted text before the error if it may be the cause: it spans several lines, or ends there."""
+def _last_quoted(text: str, stopped: Any) -> Any:
+    """Return the quoted text before the error if it may be the cause: it spans several lines, or ends there.
+
+    ``stopped`` is the place where the parser stopped, or None.
+    """
     last = None
     try:
         for token in yaml.scan(text, Loader=_LOADER):
-            if mark is None or (token.start_mark.line, token.start_mark.column) >= (mark.line, mark.column):
+            if stopped is None or (token.start_mark.line, token.start_mark.column) >= (stopped.line, stopped.column):
                 break
-            if isinstance(token, yaml.ScalarToken) and token.style in ("'", '"') and token.end_mark.line == mark.line:
+            is_quoted = isinstance(token, yaml.ScalarToken) and token.style in ("'", '"')
+            if is_quoted and token.end_mark.line == stopped.line:
                 last = token
     except yaml.YAMLError:
         pass  # This is the error to explain. Everything before it has been scanned.
-    if last is None or last.end_mark.line > last.start_mark.line:
-        return last
-    return last if last.end_mark.column == mark.column else None
+    if last is None:
+        return None
+    spans_lines = last.end_mark.line > last.start_mark.line
+    ends_at_error = last.end_mark.column == stopped.column
+    return last if spans_lines or ends_at_error else None
 
 
 def _about_quote(token: Any) -> str:
@@ -104,14 +121,13 @@ def _about_quote(token: Any) -> str:
     return 'a quote inside "..." ends the text; put the text in single quotes, or write \\" for the quote inside'
 
 
-def _about_bracket(lines: list[str], opened: Any, mark: Any) -> str:
+def _about_bracket(lines: list[str], opened: Any, stopped: Any) -> str:
+    """Return the message about an open bracket. ``stopped`` is the place where the parser stopped."""
     bracket = _character(lines, opened)
     closing = {"{": "}", "[": "]"}.get(bracket, "bracket")
-    at_end = mark.line >= len(lines) - 1 and not _character(lines, mark)
-    problem = (
-        f"the '{bracket}' that opens here is not closed by "
-        f"{'the end of the file' if at_end else f'line {mark.line + 1}'}"
-    )
+    is_at_end = stopped.line >= len(lines) - 1 and not _character(lines, stopped)
+    limit = "the end of the file" if is_at_end else f"line {stopped.line + 1}"
+    problem = f"the '{bracket}' that opens here is not closed by {limit}"
     if _COMMENT.search(lines[opened.line], opened.column):
         return f"{problem}: a '#' after a space begins a comment; put the text in quotes"
     return f"{problem}; close it with '{closing}', or add the missing comma"
@@ -178,16 +194,18 @@ class CorrectedEvents:
         self._open: list[_Container] = []
 
     def __iter__(self) -> Iterator[Any]:
-        while (event := self._next()) is not None:
+        while True:
+            event = self._next()
+            if event is None:
+                return
             container = self._open[-1] if self._open else None
-            if isinstance(event, (yaml.MappingEndEvent, yaml.SequenceEndEvent)):
+            if isinstance(event, yaml.CollectionEndEvent):
                 self._open.pop()
                 self._count()
-            elif isinstance(event, (yaml.MappingStartEvent, yaml.SequenceStartEvent)):
-                in_list = container is not None and not container.is_map
-                self._open.append(
-                    _Container(isinstance(event, yaml.MappingStartEvent), bool(event.flow_style), in_list)
-                )
+            elif isinstance(event, yaml.CollectionStartEvent):
+                is_map = isinstance(event, yaml.MappingStartEvent)
+                is_in_list = container is not None and not container.is_map
+                self._open.append(_Container(is_map, flow=bool(event.flow_style), in_list=is_in_list))
             elif isinstance(event, yaml.ScalarEvent) and container is not None and container.is_map:
                 if container.awaits_key:
                     yield from self._insert_item_end(event, container)
@@ -200,6 +218,7 @@ class CorrectedEvents:
             yield event
 
     def _count(self) -> None:
+        """Count a complete value in the innermost open map or list."""
         if self._open:
             self._open[-1].nodes += 1
 
@@ -207,6 +226,7 @@ class CorrectedEvents:
         return self._ahead.popleft() if self._ahead else next(self._events, None)
 
     def _peek(self, index: int) -> Any:
+        """Return a later event without taking it, or None after the last one. Index 0 is the next event."""
         while len(self._ahead) <= index:
             self._ahead.append(next(self._events, None))
         return self._ahead[index]
@@ -228,34 +248,42 @@ class CorrectedEvents:
         yield yaml.MappingStartEvent(None, None, True, key.start_mark, key.start_mark, flow_style=False)
 
     def _key_after_next(self) -> str | None:
-        depth = index = 0
-        while True:
+        """Return the key after the next value, or None if the map ends there or the value is too long."""
+        depth = 0
+        for index in range(_FURTHEST + 1):
             event = self._peek(index)
-            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
-            index += 1
-            if event is None or depth < 0 or index > _FURTHEST:
+            if isinstance(event, yaml.CollectionStartEvent):
+                depth += 1
+            elif isinstance(event, yaml.CollectionEndEvent):
+                depth -= 1
+            is_end_of_map = depth < 0
+            if event is None or is_end_of_map:
                 return None
-            if depth == 0:
-                break
-        following = self._peek(index)
-        return following.value if isinstance(following, yaml.ScalarEvent) else None
+            is_end_of_value = depth == 0
+            if is_end_of_value:
+                key = self._peek(index + 1)
+                return key.value if isinstance(key, yaml.ScalarEvent) else None
+        return None
 
     def _skip_text_after_comma(self, value: Any) -> None:
         """Skip the text after a comma in an unquoted text or number in {...}, which would be a key without a value."""
         if value.style or value.tag or value.anchor:
             return
-        first_skipped, is_number = None, _DIGITS.fullmatch(value.value) is not None
+        first_skipped = None
+        is_number = _DIGITS.fullmatch(value.value) is not None
         while self._is_key_without_colon(self._peek(0), self._peek(1)):
-            skipped = self._ahead[0]
-            if is_number and _THOUSANDS.fullmatch(skipped.value):
-                value.value += skipped.value
+            text_after_comma = self._peek(0)
+            if is_number and _THOUSANDS.fullmatch(text_after_comma.value):
+                value.value += text_after_comma.value
             elif is_number or not self._is_text(value.value):
                 break  # As in {12: , 16}, where keys may come alone.
-            first_skipped = first_skipped or skipped
-            self._ahead.popleft()
-            self._ahead.popleft()
+            if first_skipped is None:
+                first_skipped = text_after_comma
+            self._next()  # The key without a colon.
+            self._next()  # Its empty value.
         if first_skipped is not None:
-            self._complain(first_skipped, "yaml-syntax", _about_comma(first_skipped, value.value if is_number else ""))
+            number = value.value if is_number else None
+            self._complain(first_skipped, "yaml-syntax", _about_comma(first_skipped, number))
 
     def _is_key_without_colon(self, key: Any, value: Any) -> bool:
         """Return True for a key without a colon and without a value."""
@@ -272,8 +300,9 @@ def _line(event: Any) -> int:
     return int(event.start_mark.line) + 1
 
 
-def _about_comma(skipped: Any, number: str) -> str:
-    if number:
+def _about_comma(skipped: Any, number: str | None) -> str:
+    """Return the message about a comma in a number, given without commas, or else before the skipped text."""
+    if number is not None:
         return f"numbers are written without commas; write {number}"
     rule = "A comma ends an unquoted string inside {...}: if this is part of the string, quote the whole string"
     return f"{quoted(skipped.value)} has no colon. {rule}"

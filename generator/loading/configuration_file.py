@@ -45,7 +45,9 @@ class _PlaceFinder:
         self._line_starts = [0, *(match.end() for match in re.finditer("\n", text))]
 
     def document(self) -> Mark:
-        root = table = Mark(1, 1, 1, 1)
+        """Return the marks of all keys and values."""
+        root = Mark(1, 1, 1, 1)
+        table = root
         while self._token():
             if self._token() == "\n":
                 self._index += 1
@@ -211,11 +213,6 @@ def _yaml_document(file: Path, report: Report) -> Document | None:
 
 def _section(file: Path, report: Report, has_places: bool) -> Document | None:
     """Return the section of a pyproject.toml as a document, or None if there is none or it cannot be read."""
-    if sys.version_info >= (3, 11):
-        import tomllib
-    else:
-        import tomli as tomllib
-
     try:
         content = file.read_bytes()
     except OSError as error:
@@ -223,17 +220,12 @@ def _section(file: Path, report: Report, has_places: bool) -> Document | None:
         return None
     try:
         text = content.decode("utf-8")
-        data = tomllib.loads(text)
     except UnicodeDecodeError as error:
         line = content.count(b"\n", 0, error.start) + 1
         message = f"byte 0x{content[error.start]:02X} is not UTF-8; save the file as UTF-8"
         report.add_at(str(file), line, 1, "not-text", message)
         return None
-    except tomllib.TOMLDecodeError as error:
-        line, column, message = _place_of(str(error), content.decode("utf-8"))
-        error_line = content.decode("utf-8").splitlines()[line - 1 : line]
-        report.add_at(str(file), line, column, "toml-syntax", f"not valid TOML: {message}", text="".join(error_line))
-        return None
+    data = _parsed_toml(file, text, report)
     tools = data.get("tool")
     section = tools.get("codewheel") if isinstance(tools, dict) else None
     if section is None:
@@ -247,13 +239,33 @@ def _section(file: Path, report: Report, has_places: bool) -> Document | None:
     return Document(str(file), lines, section, marks)
 
 
+def _parsed_toml(file: Path, text: str, report: Report) -> dict[str, Any]:
+    """Return the data of a TOML file, or an empty map if it is not valid, which is reported."""
+    if sys.version_info >= (3, 11):
+        import tomllib
+    else:
+        import tomli as tomllib
+
+    try:
+        data: dict[str, Any] = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        line, column, message = _place_of(str(error), text)
+        error_line = "".join(text.splitlines()[line - 1 : line])
+        report.add_at(str(file), line, column, "toml-syntax", f"not valid TOML: {message}", text=error_line)
+        return {}
+    return data
+
+
 def _place_of(message: str, text: str) -> tuple[int, int, str]:
-    """Return line, column and the rest of a message of the TOML parser."""
-    place = _WHERE.search(message)
-    if place is not None and place[1] is not None:
-        return int(place[1]), int(place[2]), message[: place.start()]
+    """Return line, column and the rest of a message of the TOML parser. Without a place, it is the end of the text."""
     lines = text.splitlines() or [""]
-    return len(lines), max(len(lines[-1]), 1), message if place is None else message[: place.start()]
+    line, column = len(lines), max(len(lines[-1]), 1)
+    place = _WHERE.search(message)
+    if place is None:
+        return line, column, message
+    if place[1] is not None:
+        line, column = int(place[1]), int(place[2])
+    return line, column, message[: place.start()]
 
 
 def _configuration(file: Path, document: Document, report: Report) -> Configuration:

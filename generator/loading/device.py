@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
+from typing import NamedTuple
 
 from ..language.problems import DocumentReport, Path
 from ..language.rules.walk import interface_of
@@ -107,17 +108,19 @@ def _context(
     variants: Sequence[Variant],
     alternatives: Sequence[Alternative],
 ) -> Context:
-    groups = enumerate(raw.get("field_groups", ()))
-    sets = parameter_sets(raw, definitions, variants, alternatives)
+    """Return the definitions that layouts may refer to."""
+    groups = {}
+    for index, group in enumerate(raw.get("field_groups", ())):
+        groups[group["name"]] = (group, ("field_groups", index))
+    crcs = {crc["name"]: record(Crc, crc) for crc in raw.get("crcs", ())}
+    data_ids = {kind: records(DataId, interface, "data_ids") for kind, interface in raw["interfaces"].items()}
     return Context(
         report=report,
-        groups=MappingProxyType({group["name"]: (group, ("field_groups", index)) for index, group in groups}),
+        groups=MappingProxyType(groups),
         definitions=definitions,
-        parameter_sets=sets,
-        crcs=MappingProxyType({crc["name"]: record(Crc, crc) for crc in raw.get("crcs", ())}),
-        data_ids=MappingProxyType(
-            {kind: records(DataId, interface, "data_ids") for kind, interface in raw["interfaces"].items()}
-        ),
+        parameter_sets=parameter_sets(raw, definitions, variants, alternatives),
+        crcs=MappingProxyType(crcs),
+        data_ids=MappingProxyType(data_ids),
         only_while=lambda only: only_while(only, variants, set_parameters(raw)),
     )
 
@@ -157,20 +160,23 @@ def _device(
 
 
 def _definitions(raw: Raw) -> Mapping[str, Expression]:
+    """Return the expressions of the parameters that follow from others."""
     definitions = {}
     for name, parameter in raw["parameters"].items():
-        if "equals" in parameter:
-            try:
-                definitions[name] = Expression.parse(parameter["equals"])
-            except ExpressionError:
-                continue  # reported by the rule on expressions
+        if "equals" not in parameter:
+            continue
+        try:
+            definitions[name] = Expression.parse(parameter["equals"])
+        except ExpressionError:
+            continue  # reported by the rule on expressions
     return MappingProxyType(definitions)
 
 
 def code_grammar(raw: Raw) -> OrderCode:
     """Return the grammar of order codes from its checked data."""
-    parts, spellings = map(_code_part, raw["parts"]), map(_spelling, raw.get("also_written", ()))
-    return record(OrderCode, raw, parts=tuple(parts), also_written=tuple(spellings))
+    parts = tuple(_code_part(part) for part in raw["parts"])
+    spellings = tuple(_spelling(spelling) for spelling in raw.get("also_written", ()))
+    return record(OrderCode, raw, parts=parts, also_written=spellings)
 
 
 def _code_part(raw: Raw) -> CodePart:
@@ -179,8 +185,11 @@ def _code_part(raw: Raw) -> CodePart:
 
 
 def _spelling(raw: Raw) -> Spelling:
-    texts = ((part, *pair) for part, part_values in raw.get("values", {}).items() for pair in part_values.items())
-    return record(Spelling, raw, values=tuple(SpelledValue(part, text, value) for part, text, value in texts))
+    """Return an alternative spelling, with the texts that represent values of a part."""
+    spelled_values: list[SpelledValue] = []
+    for part, values_by_text in raw.get("values", {}).items():
+        spelled_values += [SpelledValue(part, text, value) for text, value in values_by_text.items()]
+    return record(Spelling, raw, values=tuple(spelled_values))
 
 
 def _alternative(raw: Raw) -> Alternative:
@@ -193,9 +202,8 @@ def _answer(name: str, raw: Raw) -> Answer:
 
 
 def _code_value(text: str, raw: Raw, part: Raw) -> CodeValue:
-    return record(
-        CodeValue, raw, text=text, only_with=_allowed_values(raw, "only_with"), supply=supply(raw, sources(part))
-    )
+    allowed_values = _allowed_values(raw, "only_with")
+    return record(CodeValue, raw, text=text, only_with=allowed_values, supply=supply(raw, sources(part)))
 
 
 def _allowed_values(raw: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
@@ -203,22 +211,32 @@ def _allowed_values(raw: Raw, key: str) -> Mapping[str, tuple[str, ...]]:
 
 
 def _variants(
-    order_code: OrderCode, definitions: Mapping[str, Expression], held_values: Mapping[str, int]
+    order_code: OrderCode, definitions: Mapping[str, Expression], default_values: Mapping[str, int]
 ) -> tuple[Variant, ...]:
+    """Return every listed order code with its parameters.
+
+    ``default_values`` are those of the parameters that order codes may leave to a register or an alternative.
+    """
+    if not order_code.parts:
+        return ()
     variants = []
-    for code, parts, interface, sets in combinations(order_code) if order_code.parts else ():
-        parameters = resolve_parameters({**held_values, **sets}, definitions)
+    for code, parts, interface, set_values in combinations(order_code):
+        parameters = resolve_parameters({**default_values, **set_values}, definitions)
         variants.append(Variant(code, MappingProxyType(dict(parts)), interface, parameters))
     return tuple(variants)
 
 
 def _parameter(name: str, raw: Raw, context: Context) -> Parameter:
-    values = (parameters.get(name, 0) for sets in context.parameter_sets.values() for parameters in sets)
-    codes = coded_values(raw)
-    limits = {"min": min(raw["by_code"].values()), "max": max(raw["by_code"].values())} if codes else {}
-    largest = max(values, default=0)
+    """Return a parameter with its limits, and its largest value over all order codes."""
+    coded = coded_values(raw)
+    if coded:
+        coded_numbers = raw["by_code"].values()
+        raw = {**raw, "min": min(coded_numbers), "max": max(coded_numbers)}
+    values: list[int] = []
+    for sets in context.parameter_sets.values():
+        values += [parameters.get(name, 0) for parameters in sets]
     equals = context.definitions.get(name)
-    return record(Parameter, {**raw, **limits}, name=name, equals=equals, largest=largest, by_code=codes)
+    return record(Parameter, raw, name=name, equals=equals, largest=max(values, default=0), by_code=coded)
 
 
 def _registers(raw: Raw, context: Context) -> tuple[Register, ...]:
@@ -228,25 +246,26 @@ def _registers(raw: Raw, context: Context) -> tuple[Register, ...]:
 
 
 def _register(raw: Raw, path: Path, context: Context) -> Register | None:
+    """Return a register, or None if its layout is not valid. A register without fields is one number."""
     interface = interface_of(raw)
-    body = raw if "fields" in raw else {**raw, "fields": [{"name": raw["name"], "bits": 8 * raw["length"]}]}
-    layout = build_layout(body, Site(path, context, interface), 8 * raw["length"])
+    register_bits = 8 * raw["length"]
+    with_fields = raw if "fields" in raw else {**raw, "fields": [{"name": raw["name"], "bits": register_bits}]}
+    layout = build_layout(with_fields, Site(path, context, interface), register_bits)
     if layout is None:
         return None
-    opened = raw.get("opened_by", {})
+    opener = raw.get("opened_by", {})
     register = record(
         Register,
         raw,
         interface=interface,
         byte_order=raw.get("byte_order", "high_byte_first"),
-        min=context.expression(raw["min"]) if "min" in raw else None,
-        max=context.expression(raw["max"]) if "max" in raw else None,
         limits_of=raw.get("limits_of", raw["name"]),
-        opened_by=opened.get("register", ""),
-        opened_by_value=opened.get("value", ""),
+        opened_by=opener.get("register", ""),
+        opened_by_field=opener.get("field", ""),
+        opened_by_value=opener.get("value", ""),
         layout=layout,
         meanings=tuple(_register_meaning(meaning, context) for meaning in raw.get("meanings", ())),
-        opened_by_field=opened.get("field", ""),
+        **context.expressions(raw, ("min", "max")),
     )
     _check_limits(register, path, context)
     return register
@@ -261,10 +280,12 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
 
     Only the first problem is reported, for the first order code that has it.
     """
+    expressions = [register.min, register.max]
+    for field in register.layout.fields:
+        expressions += [field.low, field.width]
+    depends_on_order_code = any(expression is not None and not expression.is_constant for expression in expressions)
     sets = context.parameter_sets.get(register.interface, ())
-    places = (place for field in register.layout.fields for place in (field.low, field.width))
-    is_alike = all(expression is None or expression.is_constant for expression in (*places, register.min, register.max))
-    for parameters in sets[:1] if is_alike else sets:
+    for parameters in sets if depends_on_order_code else sets[:1]:
         placed = register.layout.place(parameters)
         problem = _wrong_limits(register, placed, parameters) or _wrong_default(register, placed, parameters)
         if problem is not None:
@@ -277,40 +298,51 @@ def _check_limits(register: Register, path: Path, context: Context) -> None:
 _Wrong = tuple[str, str, str]
 
 
-def _limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> tuple[int, int, int]:
-    """Return the lowest and the highest value as stored, and the meaning of a stored zero."""
+class _Limits(NamedTuple):
+    """The lowest and the highest value of a register as stored, and the number for which a stored zero stands."""
+
+    low: int
+    high: int
+    zero_means: int
+
+
+def _limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Limits:
     bounded_field = placed.find_field(bounded(register))
     zero_means = bounded_field.field.number.zero_means if bounded_field is not None else 0
     low, high = bounds(register, placed, (register.min, register.max), parameters)
-    return low, high - 1 if zero_means and high == zero_means else high, zero_means
+    if zero_means and high == zero_means:
+        high -= 1  # The highest number is stored as zero.
+    return _Limits(low, high, zero_means)
 
 
 def _wrong_limits(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Wrong | None:
     lowest, highest = representable(register, placed)
-    low, high, _ = _limits(register, placed, parameters)
-    if lowest <= low <= high <= highest:
-        return None
-    key, end = ("max", high) if high > highest else ("min", low)
-    if lowest <= low and high <= highest:
-        return "limit-does-not-fit", key, f"the minimum {low} is above the maximum {high}"
-    width = bounded_width(register, placed)
-    message = f"the {key}imum {end} does not fit into the {width} bits of '{register.limits_of}'"
-    return "limit-does-not-fit", key, message
+    limits = _limits(register, placed, parameters)
+    width_text = f"the {bounded_width(register, placed)} bits of '{register.limits_of}'"
+    if limits.high > highest:
+        return "limit-does-not-fit", "max", f"the maximum {limits.high} does not fit into {width_text}"
+    if limits.low < lowest:
+        return "limit-does-not-fit", "min", f"the minimum {limits.low} does not fit into {width_text}"
+    if limits.low > limits.high:
+        return "limit-does-not-fit", "min", f"the minimum {limits.low} is above the maximum {limits.high}"
+    return None
 
 
 def _wrong_default(register: Register, placed: PlacedLayout, parameters: Mapping[str, int]) -> _Wrong | None:
     default = register.default
     if default is None:
         return None
-    low, high, zero_means = _limits(register, placed, parameters)
+    limits = _limits(register, placed, parameters)
     value = _bounded_part(register, placed, default)
-    named_values = [named_value.value for named_value in register.values]
-    if default >> (8 * register.length):
-        problem = f"{default:#x} does not fit into {8 * register.length} bits"
-    elif not low <= (value or zero_means) <= max(high, zero_means):
-        problem = f"{value} is outside the limits {low} to {high}"
-    elif named_values and default not in named_values and not register.clears_itself:
-        problem = f"{default:#x} is not one of the values {', '.join(f'{number:#x}' for number in named_values)}"
+    meant_value = value or limits.zero_means
+    named_numbers = [named_value.value for named_value in register.values]
+    register_bits = 8 * register.length
+    if default >> register_bits:
+        problem = f"{default:#x} does not fit into {register_bits} bits"
+    elif not limits.low <= meant_value <= max(limits.high, limits.zero_means):
+        problem = f"{value} is outside the limits {limits.low} to {limits.high}"
+    elif named_numbers and default not in named_numbers and not register.clears_itself:
+        problem = f"{default:#x} is not one of the values {', '.join(f'{number:#x}' for number in named_numbers)}"
     else:
         return None
     return "default-does-not-fit", "default", f"the default {problem}"
@@ -318,14 +350,17 @@ def _wrong_default(register: Register, placed: PlacedLayout, parameters: Mapping
 
 def _bounded_part(register: Register, placed: PlacedLayout, default: int) -> int:
     """Return the part of the default that the limits apply to, with its sign."""
-    width = bounded_width(register, placed)
-    join = next((join for join in register.layout.joins if join.name == bounded(register)), None)
-    if join is not None:
-        value = join_value(placed, join, default)
+    bounded_name, width = bounded(register), bounded_width(register, placed)
+    bounded_joins = [join for join in register.layout.joins if join.name == bounded_name]
+    if bounded_joins:
+        value = join_value(placed, bounded_joins[0], default)
     else:
-        bounded_field = placed.find_field(bounded(register))
-        value = default >> (bounded_field.low if bounded_field is not None else 0) & ((1 << width) - 1)
-    return value - (1 << width) if value > representable(register, placed)[1] else value
+        bounded_field = placed.find_field(bounded_name)
+        low_bit = bounded_field.low if bounded_field is not None else 0
+        value = (default >> low_bit) & ((1 << width) - 1)
+    _, highest = representable(register, placed)
+    is_negative = value > highest
+    return value - (1 << width) if is_negative else value
 
 
 def _check_control_bytes(device: Device, report: DocumentReport) -> None:
@@ -334,24 +369,31 @@ def _check_control_bytes(device: Device, report: DocumentReport) -> None:
     if interface is None or not valid_parts_so_far(report).has_frames:
         return
     variants = device.variants_over(interface.name)
-    for data_id in interface.data_ids if variants else ():
+    if not variants:
+        return
+    for data_id in interface.data_ids:
         path: Path = ("interfaces", interface.name, "data_ids", data_id.name)
-        layout = next((layout for layout in interface.layouts if data_id.id in layout.selects), None)
-        if layout is None:
+        layouts = [layout for layout in interface.layouts if data_id.id in layout.selects]
+        if not layouts:
             problem = f"no layout has data ID {data_id.id:X} in its 'when'; add it to one"
             report.add("undefined-reference", path, problem)
             continue
-        placed = layout.place(variants[0].parameters)
-        values = {field.name: 0 for field in layout.data_fields} | {layout.selector: data_id.id}
-        try:
-            control_byte = number_to_bytes(layout, encode(device, placed, values), placed.bits)[0]
-        except EncodeError:
-            continue  # a layout that cannot be encoded with zeros is found by other rules
-        if control_byte != data_id.control:
+        control_byte = _control_byte(device, layouts[0], data_id, variants[0])
+        if control_byte is not None and control_byte != data_id.control:
             problem = f"according to its fields, the control field of data ID {data_id.id:X} is {control_byte:#04x}"
-            report.add(
-                "control-mismatch", (*path, "control"), f"{problem}, but it is {data_id.control:#04x} in the manual"
-            )
+            message = f"{problem}, but it is {data_id.control:#04x} in the manual"
+            report.add("control-mismatch", (*path, "control"), message)
+
+
+def _control_byte(device: Device, layout: Layout, data_id: DataId, variant: Variant) -> int | None:
+    """Return the first byte of a frame with a data ID, or None if the frame cannot be encoded with zeros."""
+    placed = layout.place(variant.parameters)
+    values = {field.name: 0 for field in layout.data_fields} | {layout.selector: data_id.id}
+    try:
+        number = encode(device, placed, values)
+    except EncodeError:
+        return None  # Found by other rules.
+    return number_to_bytes(layout, number, placed.bits)[0]
 
 
 def _check_requests(device: Device, report: DocumentReport) -> None:
@@ -361,30 +403,29 @@ def _check_requests(device: Device, report: DocumentReport) -> None:
         return
     layouts = {layout.name: layout for layout in interface.layouts}
     requests = [layouts[exchange.request] for exchange in interface.exchanges if exchange.request in layouts]
-    for index, layout in enumerate(requests):
-        ambiguous_layout = next(
-            (earlier_layout for earlier_layout in requests[:index] if not _constants_differ(earlier_layout, layout)),
-            None,
-        )
-        if ambiguous_layout is not None:
-            pair = f"'{layout.name}' from '{ambiguous_layout.name}'"
+    for index, request in enumerate(requests):
+        ambiguous = [earlier for earlier in requests[:index] if not _constants_differ(earlier, request)]
+        if ambiguous:
+            pair = f"'{request.name}' from '{ambiguous[0].name}'"
             problem = f"no constant distinguishes {pair}; add the command as a 'constant' to both"
-            report.add("rs485-exchange", ("interfaces", interface.name, "layouts", layout.name), problem)
+            report.add("rs485-exchange", ("interfaces", interface.name, "layouts", request.name), problem)
 
 
 def _constants_differ(layout: Layout, other_layout: Layout) -> bool:
     """Return whether two requests have a different constant in the same bit of a byte."""
     constant_bits, other_constant_bits = _constant_bits(layout), _constant_bits(other_layout)
-    return any(other_constant_bits.get(place, value) != value for place, value in constant_bits.items())
+    common_places = constant_bits.keys() & other_constant_bits.keys()
+    return any(constant_bits[place] != other_constant_bits[place] for place in common_places)
 
 
 def _constant_bits(layout: Layout) -> dict[tuple[int, int], int]:
     """Return the constant bits of a layout, by byte and bit."""
     constant_bits = {}
     for field in layout.fields:
-        if isinstance(field.kind, Constant):
-            for piece in field.pieces:
-                value = field.kind.value >> piece.left
-                bits = range(piece.mask.bit_length())
-                constant_bits.update({(piece.byte, piece.right + bit): value >> bit & 1 for bit in bits})
+        if not isinstance(field.kind, Constant):
+            continue
+        for piece in field.pieces:
+            value_in_byte = field.kind.value >> piece.left
+            for bit in range(piece.mask.bit_length()):
+                constant_bits[piece.byte, piece.right + bit] = (value_in_byte >> bit) & 1
     return constant_bits

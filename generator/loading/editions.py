@@ -35,11 +35,14 @@ def editions(raw: Raw) -> tuple[ManualEdition, ...]:
     editions_by_revision = {edition["revision"]: edition for edition in raw.get("editions", ())}
     if not editions_by_revision:
         return ()
-    history = {release["revision"]: release.get("date", "") for release in raw["manual"].get("history", ())}
-    own_revision = raw["manual"]["revision"]
-    dates = {**history, own_revision: raw["manual"].get("date", history.get(own_revision, ""))}
-    dates |= {name: edition.get("date", "") for name, edition in editions_by_revision.items() if name not in dates}
-    return tuple(_edition(editions_by_revision.get(name, {}), name, date) for name, date in dates.items())
+    manual = raw["manual"]
+    # In the order of the history, then the transcribed revision, then the later ones.
+    dates = {release["revision"]: release.get("date", "") for release in manual.get("history", ())}
+    own_revision = manual["revision"]
+    dates[own_revision] = manual.get("date", dates.get(own_revision, ""))
+    for revision, edition in editions_by_revision.items():
+        dates.setdefault(revision, edition.get("date", ""))
+    return tuple(_edition(editions_by_revision.get(revision, {}), revision, date) for revision, date in dates.items())
 
 
 def _edition(definition: Raw, revision: str, date: str) -> ManualEdition:
@@ -56,18 +59,16 @@ def revision_for(device: Device, wanted: str) -> str:
     if wanted in names:
         return wanted
     # A year does not determine which edition was the latest on a given day.
-    dated = [edition for edition in device.editions if _DATE.fullmatch(edition.date)]
-    if _DATE.fullmatch(wanted) and dated:
-        not_later = [edition.revision for edition in dated if edition.date <= wanted]
-        if not_later:
-            return not_later[-1]
-        raise UnknownEdition(
-            f"the first edition, {dated[0].revision}, is dated {dated[0].date}, which is after {wanted}"
-        )
-    raise UnknownEdition(
-        f"the spec of {device.name} has no edition {quoted(wanted)}; use {listed(names, 'or')}"
-        + (", or a date such as 2020-03-31" if dated else "")
-    )
+    dated_editions = [edition for edition in device.editions if _DATE.fullmatch(edition.date)]
+    if not dated_editions or not _DATE.fullmatch(wanted):
+        message = f"the spec of {device.name} has no edition {quoted(wanted)}; use {listed(names, 'or')}"
+        raise UnknownEdition(f"{message}, or a date such as 2020-03-31" if dated_editions else message)
+    editions_so_far = [edition for edition in dated_editions if edition.date <= wanted]
+    if not editions_so_far:
+        first = dated_editions[0]
+        message = f"the first edition, {first.revision}, is dated {first.date}, which is after {wanted}"
+        raise UnknownEdition(message)
+    return editions_so_far[-1].revision
 
 
 def edition_of(family: Family, revision: str, build: Build, report: Report) -> Family | None:
@@ -120,43 +121,55 @@ def _report_in_edition(inner_report: Report, revision: str, report: Report) -> N
 
 def _change_lists(family: Family, revision: str) -> Iterator[tuple[int, str, str]]:
     """Yield the lists of changes that lead to a revision, each as index, key and name in outputs."""
-    order = [edition.revision for edition in family.device.editions]
-    own_index, wanted_index = order.index(family.device.manual.revision), order.index(revision)
-    changes = family.document.data.get("editions", ())
-    changes_by_revision = {edition["revision"]: (index, edition) for index, edition in enumerate(changes)}
-    is_older = wanted_index < own_index
-    positions = range(own_index, wanted_index, -1) if is_older else range(own_index + 1, wanted_index + 1)
-    key = "before" if is_older else "then"
-    for position in positions:
-        index, edition = changes_by_revision.get(order[position], (0, {}))
-        if key in edition:
-            yield index, key, f"before {order[position]}" if is_older else order[position]
+    revisions = [edition.revision for edition in family.device.editions]
+    own_index, wanted_index = revisions.index(family.device.manual.revision), revisions.index(revision)
+    if wanted_index < own_index:
+        # Back from the transcribed revision: each step undoes what came with a revision.
+        key, passed_revisions = "before", revisions[own_index:wanted_index:-1]
+    else:
+        key, passed_revisions = "then", revisions[own_index + 1 : wanted_index + 1]
+    raw_editions = family.document.data.get("editions", ())
+    indices = {edition["revision"]: index for index, edition in enumerate(raw_editions)}
+    for passed_revision in passed_revisions:
+        if passed_revision not in indices:
+            continue
+        index = indices[passed_revision]
+        if key in raw_editions[index]:
+            yield index, key, f"before {passed_revision}" if key == "before" else passed_revision
 
 
 def notes(raw: Raw) -> Iterator[Erratum]:
     """Yield the differences of other editions, as errata of the family of the spec."""
     for edition in raw.get("editions", ()):
-        for key, name in (("before", f"before {edition['revision']}"), ("then", edition["revision"])):
+        revision = edition["revision"]
+        for key, name in (("before", f"before {revision}"), ("then", revision)):
             for number, change in enumerate(edition.get(key, ()), 1):
+                kinds = [kind for kind in KINDS if kind in change]
                 # A change with no kind or several is reported when it is applied.
-                if len(kinds := [word for word in KINDS if word in change]) == 1:
+                if len(kinds) == 1:
                     yield _edition_erratum(raw, change, name, number, kinds[0])
 
 
 def _edition_erratum(raw: Raw, change: Raw, name: str, number: int, kind: str) -> Erratum:
+    """Return a change of an edition as an erratum. ``kind`` is the kind of the change, such as ``set``."""
     texts = change[kind] if isinstance(change[kind], list) else [change[kind]]
-    affecting_texts = [] if kind == "also" else texts
-    affects = [_affected_path(raw, text) for text in affecting_texts]
-    value = change.get("to", change.get("value"))
-    used = {"remove": LEFT_OUT, "unknown": NOT_KNOWN, "also": NOT_KNOWN}.get(kind, _text(value))
+    # The text of 'also' is a sentence. Those of other kinds are paths.
+    affected_paths = [] if kind == "also" else [_affected_path(raw, text) for text in texts]
+    if kind == "remove":
+        used = LEFT_OUT
+    elif kind in ("unknown", "also"):
+        used = NOT_KNOWN
+    else:
+        used = _text(change.get("to", change.get("value")))
+    stated = {key: change[key] for key in ("why", "source", "severity") if key in change}
     return record(
         Erratum,
-        {"severity": "wrong_data", **{key: change[key] for key in ("why", "source", "severity") if key in change}},
+        {"severity": "wrong_data", **stated},
         name=f"edition_{re.sub('[^a-z0-9]+', '_', name.lower())}_{number}",
         printed=shortened(without_examples([text.removeprefix("registers.") for text in texts])),
         used=used,
         status="open" if used == NOT_KNOWN else "settled",
-        affects=tuple(dict.fromkeys(filter(None, affects))),
+        affects=tuple(dict.fromkeys(path for path in affected_paths if path)),
         edition=name,
     )
 
@@ -176,9 +189,10 @@ def _text(value: object) -> str:
 
 def _affected_path(raw: Raw, text: str) -> str:
     try:
-        return as_affected(raw, resolve(raw, text))
-    except MissingPath as nothing:
-        return as_affected(raw, nothing.existing_path)
+        path = resolve(raw, text)
+    except MissingPath as missing_path:  # What is added does not exist yet.
+        path = missing_path.existing_path
+    return as_affected(raw, path)
 
 
 def check_editions(raw: Raw, device: Device, report: DocumentReport) -> None:
@@ -233,4 +247,6 @@ def _check_test(test: Raw, path: Path, device: Device, report: DocumentReport) -
 def runs_of(register: Any) -> list[str]:
     """Return the names of a register's fields, and of the groups of digits in these fields."""
     names = [field.name for field in register.layout.fields]
-    return names + [run.name for field in register.layout.fields for run in getattr(field.kind, "runs", ())]
+    for field in register.layout.fields:
+        names += [run.name for run in getattr(field.kind, "runs", ())]
+    return names

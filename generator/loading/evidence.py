@@ -94,9 +94,11 @@ def _release(data: dict[str, object]) -> Release:
 
 
 def _is_text(release: Release) -> bool:
-    texts = (release.version, release.since, release.manual)
-    parts = (text for change in release.changes for text in asdict(change).values())
-    return all(isinstance(text, str) for text in (*texts, *parts))
+    """Return True if all members of a release and of its changes are texts."""
+    texts: list[object] = [release.version, release.since, release.manual]
+    for change in release.changes:
+        texts += asdict(change).values()
+    return all(isinstance(text, str) for text in texts)
 
 
 def with_release(releases: Sequence[Release], release: Release) -> tuple[Release, ...]:

@@ -71,11 +71,11 @@ def check_examples(device: Device, report: DocumentReport) -> None:
     """Report every example that contradicts its layout, CRC or procedure, if these are valid themselves."""
     valid_parts = valid_parts_so_far(report)
     for example in device.examples:
-        for inner_path, problem in (
-            _faults(device, example) if valid_parts.holds(example) and _is_built(device, example) else ()
-        ):
+        if not valid_parts.holds(example) or not _is_built(device, example):
+            continue
+        for path_in_example, problem in _faults(device, example):
             message = f"example '{example.name}' does not match: {problem}"
-            report.add("example-contradicts", ("examples", example.name, *inner_path), message)
+            report.add("example-contradicts", ("examples", example.name, *path_in_example), message)
 
 
 def _is_built(device: Device, example: Example) -> bool:
@@ -83,7 +83,7 @@ def _is_built(device: Device, example: Example) -> bool:
     registers = {register.name for register in device.registers}
     match example:
         case FrameExample():
-            is_complete = example.layout in {"", *(layout.name for _, layout in device.layouts())}
+            is_complete = not example.layout or example.layout in {layout.name for _, layout in device.layouts()}
         case RegisterExample():
             is_complete = example.register in registers
         case ProcedureExample():
@@ -94,9 +94,10 @@ def _is_built(device: Device, example: Example) -> bool:
         case _:
             assert_never(example)
     # Without order codes, which have been reported then, only a CRC can be computed.
-    interface_names = {variant.interface for variant in device.variants}
-    can_compute = bool(interface_names) or isinstance(example, CrcExample)
-    return is_complete and can_compute and interface_names <= {interface.name for interface in device.interfaces}
+    if not device.variants and not isinstance(example, CrcExample):
+        return False
+    built_interfaces = {interface.name for interface in device.interfaces}
+    return is_complete and all(variant.interface in built_interfaces for variant in device.variants)
 
 
 def _faults(device: Device, example: Example) -> list[Wrong]:
@@ -112,9 +113,12 @@ def example_variant(device: Device, example: Example) -> Variant:
     """Return the order code of the example, or the first one of the family if it gives none."""
     if isinstance(example, CrcExample) or not example.order_code:
         return device.variants[0]
-    matching_variants = (variant for variant in device.variants if variant.code == example.order_code)
-    variant = next(matching_variants, None) or find(device, example.order_code).variant
-    return with_answers(device, variant, example.alternatives) if isinstance(example, FrameExample) else variant
+    listed_variants = [variant for variant in device.variants if variant.code == example.order_code]
+    # Other labels stand for a listed code, such as one in another spelling.
+    variant = listed_variants[0] if listed_variants else find(device, example.order_code).variant
+    if isinstance(example, FrameExample):
+        return with_answers(device, variant, example.alternatives)
+    return variant
 
 
 def _check(device: Device, example: Example) -> Iterator[Wrong]:
@@ -171,30 +175,31 @@ def _check_frame(device: Device, example: FrameExample) -> Iterator[Wrong]:
         return
     decoded = decode_example(device, example, example_variant(device, example))
     if example.refused:
-        kinds = {problem.fault.value for problem in decoded.problems}
-        if example.refused not in kinds:
-            reported_kinds = ", ".join(sorted(kinds)) or "no error"
-            yield (
-                ("refused",),
-                f"it should be refused because of its {example.refused}, but the decoder reports {reported_kinds}",
-            )
+        reported_kinds = sorted({problem.fault.value for problem in decoded.problems})
+        if example.refused not in reported_kinds:
+            expected = f"it should be refused because of its {example.refused}"
+            yield ("refused",), f"{expected}, but the decoder reports {', '.join(reported_kinds) or 'no error'}"
         return
-    layout = decoded.layout.name if decoded.layout is not None else example.layout
-    if example.layout and layout != example.layout and not decoded.problems:
-        yield ("layout",), f"it is a {layout}, not a {example.layout}"
+    decoded_layout = decoded.layout.name if decoded.layout is not None else example.layout
+    if example.layout and decoded_layout != example.layout and not decoded.problems:
+        yield ("layout",), f"it is a {decoded_layout}, not a {example.layout}"
     else:
         yield from _check_decoded(device, decoded, example)
 
 
 def _check_decoded(device: Device, decoded: Decoded, example: FrameExample | RegisterExample) -> Iterator[Wrong]:
-    """Yield bit errors, and differences from the printed values or from the re-encoded values."""
+    """Yield bit errors, otherwise differences from the printed values, otherwise from the re-encoded values."""
     problems = decoded.problems
-    if problems and problems[0].fault in (Fault.LENGTH, Fault.CRC):  # Further errors may only follow from it.
-        problems = problems[:1]
-    hint = _better_start(device, decoded.crc.name) if decoded.crc is not None and not decoded.crc.ok else ""
-    problems_found: list[Wrong] = [(_data_path(example), problem.message + hint) for problem in problems]
-    problems_found = problems_found or list(_compare_values(decoded, example))
-    yield from problems_found or _check_encoding(device, decoded, example)
+    if problems and problems[0].fault in (Fault.LENGTH, Fault.CRC):
+        problems = problems[:1]  # Further errors may only follow from it.
+    if problems:
+        has_crc_error = decoded.crc is not None and not decoded.crc.ok
+        hint = _better_start(device, decoded.crc.name) if decoded.crc is not None and has_crc_error else ""
+        for problem in problems:
+            yield _data_path(example), problem.message + hint
+        return
+    differences = list(_compare_values(decoded, example))
+    yield from differences or _check_encoding(device, decoded, example)
 
 
 def _better_start(device: Device, name: str) -> str:
@@ -202,16 +207,22 @@ def _better_start(device: Device, name: str) -> str:
 
     Every single example fits some start value. With one example, only the usual ones, all bits 0 or all 1, are named.
     """
-    starts = [start for example in device.examples for start in _start_values(device, device.crc(name), example)]
-    crc, fitting = device.crc(name), set(starts)
-    if len(fitting) != 1 or fitting == {crc.init} or (len(starts) == 1 and not fitting <= {0, crc.mask}):
+    crc = device.crc(name)
+    start_values: list[int] = []
+    for example in device.examples:
+        start_values += _start_values(device, crc, example)
+    if len(set(start_values)) != 1 or start_values[0] == crc.init:
         return ""
-    return f"; with 'init: {fitting.pop():#x}' in the CRC '{name}', {'every example' if starts[1:] else 'it'} matches"
+    has_one_example = len(start_values) == 1
+    if has_one_example and start_values[0] not in (0, crc.mask):
+        return ""
+    subject = "it" if has_one_example else "every example"
+    return f"; with 'init: {start_values[0]:#x}' in the CRC '{name}', {subject} matches"
 
 
 def _start_values(device: Device, crc: Crc, example: Example) -> Iterator[int]:
     """Yield the start value that the CRC needs for an example that contains it."""
-    if not crc.poly & 1:
+    if crc.poly & 1 == 0:  # Without the last bit of the polynomial, a CRC does not determine its start value.
         return
     if isinstance(example, CrcExample) and example.crc == crc.name:
         yield start_for(crc, *in_order(crc, example.bytes), example.check)
@@ -219,27 +230,32 @@ def _start_values(device: Device, crc: Crc, example: Example) -> Iterator[int]:
         if example.layout and example.layout not in {layout.name for _, layout in device.layouts()}:
             return  # The layout has an error.
         try:
-            decoded = decode_example(device, example, example_variant(device, example))
+            variant = example_variant(device, example)
         except UnknownOrderCode:  # Reported for that example.
             return
+        decoded = decode_example(device, example, variant)
         if decoded.layout is not None and decoded.crc is not None and decoded.crc.name == crc.name:
             yield start_for(crc, *covered(crc, decoded.layout, decoded.number), decoded.crc.received)
 
 
 def _data_path(example: Example) -> Path:
+    """Return the key of an example with its data."""
     if isinstance(example, ProcedureExample):
         return ("arguments",)
-    return ("bits",) if isinstance(example, FrameExample) and example.bits else ("bytes",)
+    if isinstance(example, FrameExample) and example.bits:
+        return ("bits",)
+    return ("bytes",)
 
 
 def decode_example(device: Device, example: FrameExample, variant: Variant) -> Decoded:
     """Decode the frame of an example with the model."""
-    if not example.bits and (not example.layout or example.layout in _selected_layouts(device, example.sender)):
+    if example.bits:
+        placed = device.layout(example.layout).place(variant.parameters)
+        return decode_bits(device, placed, int(example.bits, 2), len(example.bits))
+    # The decoder finds the layout by the bytes, if they tell it.
+    if not example.layout or example.layout in _selected_layouts(device, example.sender):
         return decode_bytes(device, variant, example.sender, example.bytes)
-    placed = device.layout(example.layout).place(variant.parameters)
-    if not example.bits:
-        return decode_placed(device, placed, example.bytes)
-    return decode_bits(device, placed, int(example.bits, 2), len(example.bits))
+    return decode_placed(device, device.layout(example.layout).place(variant.parameters), example.bytes)
 
 
 def _selected_layouts(device: Device, sender: str) -> set[str]:
@@ -264,44 +280,58 @@ def _check_encoding(device: Device, decoded: Decoded, example: FrameExample | Re
     """Yield an error if encoding the decoded values does not return the example."""
     if decoded.layout is None:
         return
-    joins = {join.name for join in decoded.layout.layout.joins}
-    runs = {run.name for field in decoded.layout.layout.fields for run in field.runs}
-    fixed = {field.name for field in decoded.layout.layout.fields if not field.carries_data}
-    values = {name: value for name, value in decoded.values.items() if name not in joins | runs | fixed}
+    layout = decoded.layout.layout
+    # These follow from the fields with data.
+    derived_names = {join.name for join in layout.joins}
+    for field in layout.fields:
+        derived_names.update(run.name for run in field.runs)
+        if not field.carries_data:
+            derived_names.add(field.name)
+    values = {name: value for name, value in decoded.values.items() if name not in derived_names}
     encoded = encode(device, decoded.layout, values)
-    if decoded.layout.layout.gaps == "unspecified":
+    if layout.gaps == "unspecified":
         # An encoder may return anything in these bits, and a write keeps them.
-        described = sum(((1 << field.width) - 1) << field.low for field in decoded.layout.fields)
-        encoded |= decoded.number & ~described
+        described_bits = 0
+        for placed_field in decoded.layout.fields:
+            described_bits |= ((1 << placed_field.width) - 1) << placed_field.low
+        encoded |= decoded.number & ~described_bits
     if encoded != decoded.number:
         yield _data_path(example), f"encoding its fields again gives {encoded:#x}, not {decoded.number:#x}"
 
 
 def samples(device: Device) -> tuple[Sample, ...]:
     """Return the frames of every interface, for the order code that the manual shows most."""
+    samples_of_all: list[Sample] = []
     try:
-        return tuple(sample for interface in device.interfaces for sample in _of_interface(device, interface))
+        for interface in device.interfaces:
+            samples_of_all += _of_interface(device, interface)
     except UnknownOrderCode:  # of an example, which has been reported in the spec that this edition is based on
         return ()
+    return tuple(samples_of_all)
 
 
 def _of_interface(device: Device, interface: Interface) -> Iterator[Sample]:
+    """Yield a frame for each layout of the encoder that can be encoded."""
     variant = _most_shown(device, interface.name)
+    if variant is None:
+        return
     for layout in interface.layouts:
-        if variant is not None and layout.sender == "encoder":
+        if layout.sender == "encoder":
             with suppress(EncodeError):
                 yield _sample(device, variant, layout)
 
 
 def _most_shown(device: Device, interface: str) -> Variant | None:
     """Return the order code with the most examples that are used as printed, or the one with the finest resolution."""
-    examples = [example for example in device.examples if not isinstance(example, CrcExample)]
-    counted = Counter(example_variant(device, example).code for example in examples if not example.erratum)
-    return max(
-        device.variants_over(interface),
-        key=lambda variant: (counted[variant.code], sum(variant.parameters.values())),
-        default=None,
-    )
+    example_counts: Counter[str] = Counter()
+    for example in device.examples:
+        if not isinstance(example, CrcExample) and not example.erratum:
+            example_counts[example_variant(device, example).code] += 1
+
+    def examples_then_resolution(variant: Variant) -> tuple[int, int]:
+        return example_counts[variant.code], sum(variant.parameters.values())
+
+    return max(device.variants_over(interface), key=examples_then_resolution, default=None)
 
 
 def _sample(device: Device, variant: Variant, layout: Layout) -> Sample:
@@ -310,14 +340,22 @@ def _sample(device: Device, variant: Variant, layout: Layout) -> Sample:
     data_fields = [placed_field for placed_field in placed.fields if placed_field.field.carries_data]
     values = {field.name: _value(field.field, field.width, layout) for field in data_fields}
     measurement = device.measurement_of(variant.interface)
-    worked = (example for example in device.examples if isinstance(example, MeasureExample))
-    measured = next((example for example in worked if example_variant(device, example) == variant), None)
-    if measurement is not None and measured is not None and measurement.of in layout.member_names:
-        parts = layout.names_in(measurement.of)
-        other_values = {name: value for name, value in values.items() if name not in parts}
+    worked_example = _worked_example(device, variant)
+    if measurement is not None and worked_example is not None and measurement.of in layout.member_names:
+        position_fields = layout.names_in(measurement.of)
+        other_values = {name: value for name, value in values.items() if name not in position_fields}
+        values_of_example = {**other_values, measurement.of: worked_example.counts}
         with suppress(EncodeError):  # a position that does not fit
-            return _encoded(device, placed, variant, {**other_values, measurement.of: measured.counts}, measured.source)
-    return _encoded(device, placed, variant, values)
+            return _encoded_sample(device, placed, variant, values_of_example, worked_example.source)
+    return _encoded_sample(device, placed, variant, values)
+
+
+def _worked_example(device: Device, variant: Variant) -> MeasureExample | None:
+    """Return the first example of a measurement with this order code."""
+    for example in device.examples:
+        if isinstance(example, MeasureExample) and example_variant(device, example) == variant:
+            return example
+    return None
 
 
 def _value(field: Field, width: int, layout: Layout) -> int | str | bool:
@@ -327,13 +365,14 @@ def _value(field: Field, width: int, layout: Layout) -> int | str | bool:
     match field.kind:
         case Number(power_of_two=True):
             return 1 << width // 2
-        case Number(signed=signed, zero_means=zero_means):
-            return max(_number(width - signed), 1 if zero_means else 0)
+        case Number(signed=is_signed, zero_means=zero_means):
+            number = _number(width - 1 if is_signed else width)
+            return max(number, 1) if zero_means else number
         case Flag():
             return False
         case Choice(values):
-            harmless = (value for value in values if value.makes_position in (None, Verdict.USABLE))
-            return next(harmless, values[0]).value
+            harmless_values = [value for value in values if value.makes_position in (None, Verdict.USABLE)]
+            return (harmless_values or values)[0].value
         case Decimal():
             return 1
         case Text():
@@ -349,16 +388,24 @@ def _number(bits: int) -> int:
     return 123456789 % (1 << bits) if bits > 16 else min(42, (1 << bits) - 1)
 
 
-def _encoded(device: Device, placed: PlacedLayout, variant: Variant, values: Values, source: Sources = ()) -> Sample:
-    number = encode(device, placed, values)
-    plain = from_gray(placed, number)
-    flags = placed.layout.spoiling_flags
-    fields = {field.name: values[field.name] for field in placed.fields if field.name in values}
+def _encoded_sample(
+    device: Device, placed: PlacedLayout, variant: Variant, values: Values, source: Sources = ()
+) -> Sample:
+    """Return the frame with these values, and one that decoders must refuse if the frame has a flag for that."""
+    frame = encode(device, placed, values)
+    plain_frame = from_gray(placed, frame)
+    decoded_values = {field.name: values[field.name] for field in placed.fields if field.name in values}
+    decoded_values |= {join.name: join_value(placed, join, plain_frame) for join in placed.layout.joins}
+    refused_frame = None
+    if placed.layout.spoiling_flags:
+        # An active flag that makes the position unusable. One is enough.
+        flag = placed.layout.spoiling_flags[0]
+        refused_frame = encode(device, placed, {**values, flag.name: True})
     return Sample(
         order_code=variant.code,
         layout=placed.layout.name,
-        frame=number,
-        values=fields | {join.name: join_value(placed, join, plain) for join in placed.layout.joins},
-        spoilt=encode(device, placed, {**values, flags[0].name: True}) if flags else None,
+        frame=frame,
+        values=decoded_values,
+        spoilt=refused_frame,
         source=source,
     )

@@ -53,20 +53,28 @@ class Context:
         """Return an expression over parameters set by order codes, or None if it is not valid."""
         try:
             expression = Expression.parse(text).substitute(self.definitions)
-            known_parameters = next((parameters for sets in self.parameter_sets.values() for parameters in sets), {})
-            return expression if known_parameters.keys() >= set(expression.parameters) else None
         except ExpressionError:
             return None  # reported by the rules on references and expressions
+        has_unknown_parameter = not self._known_parameters().issuperset(expression.parameters)
+        return None if has_unknown_parameter else expression
+
+    def _known_parameters(self) -> frozenset[str]:
+        """Return the names of the parameters, which are the same in all sets."""
+        for sets in self.parameter_sets.values():
+            for parameters in sets:
+                return frozenset(parameters)
+        return frozenset()
 
     def expressions(self, raw: Raw, keys: Iterable[str]) -> dict[str, Expression | None]:
         """Return the expressions under these keys of a part of the spec, or None for those that it does not give."""
-        return dict.fromkeys(keys) | {key: self.expression(raw[key]) for key in keys if key in raw}
+        return {key: self.expression(raw[key]) if key in raw else None for key in keys}
 
 
 def _makes_position(raw: Raw, interface: str) -> Verdict | None:
-    """Return the verdict on the position while the flag ``raw`` is active, from the spec or the interface."""
-    verdict_text: str = raw.get("makes_position", "") or INTERFACES[interface].flags.get(raw["name"], "")
-    return Verdict(verdict_text) if verdict_text else None
+    """Return the verdict on the position while a flag is active, from the spec, or from the interface if it is open."""
+    verdict_of_interface = INTERFACES[interface].flags.get(raw["name"], "")
+    verdict = raw.get("makes_position", "") or verdict_of_interface
+    return Verdict(verdict) if verdict else None
 
 
 @dataclass(frozen=True)
@@ -128,15 +136,15 @@ def kind_of(raw: Raw, context: Context, interface: str, width: Expression) -> Ki
     if "active" in raw:
         return _flag(raw, context, interface)
     if "values" in raw:
-        values = build_values(raw)
-        return Choice(values + (_reserved(values, width.constant) if "others" in raw else ()))
+        return Choice(_choices(raw, width))
     if "values_of" in raw:
         return Choice(tuple(map(_value_of, context.data_ids.get(interface, ()))))
     if "crc" in raw:
         return CrcValue(raw["crc"], tuple(raw.get("crc_of", ())))
     if "parity_of" in raw:
-        names, is_odd = raw["parity_of"], raw.get("parity") == "odd"
-        return Parity((names,) if isinstance(names, str) else tuple(names), is_odd, raw.get("over", ""))
+        covered = raw["parity_of"]
+        covered_names = (covered,) if isinstance(covered, str) else tuple(covered)
+        return Parity(covered_names, raw.get("parity") == "odd", raw.get("over", ""))
     if "digits" in raw:
         return Decimal(_runs(raw["digits"]))
     if "text" in raw:
@@ -144,14 +152,24 @@ def kind_of(raw: Raw, context: Context, interface: str, width: Expression) -> Ki
     return record(Number, raw)
 
 
+def _choices(raw: Raw, width: Expression) -> tuple[Value, ...]:
+    """Return the named values of a field, with names for all others if the spec says so."""
+    values = build_values(raw)
+    if "others" in raw:
+        values += _reserved(values, width.constant)
+    return values
+
+
 def _flag(raw: Raw, context: Context, interface: str) -> Flag:
-    # The interface may define properties of a flag that the spec leaves open.
-    parameter, verdict = next(iter(raw.get("makes_position_if", {}).items()), ("", ""))
+    """Return a flag. ``makes_position_if`` has one entry, such as ``{encoder_follows_edition_2: not_usable}``."""
+    verdict_parameter, verdict_if_set = "", None
+    for parameter, verdict in raw.get("makes_position_if", {}).items():
+        verdict_parameter, verdict_if_set = parameter, Verdict(verdict)
     return record(
         Flag,
         raw,
-        verdict_parameter=parameter,
-        verdict_if_set=Verdict(verdict) if verdict else None,
+        verdict_parameter=verdict_parameter,
+        verdict_if_set=verdict_if_set,
         active_low=raw["active"] == "low",
         makes_position=_makes_position(raw, interface),
         only_while=context.only_while(raw["only"]) if "only" in raw else "",
@@ -181,8 +199,9 @@ def _combination(raw: Raw) -> Combination:
 def _reserved(values: Sequence[Value], width: int) -> tuple[Value, ...]:
     """Name the values of a field that the spec does not list."""
     meaning = "Reserved: the manual does not say what it means"
-    unlisted_numbers = sorted(set(range(1 << width)) - {value.value for value in values})
-    return tuple(Value(f"{RESERVED}_{value}", value, "", {}, meaning, ()) for value in unlisted_numbers)
+    listed_numbers = {value.value for value in values}
+    unlisted_numbers = [number for number in range(1 << width) if number not in listed_numbers]
+    return tuple(Value(f"{RESERVED}_{number}", number, "", {}, meaning, ()) for number in unlisted_numbers)
 
 
 def _value_of(data_id: DataId) -> Value:
@@ -197,22 +216,28 @@ def _value_of(data_id: DataId) -> Value:
 
 
 def _runs(digits: Sequence[Raw]) -> tuple[Digits, ...]:
-    runs, divisor = [], 1
+    """Return the runs of a decimal number, most significant first, each with the divisor that moves it to the ones."""
+    runs = []
+    divisor = 1
     for run in reversed(digits):
-        runs.append(record(Digits, run, divisor=divisor, modulus=10 ** run["digits"]))
-        divisor *= 10 ** run["digits"]
+        modulus = 10 ** run["digits"]
+        runs.append(record(Digits, run, divisor=divisor, modulus=modulus))
+        divisor *= modulus
     return tuple(reversed(runs))
 
 
 def pieces(field: Field, length: int, low_first: bool) -> tuple[Piece, ...]:
-    """Return the bytes that contain the field, or none if they depend on the order code."""
-    size = field.container or (field.width.constant if field.width.is_constant else 0)
-    if not field.low.is_constant or not size:
+    """Return the parts of a field in each byte of a frame of ``length`` bytes, or none if the order code moves them."""
+    width = field.width.constant if field.width.is_constant else 0
+    bits = field.container or width  # A container has the field and its padding.
+    if not field.low.is_constant or not bits:
         return ()
-    low, pieces, done = field.low.constant, [], 0
-    while done < size:
-        bit = low + done
-        part = min(8 - bit % 8, size - done)
-        pieces.append(Piece(bit // 8 if low_first else length - 1 - bit // 8, bit % 8, (1 << part) - 1, done))
-        done += part
+    pieces = []
+    bits_done = 0
+    while bits_done < bits:
+        byte_above_lowest, right = divmod(field.low.constant + bits_done, 8)
+        bits_in_byte = min(8 - right, bits - bits_done)
+        byte = byte_above_lowest if low_first else length - 1 - byte_above_lowest
+        pieces.append(Piece(byte, right, (1 << bits_in_byte) - 1, bits_done))
+        bits_done += bits_in_byte
     return tuple(pieces)

@@ -38,48 +38,45 @@ _IN_WORDS = (
 )
 
 
-def with_verdicts_of_reserved_bits(layout: Layout, raw_fields: Iterable[Raw], site: Site) -> Layout:
+def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], site: Site) -> Layout:
     """Return the layout with UNKNOWN as the verdict of reserved bits, if no flag says whether the position is usable.
 
     A warning does not improve on an unknown position, so ``raw_fields`` must not state that verdict.
     """
     if layout.tells_validity:
         return layout
+    _report_stated_warnings(layout, raw_fields, site)
+    return replace(layout, fields=tuple(map(_with_unknown_verdict_if_reserved, layout.fields)))
+
+
+def _report_stated_warnings(layout: Layout, raw_fields: Iterable[Raw], site: Site) -> None:
+    """Report reserved bits whose stated verdict is a warning."""
     for index, field in enumerate(raw_fields):
-        if "unused" in field and field.get("makes_position") == Verdict.USABLE_WITH_WARNING.value:
+        is_reserved = "unused" in field
+        if is_reserved and field.get("makes_position") == Verdict.USABLE_WITH_WARNING.value:
             problem = f"no flag of '{layout.name}' says whether the position is usable, so the verdict stays unknown"
             site.report("reserved-verdict", f"{problem}; leave 'makes_position' out", "fields", index, "makes_position")
-    return replace(layout, fields=tuple(map(_of_unknown, layout.fields)))
 
 
-def _of_unknown(field: Field) -> Field:
-    match field.kind:
-        case Unused(makes_position=Verdict.USABLE_WITH_WARNING):
-            return replace(field, kind=replace(field.kind, makes_position=Verdict.UNKNOWN))
-        case _:
-            return field
+def _with_unknown_verdict_if_reserved(field: Field) -> Field:
+    if isinstance(field.kind, Unused) and field.kind.makes_position is Verdict.USABLE_WITH_WARNING:
+        return replace(field, kind=replace(field.kind, makes_position=Verdict.UNKNOWN))
+    return field
 
 
 def check_errata(device: Device, report: DocumentReport) -> None:
     """Check that errata about flags state only verdicts that decoders give."""
-    for erratum in device.errata if not device.base else ():
-        following = set(_following(device, erratum))
-        if not following:
+    if device.base:  # The family that this one is derived from has the same errata.
+        return
+    for erratum in device.errata:
+        decoder_verdicts = set(_verdicts_of_affected_bits(device, erratum))
+        wrong_verdicts = [verdict for verdict in _stated(erratum.used) if verdict not in decoder_verdicts]
+        if not decoder_verdicts or not wrong_verdicts:
             continue
-        wrong_verdicts = [verdict for verdict in _stated(erratum.used) if verdict not in following]
-        for verdict in wrong_verdicts[:1]:
-            decoder_verdicts = listed(
-                (quoted(following_verdict.value) for following_verdict in Verdict if following_verdict in following),
-                "or",
-            )
-            text = (
-                f"{quoted('used')} states the verdict {quoted(verdict.value)}, but for the affected bits, decoders give"
-            )
-            report.add(
-                "erratum-verdict",
-                ("errata", erratum.name, "used"),
-                f"{text} {decoder_verdicts}; correct one of the two",
-            )
+        expected = listed((quoted(verdict.value) for verdict in Verdict if verdict in decoder_verdicts), "or")
+        problem = f"'used' states the verdict {quoted(wrong_verdicts[0].value)}"
+        message = f"{problem}, but for the affected bits, decoders give {expected}; correct one of the two"
+        report.add("erratum-verdict", ("errata", erratum.name, "used"), message)
 
 
 def _stated(text: str) -> Iterator[Verdict]:
@@ -91,32 +88,42 @@ def _stated(text: str) -> Iterator[Verdict]:
             yield verdict
 
 
-def _following(device: Device, erratum: Erratum) -> Iterator[Verdict]:
+def _verdicts_of_affected_bits(device: Device, erratum: Erratum) -> Iterator[Verdict]:
     """Yield the verdicts on frames with the bits that an erratum affects, each active and all inactive."""
     for interface in device.interfaces:
         for layout in interface.layouts:
             place = f"interfaces.{interface.name}.{layout.name}"
-            affected_fields = [field for field in layout.fields if _is_affected(field, place, erratum)]
-            verdicts = [verdict for field in affected_fields for verdict in _verdicts(field)]
-            if verdicts:
-                yield from verdicts if layout.tells_validity else map(_at_best_unknown, verdicts)
-                yield Verdict.USABLE if layout.tells_validity else Verdict.UNKNOWN
+            verdicts: list[Verdict] = []
+            for field in layout.fields:
+                if _is_affected(field, place, erratum):
+                    verdicts += _verdicts(field)
+            if not verdicts:
+                continue
+            if layout.tells_validity:
+                yield from verdicts
+                yield Verdict.USABLE
+            else:
+                yield from map(_at_best_unknown, verdicts)
+                yield Verdict.UNKNOWN
 
 
 def _is_affected(field: Field, place: str, erratum: Erratum) -> bool:
-    owners = (place, f"field_groups.{field.group}") if field.group else (place,)
-    field_paths = {f"{owner}.{field.name}" for owner in owners}
-    return any(path in field_paths or path in owners for path in erratum.affects)
+    """Return True if an erratum affects a field of the layout at ``place``, or all its fields."""
+    owners = [place]
+    if field.group:
+        owners.append(f"field_groups.{field.group}")
+    return any(owner in erratum.affects or f"{owner}.{field.name}" in erratum.affects for owner in owners)
 
 
 def _verdicts(field: Field) -> Iterator[Verdict]:
-    """Yield the verdict while a bit is active, and that for order codes for which the manual does not explain it."""
+    """Yield the verdicts while a bit is active: by default, with another answer, and where it is not explained."""
     kind = field.kind
     if isinstance(kind, (Flag, Unused)) and kind.makes_position is not None:
         yield kind.makes_position
     if isinstance(kind, Flag) and kind.verdict_if_set is not None:
         yield kind.verdict_if_set
-    if isinstance(kind, Flag) and kind.only_while:
+    is_only_for_some_codes = isinstance(kind, Flag) and kind.only_while != ""
+    if is_only_for_some_codes:
         unexplained = field.unexplained.kind
         if isinstance(unexplained, Flag) and unexplained.makes_position is not None:
             yield unexplained.makes_position
@@ -131,7 +138,9 @@ def check_frame_kinds(device: Device, report: DocumentReport) -> None:
 
     Over RS-485, only the request tells the frames apart.
     """
-    for interface in device.interfaces if valid_parts_so_far(report).has_frames else ():
+    if not valid_parts_so_far(report).has_frames:
+        return
+    for interface in device.interfaces:
         _check_replies(interface, device.position_names(interface.name), report)
         if not isinstance(interface, Rs485):
             _check_positions(device, interface, report)
@@ -185,9 +194,11 @@ def _check_positions(device: Device, interface: Interface, report: DocumentRepor
 
 def _are_distinguished(layout: Layout, other_layout: Layout) -> bool:
     """Return whether a selector or a constant of the same name distinguishes two frames."""
-    constants, other_constants = map(_constants, (layout, other_layout))
+    if layout.selector:
+        return True
+    constants, other_constants = _constants(layout), _constants(other_layout)
     common_names = constants.keys() & other_constants.keys()
-    return bool(layout.selector) or any(constants[name] != other_constants[name] for name in common_names)
+    return any(constants[name] != other_constants[name] for name in common_names)
 
 
 def _constants(layout: Layout) -> dict[str, int]:
@@ -200,26 +211,32 @@ def _check_replies(interface: Interface, positions: frozenset[str], report: Docu
 
     A request for a position may name its command like the position.
     """
-    exchanges = interface.exchanges if isinstance(interface, (Rs485, Spi)) else ()
+    if not isinstance(interface, (Rs485, Spi)):
+        return
     layouts = {layout.name: layout for layout in interface.layouts}
     for reply in interface.layouts:
-        request_names = [exchange.request for exchange in exchanges if exchange.reply == reply.name]
+        request_names = [exchange.request for exchange in interface.exchanges if exchange.reply == reply.name]
         requests = [layouts[name] for name in request_names if name in layouts]
-        for field in reply.fields if requests else ():
+        for field in reply.fields:
             value = _common_constant(requests, field.name)
             if isinstance(field.kind, Number) and value is not None and field.name not in positions:
                 message = f"'{field.name}' can be any number, but it is always {value:#x} in '{requests[0].name}'"
-                where = " in each layout, instead of in the group" if field.group else ""
-                remedy = f"the reply to another request would decode; give this field the same 'constant'{where}"
+                place = " in each layout, instead of in the group" if field.group else ""
+                remedy = f"the reply to another request would decode; give this field the same 'constant'{place}"
                 report.add("frame-kind", _field_path(interface, reply, field), f"{message}, so {remedy}")
 
 
 def _common_constant(requests: Sequence[Layout], name: str) -> int | None:
     """Return the value of a field that is the same constant in all requests with the field, or None."""
-    kinds = [field.kind for request in requests for field in request.fields if field.name == name]
-    constants = [kind for kind in kinds if isinstance(kind, Constant)]
-    values = {constant.value for constant in constants}
-    return values.pop() if len(constants) == len(kinds) and len(values) == 1 else None
+    values: set[int] = set()
+    for request in requests:
+        for field in request.fields:
+            if field.name != name:
+                continue
+            if not isinstance(field.kind, Constant):
+                return None
+            values.add(field.kind.value)
+    return values.pop() if len(values) == 1 else None
 
 
 def _has_constant(layout: Layout, names: set[str]) -> bool:
@@ -234,12 +251,11 @@ def _ambiguous_numbers(
         placed = layout.place(variant.parameters)
         for other_layout in other_layouts:
             other_placed = other_layout.place(variant.parameters)
-            for placed_field in placed.fields if placed.bits == other_placed.bits else ():
-                other_field = other_placed.find_field(placed_field.name)
-                if other_field is None or (other_field.low, other_field.width) != (
-                    placed_field.low,
-                    placed_field.width,
-                ):
+            if placed.bits != other_placed.bits:
+                continue
+            for number in placed.fields:
+                constant = other_placed.find_field(number.name)
+                if constant is None or constant.low != number.low or constant.width != number.width:
                     continue
-                if isinstance(placed_field.field.kind, Number) and isinstance(other_field.field.kind, Constant):
-                    yield placed_field.field, other_layout, other_field.field.kind.value
+                if isinstance(number.field.kind, Number) and isinstance(constant.field.kind, Constant):
+                    yield number.field, other_layout, constant.field.kind.value

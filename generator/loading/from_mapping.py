@@ -11,6 +11,7 @@ from typing import Any, TypeVar, get_args, get_origin, get_type_hints
 
 from ..language.document import Path
 from ..language.problems import DocumentReport, quoted
+from ..language.rules.walk import by_name
 from ..model import (
     Argument,
     Device,
@@ -68,7 +69,8 @@ def record(kind: Callable[..., T], raw: Raw, /, **values: Any) -> T:
         elif name in raw:
             values[name] = _value(hint, raw[name])
         elif not has_default:
-            values[name] = _EMPTY.get(get_origin(hint) or hint)
+            container_or_type = get_origin(hint) or hint
+            values[name] = _EMPTY.get(container_or_type)
     return kind(**values)
 
 
@@ -89,7 +91,9 @@ def _has_default(member: Field[Any]) -> bool:
 
 
 def _value(hint: Any, value: Any) -> Any:
-    inner_type = next(iter(get_args(hint)), hint)
+    """Return a value of a spec as the type ``hint``, such as ``tuple[Value, ...]``, ``Clock`` or ``Clock | None``."""
+    type_arguments = get_args(hint)
+    inner_type = type_arguments[0] if type_arguments else hint
     if get_origin(hint) is tuple:
         return tuple(_member(inner_type, member) for member in value)
     if isinstance(inner_type, type) and is_dataclass(inner_type):
@@ -108,13 +112,12 @@ def build_manufacturer(raw: Raw) -> Manufacturer:
 
 
 def supply(raw: Raw, inherited: Sources = ()) -> Supply | None:
-    """Return the supply of a device or of a value of its order code."""
-    definition = raw.get("supply")
-    return (
-        None
-        if definition is None
-        else record(Supply, definition, source=sources(definition) or sources(raw) or inherited)
-    )
+    """Return the supply of a device or of a value of its order code. ``inherited`` is the source of its parent."""
+    if "supply" not in raw:
+        return None
+    definition = raw["supply"]
+    source = sources(definition) or sources(raw) or inherited
+    return record(Supply, definition, source=source)
 
 
 def table(raw: Raw) -> Table:
@@ -123,7 +126,10 @@ def table(raw: Raw) -> Table:
 
 def only_while(only: str, variants: Sequence[Variant], parameters: Collection[str]) -> str:
     """Return the parameter that is 0 for all order codes except those of ``only``, or an empty string."""
-    return next((name for name in parameters if _distinguishes(name, only, variants)), "")
+    for name in parameters:
+        if _distinguishes(name, only, variants):
+            return name
+    return ""
 
 
 def _distinguishes(parameter: str, only: str, variants: Sequence[Variant]) -> bool:
@@ -157,14 +163,15 @@ def check_only(raw: Raw, variants: Sequence[Variant], report: DocumentReport) ->
 
 def check_alarms(raw: Raw, report: DocumentReport) -> None:
     """Report an alarm with a different ``only`` than its flag."""
-    owners = {("group", group["name"]): group for group in raw.get("field_groups", ())}
-    owners |= {("register", register["name"]): register for register in raw.get("registers", ())}
     for index, alarm in enumerate(raw.get("alarms", ())):
-        kind = "register" if "register" in alarm else "group"
-        fields = owners.get((kind, alarm.get(kind, "")), {}).get("fields", ())
-        flag = next((candidate for candidate in fields if candidate.get("name") == alarm.get("field", "")), None)
-        if flag is None or alarm.get("only", "") == flag.get("only", ""):
+        if "register" in alarm:
+            owner = by_name(raw, "registers").get(alarm["register"], {})
+        else:
+            owner = by_name(raw, "field_groups").get(alarm.get("group", ""), {})
+        flags = [field for field in owner.get("fields", ()) if field.get("name") == alarm.get("field", "")]
+        if not flags or alarm.get("only", "") == flags[0].get("only", ""):
             continue
+        flag = flags[0]
         message = (
             f"the alarm applies to {_quoted(alarm)}, but its flag {quoted(flag['name'])} applies to {_quoted(flag)}"
         )
@@ -195,20 +202,30 @@ def build_procedures(raw: Raw, device: Device) -> tuple[Procedure, ...]:
 
 def _procedure(raw: Raw, device: Device) -> Procedure:
     arguments = [record(Argument, argument, meant_as=argument.get("as", "")) for argument in raw.get("arguments", ())]
-    steps = [_STEPS[step["do"]](step, sources(step) or sources(raw), device) for step in raw["steps"]]
+    steps = []
+    for step in raw["steps"]:
+        build_step = _STEPS[step["do"]]
+        steps.append(build_step(step, sources(step) or sources(raw), device))
     return record(Procedure, raw, arguments=tuple(arguments), steps=tuple(steps))
 
 
 def _write(raw: Raw, source: Sources, device: Device) -> Step:
     """Build a write step. A name not among the values of the field, or of a single-field register, is an argument."""
-    register, field, name, meaning = (raw.get(key, "") for key in ("register", "field", "value", "meaning"))
-    fields_of_register = (candidate.layout.fields for candidate in device.registers if candidate.name == register)
-    fields = [field_ for fields in fields_of_register for field_ in fields if field in ("", field_.name)]
-    values = fields[0].values if len(fields) == 1 else ()
-    value = next((candidate.value for candidate in values if candidate.name == name), None)
-    if field:
-        return ModifyStep(register, field, name, value, meaning=meaning, source=source)
-    return WriteStep(register, name, value, meaning=meaning, source=source)
+    register_name, field_name = raw.get("register", ""), raw.get("field", "")
+    value_name, meaning = raw.get("value", ""), raw.get("meaning", "")
+    fields: list[Any] = []
+    for register in device.registers:
+        if register.name == register_name:
+            fields += register.layout.fields
+    if field_name:
+        fields = [field for field in fields if field.name == field_name]
+    number = None
+    if len(fields) == 1:
+        numbers = [value.value for value in fields[0].values if value.name == value_name]
+        number = numbers[0] if numbers else None
+    if field_name:
+        return ModifyStep(register_name, field_name, value_name, number, meaning=meaning, source=source)
+    return WriteStep(register_name, value_name, number, meaning=meaning, source=source)
 
 
 def _read(raw: Raw, source: Sources, device: Device) -> Step:
@@ -227,9 +244,9 @@ def _send(raw: Raw, source: Sources, device: Device) -> Step:
     """Build a send step. The request is one byte, the control field of the data ID."""
     interface = device.find_interface(Rs485)
     data_ids = interface.data_ids if interface is not None else ()
-    control = bytes(data_id.control for data_id in data_ids if data_id.name == raw.get("data_id"))
-    pause = raw.get("every_at_least_us", 0)
-    return record(SendStep, raw, source=source, request=control[:1], microseconds=pause)
+    controls = [data_id.control for data_id in data_ids if data_id.name == raw.get("data_id")]
+    pause_us = raw.get("every_at_least_us", 0)
+    return record(SendStep, raw, source=source, request=bytes(controls[:1]), microseconds=pause_us)
 
 
 _STEPS = {"write": _write, "read": _read, "poll": _poll, "wait": _wait, "send": _send}

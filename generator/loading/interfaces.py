@@ -6,7 +6,7 @@ Missing required keys have been reported. Stand-ins replace them, so that the re
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..language.problems import DocumentReport
 from ..model import (
@@ -38,6 +38,7 @@ def build_interfaces(raw: Raw, context: Context) -> tuple[Interface, ...]:
 
 
 def _interface(name: str, raw: Raw, context: Context) -> Interface:
+    """Return an interface with its valid layouts."""
     layouts: list[Layout] = []
     for index, definition in enumerate(raw["layouts"]):
         layout = build_layout(definition, Site(("interfaces", name, "layouts", index), context, name))
@@ -46,46 +47,58 @@ def _interface(name: str, raw: Raw, context: Context) -> Interface:
     if "word_bits" in raw:
         _check_words(raw, layouts, Site(("interfaces", name), context, name))
     kind: Callable[..., Interface] = INTERFACES[name]
-    members = _INTERFACES[name](raw, context)
-    return record(kind, raw, layouts=tuple(layouts), measurement=build_measurement(raw, context), **members)
+    members_of_kind = _INTERFACES[name](raw, context)
+    measurement = build_measurement(raw, context)
+    return record(kind, raw, layouts=tuple(layouts), measurement=measurement, **members_of_kind)
 
 
 #: Least and highest number of bits in an SPI word.
 _WORD = (8, 64)
 
 
+class _Word(NamedTuple):
+    """An exchange as in the spec, and the bits of its words."""
+
+    exchange: Raw
+    bits: Expression | None
+
+
 def _check_words(raw: Raw, layouts: Sequence[Layout], site: Site) -> None:
     """Check that words have a possible number of bits for every order code, and that their layouts have as many."""
-    shared = _checked_word_bits(raw, site)
-    word_bits: list[tuple[Raw, Expression | None]] = []
+    default_bits = _checked_word_bits(raw, site)
+    words: list[_Word] = []
     for index, exchange in enumerate(raw.get("exchanges", ())):
-        has_own_bits = "word_bits" in exchange
-        word_bits.append((exchange, _checked_word_bits(exchange, site, "exchanges", index) if has_own_bits else shared))
-    widths = {layout.bits for layout in layouts}
-    is_shared = shared is not None and all(bits == shared for _, bits in word_bits)
-    if is_shared and len(layouts) > 1 and len(widths) == 1:
-        if shared is not None and shared not in widths:
-            message = f"'word_bits' is {shared.render()}, but every layout has {layouts[0].bits.render()} bits"
+        bits = default_bits
+        if "word_bits" in exchange:
+            bits = _checked_word_bits(exchange, site, "exchanges", index)
+        words.append(_Word(exchange, bits))
+    all_have_default = default_bits is not None and all(word.bits == default_bits for word in words)
+    layout_widths = {layout.bits for layout in layouts}
+    if all_have_default and len(layouts) > 1 and len(layout_widths) == 1:
+        # Several layouts that agree with each other: 'word_bits' is the mistake, and is reported once.
+        if default_bits is not None and default_bits not in layout_widths:
+            message = f"'word_bits' is {default_bits.render()}, but every layout has {layouts[0].bits.render()} bits"
             site.report("width-mismatch", f"{message}; correct 'word_bits' or the fields", "word_bits")
         return
     for layout in layouts:
-        own_bits = [pair for pair in word_bits if layout.name in (pair[0]["request"], pair[0]["reply"])]
-        _check_word_bits(layout, own_bits or [({}, shared)], site)
+        words_of_layout = [word for word in words if layout.name in (word.exchange["request"], word.exchange["reply"])]
+        _check_word_bits(layout, words_of_layout or [_Word({}, default_bits)], site)
 
 
-def _check_word_bits(layout: Layout, word_bits: Sequence[tuple[Raw, Expression | None]], site: Site) -> None:
+def _check_word_bits(layout: Layout, words: Sequence[_Word], site: Site) -> None:
     """Report the first exchange whose word does not have as many bits as a layout that it uses."""
-    for exchange, bits in word_bits:
-        if bits is None or layout.bits == bits:
-            continue
-        owner, remedy = "", "correct 'word_bits' or the fields"
-        if "word_bits" in exchange:
-            owner = f" of the exchange of '{exchange['request']}'"
-        elif exchange:
-            remedy += f", or give the exchange of '{exchange['request']}' its own 'word_bits'"
-        message = f"'{layout.name}' has {layout.bits.render()} bits, but 'word_bits'{owner} is {bits.render()}"
-        site.report("width-mismatch", f"{message}; {remedy}", "layouts", layout.name)
+    mismatches = [word for word in words if word.bits is not None and word.bits != layout.bits]
+    if not mismatches:
         return
+    exchange, bits = mismatches[0]
+    owner, remedy = "", "correct 'word_bits' or the fields"
+    if "word_bits" in exchange:
+        owner = f" of the exchange of '{exchange['request']}'"
+    elif exchange:
+        remedy += f", or give the exchange of '{exchange['request']}' its own 'word_bits'"
+    bits_text = bits.render() if bits is not None else ""
+    message = f"'{layout.name}' has {layout.bits.render()} bits, but 'word_bits'{owner} is {bits_text}"
+    site.report("width-mismatch", f"{message}; {remedy}", "layouts", layout.name)
 
 
 def _checked_word_bits(raw: Raw, site: Site, *below: str | int) -> Expression | None:
@@ -113,17 +126,23 @@ def build_measurement(raw: Raw, context: Context) -> Measurement | None:
 
 def _clock(raw: Raw) -> Clock:
     clock = raw.get("clock", {})
-    used = clock.get("used_hz", ())
-    return record(Clock, clock, used_hz=tuple(sorted(used)) if isinstance(used, Sequence) else (used,))
+    used_hz = clock.get("used_hz", ())
+    clocks_in_use = tuple(sorted(used_hz)) if isinstance(used_hz, Sequence) else (used_hz,)
+    return record(Clock, clock, used_hz=clocks_in_use)
 
 
 def _ssi(raw: Raw, context: Context) -> Mapping[str, Any]:
-    code, rows = raw.get("output_code"), raw.get("cable_lengths", ())
+    """Return the members of an SSI interface that differ from the spec."""
+    source = sources(raw)
+    output_code = None
+    if raw.get("output_code"):
+        output_code = OutputCode(raw["output_code"], sources(raw, "output_code_source") or source)
+    cable_rows = raw.get("cable_lengths", ())
     return {
         "clock": _clock(raw),
-        "alignment": Alignment(raw.get("alignment", ""), sources(raw, "alignment_source") or sources(raw)),
-        "output_code": OutputCode(code, sources(raw, "output_code_source") or sources(raw)) if code else None,
-        "cable_lengths": tuple(record(CableLength, row, source=sources(row) or sources(raw)) for row in rows),
+        "alignment": Alignment(raw.get("alignment", ""), sources(raw, "alignment_source") or source),
+        "output_code": output_code,
+        "cable_lengths": tuple(record(CableLength, row, source=sources(row) or source) for row in cable_rows),
     }
 
 
@@ -161,14 +180,13 @@ _INTERFACES = {"ssi": _ssi, "biss": _biss, "rs485": _rs485, "spi": _spi}
 
 
 def _control_field(raw: Raw, parent: Raw, context: Context) -> ControlField:
-    bits = raw.get("bits", context.crcs[raw["crc"]].width if raw.get("crc") in context.crcs else 1)
-    return record(
-        ControlField,
-        raw,
-        bits=bits if isinstance(bits, int) else 0,
-        values=build_values(raw),
-        source=sources(raw) or sources(parent),
-    )
+    """Return a field of the control frame. A CRC has its own width, and other fields one bit unless they say more."""
+    width = context.crcs[raw["crc"]].width if raw.get("crc") in context.crcs else 1
+    bits = raw.get("bits", width)
+    if not isinstance(bits, int):  # Reported: the control frame has fixed widths.
+        bits = 0
+    source = sources(raw) or sources(parent)
+    return record(ControlField, raw, bits=bits, values=build_values(raw), source=source)
 
 
 #: Field of a frame that holds the value of a register.
@@ -181,10 +199,12 @@ def check_spi_registers(device: Device, report: DocumentReport) -> None:
     if interface is None or not valid_parts_so_far(report).has_frames:
         return
     for register in device.registers_over(interface.name):
-        for name, bits in _widths(device, interface, set(_frames(interface, register))):
-            if (bits + 7) // 8 != register.length:
+        frame_names = set(_frames(interface, register))
+        for frame_name, bits in _widths(device, interface, frame_names):
+            needed_bytes = (bits + 7) // 8
+            if needed_bytes != register.length:
                 register_text = f"'{register.name}' has {counted(register.length, 'byte')}"
-                message = f"{register_text}, but '{_DATA}' in '{name}' has {counted(bits, 'bit')}"
+                message = f"{register_text}, but '{_DATA}' in '{frame_name}' has {counted(bits, 'bit')}"
                 remedy = "correct 'length', or describe each part as a register"
                 report.add("width-mismatch", ("registers", register.name, "length"), f"{message}; {remedy}")
                 break
@@ -193,14 +213,19 @@ def check_spi_registers(device: Device, report: DocumentReport) -> None:
 def _frames(interface: Spi, register: Register) -> Iterator[str]:
     """Yield the names of the frames that carry the value of a register."""
     for exchange in interface.exchanges:
-        if (exchange.purpose == "read" and register.readable) or (exchange.purpose == "write" and register.writable):
-            yield from (exchange.request, exchange.reply)
+        reads = exchange.purpose == "read" and register.readable
+        writes = exchange.purpose == "write" and register.writable
+        if reads or writes:
+            yield exchange.request
+            yield exchange.reply
 
 
-def _widths(device: Device, interface: Spi, frames: Collection[str]) -> Iterator[tuple[str, int]]:
-    """Yield each of these frames that has a value, with the number of its bits."""
+def _widths(device: Device, interface: Spi, frame_names: Collection[str]) -> Iterator[tuple[str, int]]:
+    """Yield each of these frames that has a value, with the number of its bits for each order code."""
     for layout in interface.layouts:
-        for variant in device.variants_over(interface.name) if layout.name in frames else ():
+        if layout.name not in frame_names:
+            continue
+        for variant in device.variants_over(interface.name):
             field = layout.place(variant.parameters).find_field(_DATA)
             if field is not None:
                 yield layout.name, field.width

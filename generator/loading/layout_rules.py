@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from itertools import chain, pairwise
 
@@ -17,6 +17,7 @@ from ..model import (
     Decimal,
     Field,
     Flag,
+    Join,
     Kind,
     Layout,
     Number,
@@ -47,28 +48,44 @@ def check_joined(layout: Layout, site: Site, low_byte_first: bool) -> None:
 def _check_joins(layout: Layout, site: Site, low_first: bool) -> set[str]:
     """Check that joined numbers contain plain bits, no field twice and, in a word, fields in sending order.
 
-    With ``low_first``, that order is reversed.
+    With ``low_first``, that order is reversed. Return the names of those with a problem.
     """
     fields = {field.name: field for field in layout.fields}
     faulty: set[str] = set()
     for join in layout.joins:
         problems_before = len(site.context.report)
-        for index, name in enumerate(join.fields):
-            if name in join.fields[:index]:
-                site.report("join-order", f"'{join.name}' contains '{name}' twice", "join", join.name, index)
-            elif name in fields and (at_fault := _no_plain_bits(fields[name].kind)):
-                remedy = f"{', or' if ';' in at_fault else ';'} leave '{name}' out of '{join.name}'"
-                message = f"'{join.name}' contains '{name}', {at_fault}{remedy}"
-                site.report("join-of", message, "join", join.name, index)
-        pairs = [pair for pair in pairwise(join.fields) if pair[0] != pair[1] and {*pair} <= fields.keys()]
-        for index, (above, below) in enumerate(pairs, 1):
-            first, last = (above, below) if low_first else (below, above)
-            if not layout.in_bytes and _is_above(fields[first], fields[last], site):
-                message = f"'{join.name}' has '{above}' above '{below}', but '{layout.name}' sends '{first}' first"
-                site.report("join-order", message + _remedy(low_first, site), "join", join.name, index)
+        _check_parts_of_join(join, fields, site)
+        if not layout.in_bytes:
+            _check_order_of_join(join, fields, layout, site, low_first)
         if len(site.context.report) > problems_before:
             faulty.add(join.name)
     return faulty
+
+
+def _check_parts_of_join(join: Join, fields: Mapping[str, Field], site: Site) -> None:
+    """Check that a joined number contains plain bits, and no field twice."""
+    for index, name in enumerate(join.fields):
+        if name in join.fields[:index]:
+            site.report("join-order", f"'{join.name}' contains '{name}' twice", "join", join.name, index)
+            continue
+        reason = _no_plain_bits(fields[name].kind) if name in fields else ""
+        if reason:
+            has_remedy = ";" in reason
+            remedy = f"{', or' if has_remedy else ';'} leave '{name}' out of '{join.name}'"
+            site.report("join-of", f"'{join.name}' contains '{name}', {reason}{remedy}", "join", join.name, index)
+
+
+def _check_order_of_join(join: Join, fields: Mapping[str, Field], layout: Layout, site: Site, low_first: bool) -> None:
+    """Check that each part of a joined number is sent before the next one, or after it with ``low_first``."""
+    different_neighbours = []
+    for above, below in pairwise(join.fields):
+        if above != below and above in fields and below in fields:
+            different_neighbours.append((above, below))
+    for index, (above, below) in enumerate(different_neighbours, 1):
+        first, last = (above, below) if low_first else (below, above)
+        if _is_above(fields[first], fields[last], site):
+            message = f"'{join.name}' has '{above}' above '{below}', but '{layout.name}' sends '{first}' first"
+            site.report("join-order", message + _remedy(low_first, site), "join", join.name, index)
 
 
 def _remedy(low_first: bool, site: Site) -> str:
@@ -95,19 +112,21 @@ def _is_zeros(kind: Kind) -> bool:
 
 def _check_parities(layout: Layout, site: Site) -> None:
     """Check that parity bits cover data fields, each at most once."""
+    fields = {field.name: field for field in layout.fields}
     for field in layout.fields:
-        covered_names = field.kind.covers if isinstance(field.kind, Parity) else ()
+        if not isinstance(field.kind, Parity):
+            continue
+        covered_names = field.kind.covers
         for index, name in enumerate(covered_names):
-            kind = next((candidate.kind for candidate in layout.fields if candidate.name == name), None)
-            problem = ""
+            is_computed = name in fields and isinstance(fields[name].kind, (CrcValue, Parity))
             if name in covered_names[:index]:
                 problem = f"'{field.name}' covers '{name}' twice; list it once"
-            elif isinstance(kind, (CrcValue, Parity)):
-                problem = f"the parity bit '{field.name}' cannot cover '{name}', which is computed itself; leave it out"
-            if problem:
                 site.report("parity-of", problem, "fields", field.name, "parity_of")
-        covers_odd_bits = any(covered.widest > 1 for covered in layout.fields if covered.name in covered_names)
-        if isinstance(field.kind, Parity) and field.kind.over == "odd_bits" and not covers_odd_bits:
+            elif is_computed:
+                problem = f"the parity bit '{field.name}' cannot cover '{name}', which is computed itself; leave it out"
+                site.report("parity-of", problem, "fields", field.name, "parity_of")
+        covers_odd_bits = any(fields[name].widest > 1 for name in covered_names if name in fields)
+        if field.kind.over == "odd_bits" and not covers_odd_bits:
             problem = f"'{field.name}' covers no bit, since no covered field has a bit 1; write 'over: even_bits'"
             site.report("parity-of", problem, "fields", field.name, "parity_of")
 
@@ -134,20 +153,24 @@ def _no_plain_bits(kind: Kind) -> str:
 
 def _check_gray(layout: Layout, site: Site) -> None:
     """Check that a number in Gray code has several contiguous bits. They can include a flag."""
-    members = [field for name in layout.names_in(layout.gray_of) for field in layout.fields if field.name == name]
-    not_a_number = next((field for field in members if not isinstance(field.kind, (Number, Choice, Flag))), None)
-    if not_a_number is not None or (len(members) == 1 and members[0].widest == 1):
-        at_fault = not_a_number or members[0]
-        is_number_or_flag = isinstance(at_fault.kind, (Number, Choice, Flag))
-        problem = f"'{at_fault.name}' {'has one bit' if is_number_or_flag else 'is not a number'}"
+    coded_names = layout.names_in(layout.gray_of)
+    fields = {field.name: field for field in layout.fields}
+    parts = [fields[name] for name in coded_names if name in fields]
+    other_kinds = [part for part in parts if not isinstance(part.kind, (Number, Choice, Flag))]
+    problem = ""
+    if other_kinds:
+        problem = f"'{other_kinds[0].name}' is not a number"
+    elif len(parts) == 1 and parts[0].widest == 1:
+        problem = f"'{parts[0].name}' has one bit"
+    if problem:
         site.report("gray-of", f"{problem}; only a number of several bits can be in Gray code", "gray", "of")
-    codes = {values[layout.gray_when] for values in site.sets if layout.gray_when in values}
-    if not codes <= {0, 1}:
-        message = f"'{layout.gray_when}' can be {max(codes)}; it must be 1 for Gray code, or 0 for binary"
+    switch_values = {values[layout.gray_when] for values in site.sets if layout.gray_when in values}
+    if not switch_values <= {0, 1}:
+        message = f"'{layout.gray_when}' can be {max(switch_values)}; it must be 1 for Gray code, or 0 for binary"
         site.report("gray-of", message, "gray", "when")
     _check_parity_of_gray(layout, site)
-    for above, below in pairwise(members):
-        if any(below.low.value(values) + below.width.value(values) != above.low.value(values) for values in site.sets):
+    for above, below in pairwise(parts):
+        if not _are_adjacent(above, below, site):
             message = (
                 f"'{above.name}' and '{below.name}' are not adjacent; a number in Gray code must be contiguous,"
                 " most significant part first"
@@ -156,10 +179,18 @@ def _check_gray(layout: Layout, site: Site) -> None:
             return
 
 
+def _are_adjacent(above: Field, below: Field, site: Site) -> bool:
+    """Return True if a field begins where the other one ends, for every order code."""
+    end_below = below.low + below.width
+    return all(end_below.value(parameters) == above.low.value(parameters) for parameters in site.sets)
+
+
 def _check_parity_of_gray(layout: Layout, site: Site) -> None:
     """Check that no parity bit covers a number in Gray code."""
     for field in layout.fields:
-        for covered_name in field.kind.of if isinstance(field.kind, Parity) else ():
+        if not isinstance(field.kind, Parity):
+            continue
+        for covered_name in field.kind.of:
             if covered_name in layout.names_in(layout.gray_of):
                 message = (
                     f"'{field.name}' covers '{covered_name}', which is sent in Gray code, of which decoders cannot"
@@ -169,8 +200,12 @@ def _check_parity_of_gray(layout: Layout, site: Site) -> None:
 
 
 def _is_above(upper: Field, lower: Field, site: Site) -> bool:
-    sets = [values for values in site.sets if upper.width.value(values) and lower.width.value(values)]
-    return any(upper.low.value(values) > lower.low.value(values) for values in sets)
+    """Return True if a field is above another one for an order code that has both."""
+    for values in site.sets:
+        has_both = upper.width.value(values) and lower.width.value(values)
+        if has_both and upper.low.value(values) > lower.low.value(values):
+            return True
+    return False
 
 
 #: Width of the numbers in the generated C.
@@ -269,11 +304,13 @@ def _check_one_bit(field: Field, kind_text: str, site: Site) -> None:
 
 def _check_choice(field: Field, kind: Choice, site: Site) -> None:
     # If the width is constant, the rules on the text have already checked it.
-    for value in kind.values if not field.width.is_constant else ():
-        if value.value >> field.widest:
-            message = f"the value '{value.name}' = {value.value:#x} does not fit into {field.widest} bits"
-            site.report("value-too-wide", message)
-    if all(value.value for value in kind.values):
+    if not field.width.is_constant:
+        for value in kind.values:
+            if value.value >> field.widest:
+                message = f"the value '{value.name}' = {value.value:#x} does not fit into {field.widest} bits"
+                site.report("value-too-wide", message)
+    has_zero = any(value.value == 0 for value in kind.values)
+    if not has_zero:
         _check_absent(field, "none of its values is 0; add one", site)
 
 
@@ -289,11 +326,12 @@ def _check_fixed(field: Field, kind: Constant | Unused, site: Site) -> None:
 
 def _check_absent(field: Field, reason: str, site: Site) -> None:
     """Report a field without bits for some order code. It reads as 0, so its frames would all be rejected."""
-    lacking = next((parameters for parameters in site.sets if not field.width.value(parameters)), None)
-    if lacking is not None:
-        values = ", ".join(f"{name} = {lacking[name]}" for name in field.width.parameters)
-        message = f"'{field.name}' has no bits with {values} and reads as 0, but {reason}"
-        site.report("value-too-wide", message)
+    for parameters in site.sets:
+        if field.width.value(parameters) == 0:
+            values = ", ".join(f"{name} = {parameters[name]}" for name in field.width.parameters)
+            message = f"'{field.name}' has no bits with {values} and reads as 0, but {reason}"
+            site.report("value-too-wide", message)
+            return
 
 
 def _check_crc(layout: Layout, field: Field, kind: CrcValue, site: Site) -> None:
@@ -327,30 +365,31 @@ def _is_plain(crc: Crc) -> bool:
 
 def _left_out(layout: Layout, crc: Field, kind: CrcValue) -> Iterator[str]:
     """Yield the fields with data that a CRC with a list of fields leaves out, unless a note names them."""
-    mentioned_names = {crc.name, *kind.of, *re.findall(r"\w+", f"{layout.note} {crc.note}")}
-    data_fields = (field.name for field in layout.fields if not isinstance(field.kind, (Constant, Unused)))
-    unmentioned_names = listed(name for name in data_fields if name not in mentioned_names)
-    if kind.of and unmentioned_names:
-        remedy = (
-            f"add the fields that it covers to 'crc_of', or add a 'note' that the manual leaves out {unmentioned_names}"
-        )
-        yield f"'{crc.name}' leaves out {unmentioned_names}; {remedy}"
+    if not kind.of:
+        return
+    words_in_notes = re.findall(r"\w+", f"{layout.note} {crc.note}")
+    mentioned_names = {crc.name, *kind.of, *words_in_notes}
+    data_names = [field.name for field in layout.fields if not isinstance(field.kind, (Constant, Unused))]
+    left_out = listed(name for name in data_names if name not in mentioned_names)
+    if left_out:
+        remedy = f"add the fields that it covers to 'crc_of', or add a 'note' that the manual leaves out {left_out}"
+        yield f"'{crc.name}' leaves out {left_out}; {remedy}"
 
 
 def _no_run(layout: Layout, kind: CrcValue, site: Site) -> Iterator[str]:
-    """Yield the reasons why the fields of a CRC are not adjacent bits at a fixed place."""
-    fields = {field.name: field for field in layout.fields}
-    covered = [fields[name] for name in kind.of if name in fields]
+    """Yield the reason why the fields of a CRC are not adjacent bits at a fixed place."""
     if kind.of and layout.in_bytes:
         interface = INTERFACES[site.interface]
-        where = f"over {interface.title}" if interface.carried_as == "bytes" else "with 'carried_as: bytes'"
-        yield f"{where}, a CRC covers everything before it; leave 'crc_of' out"
+        place = f"over {interface.title}" if interface.carried_as == "bytes" else "with 'carried_as: bytes'"
+        yield f"{place}, a CRC covers everything before it; leave 'crc_of' out"
         return
-    moving = next((field for field in covered if not field.is_fixed), None)
-    if moving is not None:
-        yield f"'{moving.name}' differs in place or width between order codes, so 'crc_of' cannot list it"
-        return
-    for above, below in pairwise(covered):
+    fields = {field.name: field for field in layout.fields}
+    covered_fields = [fields[name] for name in kind.of if name in fields]
+    for field in covered_fields:
+        if not field.is_fixed:
+            yield f"'{field.name}' differs in place or width between order codes, so 'crc_of' cannot list it"
+            return
+    for above, below in pairwise(covered_fields):
         if below.low + below.width != above.low:
             yield f"'{above.name}' and '{below.name}' are not adjacent; list adjacent fields, in the order sent"
             return

@@ -16,11 +16,20 @@ from ..model.expressions import Expression
 from ..model.kinds import WIDEST
 from ..model.record import dataclass
 from .fields import Context, Site, bit_range, build_combinations, expected_value, kind_of, pieces, zero_field
-from .frame_kinds import with_verdicts_of_reserved_bits
+from .frame_kinds import with_unknown_verdicts
 from .from_mapping import Raw, record, sources
+from .gaps import (
+    ZERO,
+    bits_text,
+    check_all_bits_covered,
+    content_of_gaps,
+    in_whole_bytes,
+    values_text,
+    with_places,
+    with_zeros,
+)
 from .layout_rules import check_layout
 
-ZERO = Expression(0)
 #: More bits than any frame has. Without this limit, a typo could take hours to process.
 _MOST_BITS = 100_000
 
@@ -51,24 +60,27 @@ def build_layout(raw: Raw, site: Site, total: int | None = None) -> Layout | Non
     if arranged is None:
         return None
     parts, bits = arranged
-    gaps = _content_of_gaps(raw, site.context)
+    gaps = content_of_gaps(raw, site.context)
     fields = _with_gap_fields(parts, bits, gaps, site)
     if fields is None:
         return None
     if byte_order == "high_byte_first" and total is None and INTERFACES[site.interface].carried_as == "bits":
-        fields, bits = _in_whole_bytes(fields, bits)
+        fields, bits = in_whole_bytes(fields, bits)
     if byte_order:
         fields = [replace(field, pieces=pieces(field, site.widest(bits) // 8, low_first)) for field in fields]
     fields = _with_joins_covered(raw, fields, site)
     layout = _layout(raw, site, byte_order, bits, _in_order(fields, low_first and total is None), gaps)
     if not check_layout(layout, site, raw.get("byte_order") == "low_byte_first"):
         return None
-    return with_verdicts_of_reserved_bits(layout, raw["fields"], site) if total is None else layout
+    return with_unknown_verdicts(layout, raw["fields"], site) if total is None else layout
 
 
 def _layout(raw: Raw, site: Site, byte_order: str, bits: Expression, fields: Sequence[Field], gaps: str) -> Layout:
     """Return the layout with these fields, in sending order."""
-    when, gray = raw.get("when", {}), raw.get("gray", {})
+    gray = raw.get("gray", {})
+    selector, selects = "", ()
+    for name, values in raw.get("when", {}).items():  # At most one.
+        selector, selects = name, tuple(values)
     return record(
         Layout,
         raw,
@@ -79,8 +91,8 @@ def _layout(raw: Raw, site: Site, byte_order: str, bits: Expression, fields: Seq
         widest=site.widest(bits),
         fields=tuple(fields),
         joins=tuple(Join(name, tuple(members)) for name, members in raw.get("join", {}).items()),
-        selector=next(iter(when), ""),
-        selects=tuple(next(iter(when.values()), ())),
+        selector=selector,
+        selects=selects,
         gaps=gaps,
         gray_of=gray.get("of", ""),
         gray_when=gray.get("when", ""),
@@ -109,20 +121,26 @@ def _over_fields(field: Field, joins: Mapping[str, tuple[str, ...]], constants: 
 
     A parity bit of constants only is a constant itself.
     """
-    if not isinstance(field.kind, Parity):
+    parity = field.kind
+    if not isinstance(parity, Parity):
         return field
-    join = next((name for name in field.kind.of if name in joins), "")
-    if field.kind.over and join:
-        message = f"'over' counts the bits of each field from 0, and '{join}' has several fields; list its fields"
-        site.report("parity-of", message, "fields", field.name, "parity_of")
-    names = tuple(part for name in field.kind.of for part in joins.get(name, (name,)))
-    constant_names = tuple(name for name in names if name in constants)
-    if len(names) == 1:
-        constant_names = ()
-    inverts = bool(sum((constants[name] & field.kind.mask).bit_count() for name in constant_names) & 1)
-    odd, data_names = field.kind.odd != inverts, tuple(name for name in names if name not in constant_names)
-    kind = Parity(data_names, odd, field.kind.over, constant_names, inverts) if data_names else Constant(int(odd))
-    return replace(field, kind=kind)
+    covered_names: list[str] = []
+    for name in parity.of:
+        if parity.over and name in joins:
+            message = f"'over' counts the bits of each field from 0, and '{name}' has several fields; list its fields"
+            site.report("parity-of", message, "fields", field.name, "parity_of")
+        covered_names += joins.get(name, (name,))
+    constant_names = [name for name in covered_names if name in constants]
+    if len(covered_names) == 1:
+        constant_names = []
+    data_names = [name for name in covered_names if name not in constant_names]
+    # An odd number of ones in constants inverts the parity of the other fields.
+    ones_in_constants = sum((constants[name] & parity.mask).bit_count() for name in constant_names)
+    inverts = ones_in_constants % 2 == 1
+    is_odd = parity.odd != inverts
+    if not data_names:
+        return replace(field, kind=Constant(int(is_odd)))
+    return replace(field, kind=Parity(tuple(data_names), is_odd, parity.over, tuple(constant_names), inverts))
 
 
 def _byte_order(raw: Raw, carried_as: str) -> str:
@@ -149,10 +167,10 @@ def _place_items(raw: Raw, site: Site, total: int | None, low_first: bool) -> tu
 def _with_gap_fields(items: Sequence[Item], bits: Expression, gaps: str, site: Site) -> list[Field] | None:
     """Return the fields from the lowest up, with zero fields in zero gaps, or None if bits are left over."""
     fields = [field for field_item in items for field in _fields(field_item, site)]
-    fields = _with_places(fields, site)
-    if not _check_all_bits_covered(fields, bits, gaps, site):
+    fields = with_places(fields, site)
+    if not check_all_bits_covered(fields, bits, gaps, site):
         return None
-    return _with_zeros(fields, bits, site) if gaps == "zero" else fields
+    return with_zeros(fields, bits, site) if gaps == "zero" else fields
 
 
 def _items(raw_fields: Sequence[Raw], path: Path, context: Context, low_first: bool) -> list[Item] | None:
@@ -163,18 +181,29 @@ def _items(raw_fields: Sequence[Raw], path: Path, context: Context, low_first: b
 
 
 def _item(raw: Raw, path: Path, context: Context, low_first: bool) -> Item | None:
+    """Return a field or group as an item, or None if it is not valid."""
     if "use" in raw:
-        group = context.groups.get(raw["use"])
-        inner = _group_items(*group, context, low_first) if group is not None else None
-        if group is None or inner is None:
-            return None
-        return Item({"group": inner}, path, raw["use"], Expression(group[0]["bits"]), Expression(group[0]["bits"]))
+        return _group_item(raw, path, context, low_first)
     width = _width(raw, context)
     if width is None:
         return None
-    span = Expression(raw["padded_to"]) if "padded_to" in raw else width
     low = _low(raw, width, path, context) if _is_placed(raw) else ZERO
-    return Item(raw, path, "", width, span, low) if low is not None else None
+    if low is None:
+        return None
+    span = Expression(raw["padded_to"]) if "padded_to" in raw else width
+    return Item(raw, path, group="", width=width, span=span, low=low)
+
+
+def _group_item(raw: Raw, path: Path, context: Context, low_first: bool) -> Item | None:
+    """Return the item that includes a group, with the placed fields of the group under ``group``."""
+    if raw["use"] not in context.groups:
+        return None
+    group, group_path = context.groups[raw["use"]]
+    group_items = _group_items(group, group_path, context, low_first)
+    if group_items is None:
+        return None
+    width = Expression(group["bits"])
+    return Item({"group": group_items}, path, group=raw["use"], width=width, span=width)
 
 
 def _group_items(group: Raw, path: Path, context: Context, low_first: bool) -> list[Item] | None:
@@ -228,21 +257,23 @@ def _low(raw: Raw, width: Expression, path: Path, context: Context) -> Expressio
 
 def _in_sequence(items: Sequence[Item], low_first: bool) -> tuple[list[Item], Expression]:
     """Return the items placed in sending order, and their total width."""
+    from_lowest = list(items) if low_first else list(reversed(items))
     placed, position = [], ZERO
-    for field_item in items if low_first else reversed(items):
+    for field_item in from_lowest:
         placed.append(replace(field_item, low=position))
         position += field_item.span
-    return placed if low_first else placed[::-1], position
+    in_sending_order = placed if low_first else placed[::-1]
+    return in_sending_order, position
 
 
 def _flatten(items: Iterable[Item]) -> Iterable[Item]:
     """Yield the items with groups expanded, each at its place in the layout."""
     for field_item in items:
-        inner = field_item.raw.get("group")
-        if inner is None:
+        if "group" not in field_item.raw:
             yield field_item
-        else:
-            yield from (replace(field, low=field_item.low + field.low) for field in inner)
+            continue
+        for group_field in field_item.raw["group"]:
+            yield replace(group_field, low=field_item.low + group_field.low)
 
 
 def _highest(items: Sequence[Item], site: Site) -> int:
@@ -250,23 +281,14 @@ def _highest(items: Sequence[Item], site: Site) -> int:
 
 
 def _sums_up(bits: Expression, total: int, site: Site) -> bool:
+    """Return True if the fields of a register have as many bits as it for every order code."""
     for parameters in site.sets:
-        if (field_bits := bits.value(parameters)) != total:
-            message = f"the fields have {field_bits} bits{_values_text(parameters, bits)}, but the register has {total}"
+        field_bits = bits.value(parameters)
+        if field_bits != total:
+            message = f"the fields have {field_bits} bits{values_text(parameters, bits)}, but the register has {total}"
             site.report("width-mismatch", message)
             return False
     return True
-
-
-def _bits(high: int, low: int) -> str:
-    return f"bits {high}:{low}" if high != low else f"bit {low}"
-
-
-def _values_text(parameters: Mapping[str, int], *expressions: Expression) -> str:
-    """Return text such as `` with singleturn_bits = 17`` for the relevant parameters."""
-    names = dict.fromkeys(name for expression in expressions for name in expression.parameters)
-    values = ", ".join(f"{name} = {parameters[name]}" for name in names)
-    return f" with {values}" if values else ""
 
 
 def _check_items_fit(items: Sequence[Item], bits: Expression, site: Site) -> bool:
@@ -275,7 +297,7 @@ def _check_items_fit(items: Sequence[Item], bits: Expression, site: Site) -> boo
     for parameters in site.sets:
         total = bits.value(parameters)
         if total > _MOST_BITS:
-            message = f"the fields have {total} bits{_values_text(parameters, bits)}; the maximum is {_MOST_BITS}"
+            message = f"the fields have {total} bits{values_text(parameters, bits)}; the maximum is {_MOST_BITS}"
             site.report("too-long", message)
             return False
         if not _fits_with(flat, total, parameters, site):
@@ -290,21 +312,22 @@ def _fits_with(flat: Sequence[Item], total: int, parameters: Mapping[str, int], 
     for field_item in flat:
         width, low = field_item.width.value(parameters), field_item.low.value(parameters)
         bits = range(low, low + field_item.span.value(parameters))
-        problem = _range_problem(
-            field_item, width, bits, total, _values_text(parameters, field_item.width, field_item.low)
-        )
+        condition = values_text(parameters, field_item.width, field_item.low)
+        problem = _range_problem(field_item, width, bits, total, condition)
         if problem is not None:
-            site.context.report.add(problem[0], field_item.path, problem[1])
+            rule, message = problem
+            site.context.report.add(rule, field_item.path, message)
             return False
-        for other_bits, other_item in occupied if width else ():
-            if bits.start < other_bits.stop and other_bits.start < bits.stop:
-                shared = _bits(min(bits.stop, other_bits.stop) - 1, max(bits.start, other_bits.start))
+        if width == 0:
+            continue
+        for other_bits, other_item in occupied:
+            first, last = max(bits.start, other_bits.start), min(bits.stop, other_bits.stop) - 1
+            if first <= last:
                 names = f"'{field_item.raw.get('name', '')}' and '{other_item.raw.get('name', '')}'"
-                condition = _values_text(parameters, field_item.width, field_item.low)
-                site.context.report.add("bit-overlap", field_item.path, f"{names} both use {shared}{condition}")
+                message = f"{names} both use {bits_text(last, first)}{condition}"
+                site.context.report.add("bit-overlap", field_item.path, message)
                 has_overlap = True
-        if width:
-            occupied.append((bits, field_item))
+        occupied.append((bits, field_item))
     return not has_overlap
 
 
@@ -315,7 +338,7 @@ def _range_problem(field_item: Item, width: int, bits: range, total: int, condit
         padding = f", but it is padded to {span}" if width > span else ""
         return "width-mismatch", f"'{name}' has {width} bits{condition}{padding}"
     if bits.start < 0 or bits.stop > total:
-        place = _bits(bits.stop - 1, bits.start)
+        place = bits_text(bits.stop - 1, bits.start)
         return "bit-out-of-range", f"'{name}' uses {place}{condition}, but there are only bits {total - 1} to 0"
     return None
 
@@ -346,92 +369,5 @@ def _fields(field_item: Item, site: Site) -> Iterable[Field]:
             yield zero_field(f"{raw['name']}_padding", padding, part.low + width, padding_bits, site, sources(raw))
 
 
-def _with_places(fields: Sequence[Field], site: Site) -> list[Field]:
-    """Return the fields from the lowest up, over all order codes. A field without bits is placed at its neighbour."""
-    sets = site.sets
-
-    def place(field: Field) -> tuple[int, int]:
-        lows = sum(field.low.value(parameters) for parameters in sets)
-        return lows, sum(field.width.value(parameters) for parameters in sets)
-
-    return sorted(fields, key=place)
-
-
 def _in_order(fields: Sequence[Field], low_first: bool) -> Sequence[Field]:
     return fields if low_first else list(reversed(fields))
-
-
-def _content_of_gaps(raw: Raw, context: Context) -> str:
-    """Return the content of bits without a field. In a frame, only a group can have such bits and define them."""
-    contents = [raw.get("other_bits", "")]
-    for field in raw.get("fields", ()):
-        if field.get("use") in context.groups:
-            group, _ = context.groups[field["use"]]
-            contents.append(group.get("other_bits", ""))
-    return next(filter(None, contents), "")
-
-
-def _gaps(
-    fields: Sequence[Field], bits: Expression
-) -> Iterable[tuple[Field | None, Field | None, Expression, Expression]]:
-    """Yield each gap between fields, from the lowest up: the field below, the field above, its first bit and width."""
-    position, below = ZERO, None
-    for field in fields:
-        if (gap_bits := field.low - position) != ZERO:
-            yield below, field, position, gap_bits
-        position, below = field.low + field.width, field
-    if (gap_bits := bits - position) != ZERO:
-        yield below, None, position, gap_bits
-
-
-def _check_all_bits_covered(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) -> bool:
-    """Return True if every bit has a field, or the spec defines the others."""
-    if gaps:
-        return True
-    for parameters in site.sets:
-        position, below = 0, Expression(0)
-        present = [field for field in fields if field.width.value(parameters)]
-        for field in (*sorted(present, key=lambda placed: placed.low.value(parameters)), None):
-            low = field.low if field is not None else bits
-            if (first := low.value(parameters)) > position:
-                condition = f"{_bits(first - 1, position)}{_values_text(parameters, low, below)}"
-                message = (
-                    f"no field covers {condition}; add one, or write 'other_bits: zero' or 'other_bits: unspecified'"
-                )
-                site.report("bits-without-field", message)
-                return False
-            if field is not None:
-                below = field.low + field.width
-                position = below.value(parameters)
-    return True
-
-
-def _in_whole_bytes(fields: list[Field], bits: Expression) -> tuple[list[Field], Expression]:
-    """Return the fields of a frame of bits with zeros above them that fill the first byte, and the new width."""
-    missing = -bits.constant % 8 if bits.is_constant else 0
-    if not missing or not fields:
-        return fields, bits
-    first, width = fields[-1], Expression(missing)
-    kind, meaning = Constant(fills_byte=True), "Zeros that fill the first byte. They are not sent"
-    zeros = Field(f"zero_before_{first.name}", kind, bits, width, missing, meaning=meaning, source=first.source)
-    return [*fields, zeros], bits + width
-
-
-def _zero_name(below: Field | None, above: Field | None) -> str:
-    """Return the name of the zeros between two fields."""
-    if above is not None:
-        return f"zero_below_{above.name}"
-    return f"zero_above_{below.name}" if below is not None else "zero"
-
-
-def _with_zeros(fields: Sequence[Field], bits: Expression, site: Site) -> list[Field] | None:
-    """Return the fields with a constant zero field in every gap, or None if the order of fields changes."""
-    zero, zeros = Constant(fills_gap=True), []
-    for below, above, low, width in _gaps(fields, bits):
-        for parameters in site.sets:
-            if width.value(parameters) < 0 and below is not None and above is not None:
-                problem = f"'{above.name}' is not above '{below.name}'{_values_text(parameters, low, width)}"
-                site.report("bit-overlap", f"{problem}; with 'other_bits: zero' the order of fields must not change")
-                return None
-        zeros.append(zero_field(_zero_name(below, above), zero, low, width, site, (above or below or fields[0]).source))
-    return _with_places([*fields, *zeros], site)

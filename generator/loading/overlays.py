@@ -85,28 +85,44 @@ def apply_overlays(
     results: list[Family] = []
     for name, family in by_name.items():
         own_overlays = [overlay for overlay in valid_overlays if overlay.data["of"] == name]
-        for_all = [overlay for overlay in own_overlays if "applies_to" not in overlay.data]
-        changed = _with_overlays(family, for_all, "", build, report) if for_all else None
-        # If a correction fails, the family must not be mistaken for a corrected one.
-        corrections = [overlay for overlay in overlays if "applies_to" not in overlay.data]
-        files = {overlay.file for overlay in corrections if overlay.data.get("of") == name}
-        results.append(changed or replace(family, files=family.files | files))
-        for_specials: dict[str, list[Document]] = {}
-        for overlay in own_overlays:
-            if "applies_to" in overlay.data:
-                for_specials.setdefault(overlay.data["applies_to"]["special"], []).append(overlay)
-        for special, for_special in for_specials.items():
-            special_family = _with_overlays(family, [*for_all, *for_special], special, build, report)
-            results += [special_family] if special_family is not None else []
+        corrections = [overlay for overlay in own_overlays if "applies_to" not in overlay.data]
+        corrected = _with_overlays(family, corrections, "", build, report) if corrections else None
+        if corrected is None:
+            # If a correction fails, the family must not be mistaken for a corrected one.
+            files = {overlay.file for overlay in overlays if _is_correction_of(name, overlay)}
+            corrected = replace(family, files=family.files | files)
+        results.append(corrected)
+        results += _special_families(family, own_overlays, corrections, build, report)
     return sorted(results, key=lambda family: family.device.name)
 
 
-def _refuse_same_names(overlays: Sequence[Document], report: Report) -> None:
-    first: dict[str, Document] = {}
+def _is_correction_of(name: str, overlay: Document) -> bool:
+    """Return True if an overlay, valid or not, is for the whole family of this name."""
+    return "applies_to" not in overlay.data and overlay.data.get("of") == name
+
+
+def _special_families(
+    family: Family, overlays: Sequence[Document], corrections: Sequence[Document], build: Build, report: Report
+) -> Iterator[Family]:
+    """Yield a family for each special model among the overlays of a family. The corrections apply to it too."""
+    overlays_by_special: dict[str, list[Document]] = {}
     for overlay in overlays:
-        first_overlay = first.setdefault(overlay.data["overlay"], overlay)
+        if "applies_to" in overlay.data:
+            overlays_by_special.setdefault(overlay.data["applies_to"]["special"], []).append(overlay)
+    for special, special_overlays in overlays_by_special.items():
+        special_family = _with_overlays(family, [*corrections, *special_overlays], special, build, report)
+        if special_family is not None:
+            yield special_family
+
+
+def _refuse_same_names(overlays: Sequence[Document], report: Report) -> None:
+    """Report each overlay with the name of an earlier one."""
+    first_overlays: dict[str, Document] = {}
+    for overlay in overlays:
+        name = overlay.data["overlay"]
+        first_overlay = first_overlays.setdefault(name, overlay)
         if first_overlay is not overlay:
-            message = f"{Path(first_overlay.file).name} is also called {quoted(overlay.data['overlay'])}"
+            message = f"{Path(first_overlay.file).name} is also called {quoted(name)}"
             report.add("duplicate-name", overlay, ("overlay",), message)
 
 
@@ -147,32 +163,38 @@ def _overlay(document: Document) -> Overlay:
     return Overlay(document.data["overlay"], document.data["title"], special)
 
 
-def errata_of(laid: Iterable[AppliedChange]) -> Iterator[Erratum]:
+def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
     """Yield the changes as errata: one by one, or for an edition one for all changes with the same reason."""
-    numbers: Counter[str] = Counter()
-    for (kind, name, _), same_reason in groupby(laid, key=_reported_together):
-        changes = list(same_reason)
-        numbers[name] += 1
-        definition = {"severity": "wrong_data", **changes[0].raw}
+    errata_counts: Counter[str] = Counter()
+    for _, reported_together in groupby(applied_changes, key=_reported_together):
+        changes = list(reported_together)
+        first = changes[0]
+        kind, name = first.layer.kind.value, first.layer.name
+        errata_counts[name] += 1
+        definition = {"severity": "wrong_data", **first.raw}
         prose: dict[str, object] = {key: definition[key] for key in ("severity", "why", "source") if key in definition}
-        is_known = changes[0].is_known
         new_values = shortened([change.now for change in changes if change.now]) or LEFT_OUT
+        affected_paths: list[str] = []
+        for change in changes:
+            affected_paths += change.affects
         yield record(
             Erratum,
             prose,  # The schema reports the rest.
-            name=f"{_WORD.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{numbers[name]}",
+            name=f"{_WORD.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{errata_counts[name]}",
             printed=shortened(without_examples([change.was for change in changes])),
-            used=new_values if is_known else NOT_KNOWN,
-            status="settled" if is_known else "open",
-            affects=tuple(dict.fromkeys(path for change in changes for path in change.affects)),
+            used=new_values if first.is_known else NOT_KNOWN,
+            status="settled" if first.is_known else "open",
+            affects=tuple(dict.fromkeys(affected_paths)),
             **{kind: name},
         )
 
 
 def _reported_together(change: AppliedChange) -> tuple[str, str, object]:
-    """Return the key of items that are reported together."""
+    """Return the key of changes that are reported together: those of one reason, or in an overlay each by itself."""
     layer = change.layer
-    return layer.kind.value, layer.name, (layer.path, change.number) if layer.kind is LayerKind.EDITION else change
+    if layer.kind is LayerKind.EDITION:
+        return layer.kind.value, layer.name, (layer.path, change.number)
+    return layer.kind.value, layer.name, change
 
 
 def without_examples(names: Sequence[str]) -> Sequence[str]:
@@ -184,23 +206,23 @@ def shortened(names: Sequence[str]) -> str:
     """Return the names as text, shortened to the first ones and the number of the others."""
     unique_names = list(dict.fromkeys(names))
     omitted = len(unique_names) - _MOST_NAMED
-    return ", ".join(unique_names if omitted < 2 else unique_names[:_MOST_NAMED]) + (
-        f" and {omitted} more" if omitted >= 2 else ""
-    )
+    if omitted < 2:  # One more name is as short as the word for it.
+        return ", ".join(unique_names)
+    return f"{', '.join(unique_names[:_MOST_NAMED])} and {omitted} more"
 
 
 def _of_codes(device: Device, overlays: Sequence[Document], report: Report) -> Device:
     """Return the device with only the order codes that the overlays apply to."""
     known_codes = {variant.code for variant in device.variants}
-    wanted: set[str] = set()
+    selected_codes: set[str] = set()
     for overlay in overlays:
-        codes = overlay.data.get("applies_to", {}).get("order_codes", ())
-        for index, code in enumerate(codes):
-            if code not in known_codes:
-                message = f"{quoted(code)} is not a listed order code of the family{suggestion(code, known_codes)}"
-                report.add("undefined-reference", overlay, ("applies_to", "order_codes", index), message)
-        wanted |= set(codes)
-    return for_codes(device, wanted & known_codes) if wanted & known_codes else device
+        for index, code in enumerate(overlay.data.get("applies_to", {}).get("order_codes", ())):
+            if code in known_codes:
+                selected_codes.add(code)
+                continue
+            message = f"{quoted(code)} is not a listed order code of the family{suggestion(code, known_codes)}"
+            report.add("undefined-reference", overlay, ("applies_to", "order_codes", index), message)
+    return for_codes(device, selected_codes) if selected_codes else device
 
 
 def _report_in_overlay(inner_report: Report, spec: Document, overlay: Document, report: Report) -> None:

@@ -90,12 +90,14 @@ def write_revision(place: RevisionPath, folder: Path) -> RevisionFiles:
     entries = _entries(commit, path)
     if not entries:
         raise RevisionError(f"there is no {visible(path) or 'file'} in {visible(place.revision)}")
-    if path in entries:
-        manufacturer_path = posixpath.join(posixpath.dirname(path), _BESIDE)
-        entries |= {} if path == manufacturer_path else _entries(commit, manufacturer_path)
+    is_single_file = path in entries
+    manufacturer_path = posixpath.join(posixpath.dirname(path), _BESIDE)
+    if is_single_file and path != manufacturer_path:
+        entries |= _entries(commit, manufacturer_path)
+    # A file given by name is a spec, whatever its suffix.
     specs = {name: blob for name, blob in entries.items() if name.endswith(SUFFIXES) or name == path}
-    _refuse_bad_names(place.revision, specs)
-    if path not in entries:
+    _refuse_bad_names(place.revision, specs)  # Also those of hidden files.
+    if not is_single_file:
         specs = {name: blob for name, blob in specs.items() if not _is_hidden(name.removeprefix(path))}
     if len(specs) > _MOST_FILES:
         raise RevisionError(f"{visible(str(place))} contains {len(specs)} YAML files; name the folder of the specs")
@@ -106,8 +108,9 @@ def write_revision(place: RevisionPath, folder: Path) -> RevisionFiles:
         file.parent.mkdir(exist_ok=True)
         with open(file, "xb") as new:
             new.write(contents[specs[name]])
-    names = {str(file): f"{place.revision}:{name}" for name, file in files.items()}
-    return RevisionFiles(files.get(path, folder), {str(folder): str(RevisionPath(place.revision, path)), **names})
+    shown_names = {str(folder): str(RevisionPath(place.revision, path))}
+    shown_names |= {str(file): f"{place.revision}:{name}" for name, file in files.items()}
+    return RevisionFiles(files.get(path, folder), shown_names)
 
 
 def _refuse_bad_names(revision: str, names: Iterable[str]) -> None:
@@ -153,10 +156,14 @@ def _commit(revision: str) -> str:
 def _in_repository(place: RevisionPath) -> str:
     """Return the path from the top of the repository. A path with a leading dot is relative to the current folder."""
     path = place.path
-    if path in (".", "..") or path.startswith(("./", "../")):
-        path = posixpath.join(_git(["rev-parse", "--show-prefix"]).decode().removesuffix("\n"), path)
-    path = posixpath.normpath(path) if path else ""
-    path = "" if path == "." else path
+    is_relative = path in (".", "..") or path.startswith(("./", "../"))
+    if is_relative:
+        current_folder = _git(["rev-parse", "--show-prefix"]).decode().removesuffix("\n")
+        path = posixpath.join(current_folder, path)
+    if path:
+        path = posixpath.normpath(path)
+    if path == ".":
+        path = ""
     if path.startswith(("/", "../")) or path == ".." or "\0" in path:
         raise RevisionError(f"{visible(str(place))} is outside the repository; paths are relative to its top")
     return path

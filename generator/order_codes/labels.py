@@ -6,8 +6,9 @@ import itertools
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from types import MappingProxyType
+from typing import NamedTuple
 
-from ..model import CodePart, Device, EditionTest, OrderCode, Spelling, Variant, member_named
+from ..model import CodePart, CodeValue, Device, EditionTest, OrderCode, Spelling, Variant, member_named
 from ..model.record import dataclass
 
 
@@ -93,13 +94,20 @@ class Match:
 def combinations(order_code: OrderCode) -> Iterator[tuple[str, Mapping[str, str], str, Mapping[str, int]]]:
     """Yield every listed code: text, value of each part, interface, and the parameters that the parts set."""
     for values in itertools.product(*(part.values for part in order_code.parts)):
-        chosen = {part.name: value for part, value in zip(order_code.parts, values, strict=True)}
-        texts = {name: value.text for name, value in chosen.items()}
-        if any(texts.get(name) not in allowed for value in values for name, allowed in value.only_with.items()):
+        texts = {part.name: value.text for part, value in zip(order_code.parts, values, strict=True)}
+        if not all(_can_be_combined(value, texts) for value in values):
             continue
-        sets = {name: number for value in values for name, number in value.sets.items()}
-        interface = next((value.interface for value in values if value.interface), "")
-        yield filled(order_code.pattern, texts), texts, interface, sets
+        parameters: dict[str, int] = {}
+        for value in values:
+            parameters |= value.sets
+        interfaces = [value.interface for value in values if value.interface]
+        interface = interfaces[0] if interfaces else ""
+        yield filled(order_code.pattern, texts), texts, interface, parameters
+
+
+def _can_be_combined(value: CodeValue, texts: Mapping[str, str]) -> bool:
+    """Return True if a value of one part is possible next to these texts of the other parts."""
+    return all(texts.get(name) in allowed_texts for name, allowed_texts in value.only_with.items())
 
 
 def filled(pattern: str, texts: Mapping[str, str]) -> str:
@@ -141,15 +149,17 @@ def spelled(part: CodePart, spelling: Spelling) -> Mapping[str, str]:
 
 def beginnings(code: OrderCode) -> tuple[str, ...]:
     """Return the possible prefixes of the family's labels, uppercase and without spaces. "" matches any label."""
-    prefixes = set[str]()
+    prefixes: set[str] = set()
     for spelling in (as_listed(code), *code.also_written):
-        text, *pieces = _BRACES.split(spelling.pattern)
-        texts = [text]
-        if not text.strip():
-            part = member_named(code.parts, pieces[0], "part of the order code")
-            is_open = part.open and part.name not in {value.part for value in spelling.values}
-            texts = [*spelled(part, spelling), *([""] if is_open else [])]
-        prefixes |= {without_blanks(beginning).upper() for beginning in texts}
+        literal, *names_and_literals = _BRACES.split(spelling.pattern)
+        texts = [literal]
+        if not literal.strip():  # The pattern begins with a part.
+            first_part = member_named(code.parts, names_and_literals[0], "part of the order code")
+            texts = list(spelled(first_part, spelling))
+            has_own_spelling = any(value.part == first_part.name for value in spelling.values)
+            if first_part.open and not has_own_spelling:
+                texts.append("")
+        prefixes |= {without_blanks(text).upper() for text in texts}
     shortest: list[str] = []
     for prefix in sorted(prefixes):  # A prefix of another one comes before it.
         if not prefix.startswith(tuple(shortest)):
@@ -177,7 +187,11 @@ def _resolve(device: Device, parts: Mapping[str, str], code: str) -> tuple[Varia
 
 
 def _listed_value(part: CodePart, text: str) -> str | None:
-    return next((value.text for value in part.values if value.text.upper() == text.upper()), None)
+    """Return the value of a part as listed, or None if it is not."""
+    for value in part.values:
+        if value.text.upper() == text.upper():
+            return value.text
+    return None
 
 
 def _fitting_code(device: Device, listed_values: Mapping[str, str | None]) -> Variant | None:
@@ -199,14 +213,19 @@ def _can_be_open(part: CodePart, listed_values: Mapping[str, str | None]) -> boo
 def regex(order_code: OrderCode, spelling: Spelling, anything: str = "") -> str:
     """Return a regular expression for the whole code in this spelling. The part ``anything`` can have any text."""
     spelled_parts = {value.part for value in spelling.values}
-    parts = {part.name: _value_pattern(part) for part in order_code.parts}
-    parts |= {part.name: _any_of(spelled(part, spelling)) for part in order_code.parts if part.name in spelled_parts}
-    if anything:
-        parts[anything] = "[A-Z0-9]*"
+    pattern_by_part: dict[str, str] = {}
+    for part in order_code.parts:
+        if part.name == anything:
+            pattern_by_part[part.name] = "[A-Z0-9]*"
+        elif part.name in spelled_parts:
+            pattern_by_part[part.name] = _any_of(spelled(part, spelling))
+        else:
+            pattern_by_part[part.name] = _value_pattern(part)
     pieces = _BRACES.split(spelling.pattern)  # Text and names of parts in turn.
     pieces[::2] = [re.escape(without_blanks(text)) for text in pieces[::2]]
-    pieces[1::2] = [f"(?P<{name}>{parts[name]})" for name in pieces[1::2]]
-    return "".join(pieces) + (f"(?:{spelling.then})" if spelling.then else "")
+    pieces[1::2] = [f"(?P<{name}>{pattern_by_part[name]})" for name in pieces[1::2]]
+    end = f"(?:{spelling.then})" if spelling.then else ""
+    return "".join(pieces) + end
 
 
 def _value_pattern(part: CodePart) -> str:
@@ -230,31 +249,35 @@ def _fits_if_changed(device: Device, part: CodePart, listed_values: Mapping[str,
     return any(_fitting_code(device, {**listed_values, part.name: value.text}) for value in part.values)
 
 
+class _WrongPart(NamedTuple):
+    """A part that may be the wrong one. The likeliest has the fewest unlisted other parts, and then no text itself."""
+
+    unlisted_others: int
+    is_present: bool
+    position: int
+    text: str
+
+
 def _explain(device: Device, code: str) -> UnknownOrderCode:
     """Return the error about ``code``, with the missing or unlisted part, if that is clear, and the nearest codes."""
     candidates = []
-    for part in device.order_code.parts:
-        match = re.fullmatch(
-            regex(device.order_code, as_listed(device.order_code), part.name) + AFTER, code, re.IGNORECASE
-        )
-        if match is not None and _has_more_than(match, part, code):
-            other_parts = [other_part for other_part in device.order_code.parts if other_part is not part]
-            candidates.append(
-                (
-                    sum(_listed_value(other_part, match[other_part.name]) is None for other_part in other_parts),
-                    match[part.name] != "",
-                    part,
-                    match[part.name],
-                )
-            )
+    for position, part in enumerate(device.order_code.parts):
+        pattern = regex(device.order_code, as_listed(device.order_code), part.name) + AFTER
+        match = re.fullmatch(pattern, code, re.IGNORECASE)
+        if match is None or not _has_more_than(match, part, code):
+            continue
+        text = match[part.name]
+        other_parts = [other_part for other_part in device.order_code.parts if other_part is not part]
+        unlisted_others = [other for other in other_parts if _listed_value(other, match[other.name]) is None]
+        candidates.append(_WrongPart(len(unlisted_others), text != "", position, text))
     if not candidates:
         problem = not_of_family(code, device.name.upper(), _nearest_hint(device, code))
         return UnknownOrderCode(problem, close=False)
-    # Prefer a part without which all others have listed values, and then a missing part.
-    _, _, part, part_text = min(candidates, key=lambda candidate: candidate[:2])
-    valid = ", ".join(value.text for value in part.values)
-    problem = has_part(part.name, part_text) if part_text else has_no_part(part.name)
-    return UnknownOrderCode(wrong_part(code, problem, valid, _nearest_hint(device, code)), close=True)
+    wrong = min(candidates)
+    part = device.order_code.parts[wrong.position]
+    valid_values = ", ".join(value.text for value in part.values)
+    problem = has_part(part.name, wrong.text) if wrong.is_present else has_no_part(part.name)
+    return UnknownOrderCode(wrong_part(code, problem, valid_values, _nearest_hint(device, code)), close=True)
 
 
 def _has_more_than(match: re.Match[str], part: CodePart, code: str) -> bool:
@@ -293,12 +316,15 @@ def nearest_codes(devices: Sequence[Device], text: str, least: float = 0.0) -> l
     from difflib import SequenceMatcher
 
     pieces = text.upper().split("-")
-
-    def likeness(code: str) -> float:
-        return SequenceMatcher(None, code, "-".join(pieces[: code.count("-") + 1])).ratio()
-
-    ranking = ((likeness(variant.code), variant.code) for device in devices for variant in device.variants)
-    return [code for ratio, code in sorted(ranking, key=lambda ranked: ranked[0], reverse=True)[:3] if ratio >= least]
+    similarities: list[tuple[float, str]] = []
+    for device in devices:
+        for variant in device.variants:
+            # A text may go on after the code, with another hyphen.
+            text_without_tail = "-".join(pieces[: variant.code.count("-") + 1])
+            similarity = SequenceMatcher(None, variant.code, text_without_tail).ratio()
+            similarities.append((similarity, variant.code))
+    most_similar = sorted(similarities, key=lambda similarity_and_code: similarity_and_code[0], reverse=True)[:3]
+    return [code for similarity, code in most_similar if similarity >= least]
 
 
 def edition_before(device: Device, revision: str) -> str:
@@ -311,8 +337,10 @@ def edition_by_label(device: Device, match: Match) -> str:
     """Return the edition whose labels are written like this one, or an empty string if the label does not show it."""
     spellings = device.order_code.also_written
     patterns = {spelling.pattern for spelling in spellings if spelling.where == match.written_as_in}
-    revisions = (edition.revision for edition in device.editions if not patterns.isdisjoint(edition.labels))
-    return next(revisions, "")
+    for edition in device.editions:
+        if not patterns.isdisjoint(edition.labels):
+            return edition.revision
+    return ""
 
 
 def tests_of(device: Device, register: str) -> Iterator[tuple[str, EditionTest]]:

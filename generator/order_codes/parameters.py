@@ -19,15 +19,26 @@ def parameters_of(device: Device, kind: str) -> tuple[Parameter, ...]:
     Parameters used only by other interfaces are omitted, unless they are calculated from the parameters kept.
     Parameters that no interface uses are kept, since they are for information.
     """
-    used_by_interface = {interface.name: _used(device, interface.name) for interface in device.interfaces}
-    elsewhere = set[str]().union(*used_by_interface.values()) - used_by_interface[kind]
-    possible = [parameter for parameter in device.parameters if parameter.interface in ("", kind)]
-    calculated = {parameter.name: parameter.equals for parameter in possible if parameter.equals is not None}
-    unused_calculated = calculated.keys() - used_by_interface[kind]
-    kept_names = {parameter.name for parameter in possible} - elsewhere - unused_calculated
-    for _ in possible:
-        kept_names |= {name for name, value in calculated.items() if kept_names.issuperset(value.parameters)}
-    return tuple(parameter for parameter in device.parameters if parameter.name in kept_names)
+    used_here = _used(device, kind)
+    used_by_any: set[str] = set()
+    for interface in device.interfaces:
+        used_by_any |= _used(device, interface.name)
+    formulas: dict[str, Expression] = {}
+    selected_names: set[str] = set()
+    for parameter in device.parameters:
+        if parameter.interface not in ("", kind):
+            continue
+        if parameter.equals is not None:
+            formulas[parameter.name] = parameter.equals
+        if parameter.name in used_here or (parameter.equals is None and parameter.name not in used_by_any):
+            selected_names.add(parameter.name)
+    # A formula may use the result of another one, so look until nothing is added.
+    while True:
+        computable = {name for name, formula in formulas.items() if selected_names.issuperset(formula.parameters)}
+        if computable <= selected_names:
+            break
+        selected_names |= computable
+    return tuple(parameter for parameter in device.parameters if parameter.name in selected_names)
 
 
 def run_time_names(device: Device) -> frozenset[str]:
@@ -64,27 +75,28 @@ def _used(device: Device, kind: str) -> frozenset[str]:
 
 
 def _expressions(device: Device, kind: str) -> Iterator[Expression]:
-    for layout in device.interface(kind).layouts:
+    """Yield the expressions in frames, registers and measurement of an interface."""
+    layouts = device.interface(kind).layouts
+    for layout in layouts:
         yield from _of_layout(layout)
+        if layout.position_range is not None:
+            yield from layout.position_range.numbers
     for register in device.registers_over(kind):
         yield from _of_layout(register.layout)
-        bounds = [
-            register.min,
-            register.max,
-            *(bound for meaning in register.meanings for bound in (meaning.min, meaning.max)),
-        ]
+        bounds = [register.min, register.max]
+        for meaning in register.meanings:
+            bounds += [meaning.min, meaning.max]
         yield from (bound for bound in bounds if bound is not None)
     measurement = device.measurement_of(kind)
     if measurement is not None:
         yield from _of_measurement(measurement)
-    for layout in device.interface(kind).layouts:
-        yield from layout.position_range.numbers if layout.position_range is not None else ()
 
 
 def _of_layout(layout: Layout) -> Iterator[Expression]:
     yield layout.bits
     for field in layout.fields:
-        yield from (field.low, field.width)
+        yield field.low
+        yield field.width
         if isinstance(field.equals, Expression):
             yield field.equals
 
@@ -280,7 +292,8 @@ def _value(register: Register, parameter: Parameter, register_bytes: Mapping[int
 def _value_in_content(register: Register, parameter: Parameter, number: int) -> int | None:
     """Return the parameter that is in the content of a register, or None if it holds no valid code."""
     field = register.layout.field(parameter.field)
-    content = number >> field.low.constant & ((1 << field.widest) - 1)
-    if not parameter.by_code:
-        content = content or field.number.zero_means
+    mask = (1 << field.widest) - 1
+    content = (number >> field.low.constant) & mask
+    if content == 0 and not parameter.by_code:
+        content = field.number.zero_means
     return parameter.held_value(content)

@@ -201,20 +201,28 @@ def _with_used_parts(device: Device, crcs_sent: Collection[str]) -> Device:
 
     A CRC that is in no frame, such as that of a memory, belongs to all interfaces. ``crcs_sent`` are the others.
     """
-    sent_fields = [field for interface in device.interfaces for layout in interface.layouts for field in layout.fields]
-    crcs = sent_crcs(device.interfaces)
-    groups, registers = {"", *(field.group for field in sent_fields)}, {"", *_names(device.registers)}
-    layouts = [layout for interface in device.interfaces for layout in interface.layouts]
+    used_crcs = sent_crcs(device.interfaces)
+    removed_crcs = set(crcs_sent) - used_crcs
+    layouts: list[Layout] = []
+    used_groups = {""}  # An alarm may have neither a group nor a register.
+    for interface in device.interfaces:
+        layouts += interface.layouts
+        for layout in interface.layouts:
+            used_groups |= {field.group for field in layout.fields}
     layouts += [register.layout for register in device.registers]
-    decisions = {alternative.name for layout in layouts for alternative in device.alternatives_of(layout)}
-    decisions |= {alternative.name for layout in layouts for alternative in device.verdict_alternatives(layout)}
+    used_registers = {"", *_names(device.registers)}
+    used_alternatives: set[str] = set()
+    for layout in layouts:
+        used_alternatives |= _names(device.alternatives_of(layout))
+        used_alternatives |= _names(device.verdict_alternatives(layout))
+    alarms = [alarm for alarm in device.alarms if alarm.group in used_groups and alarm.register in used_registers]
     return replace(
         device,
-        crcs=tuple(crc for crc in device.crcs if crc.name in crcs or crc.name not in crcs_sent),
-        field_groups=tuple(group for group in device.field_groups if group.name in groups),
-        alarms=tuple(alarm for alarm in device.alarms if alarm.group in groups and alarm.register in registers),
-        alternatives=tuple(alternative for alternative in device.alternatives if alternative.name in decisions),
-        inputs=tuple(_with_registers(device_input, registers) for device_input in device.inputs),
+        crcs=tuple(crc for crc in device.crcs if crc.name not in removed_crcs),
+        field_groups=tuple(group for group in device.field_groups if group.name in used_groups),
+        alarms=tuple(alarms),
+        alternatives=tuple(option for option in device.alternatives if option.name in used_alternatives),
+        inputs=tuple(_with_registers(device_input, used_registers) for device_input in device.inputs),
     )
 
 
@@ -245,8 +253,10 @@ def _leads_to(remaining_names: Mapping[str, set[str]]) -> Callable[[str], bool]:
     """
 
     def leads_to_remaining_part(path: str) -> bool:
-        parts = path.split(".")
-        return len(parts) == 1 or parts[1] in remaining_names.get(parts[0], {parts[1]})
+        if "." not in path:
+            return True
+        list_name, part_name, *_ = path.split(".")
+        return list_name not in remaining_names or part_name in remaining_names[list_name]
 
     return leads_to_remaining_part
 

@@ -20,11 +20,11 @@ def compute_bits(crc: Crc, number: int, bits: int) -> int:
 
     ``refin`` has no meaning for a string of bits and is ignored.
     """
-    register, mask, poly, top = crc.init, crc.mask, crc.poly, crc.width - 1
+    register, mask, poly, top_bit = crc.init, crc.mask, crc.poly, crc.width - 1
     for index in range(bits - 1, -1, -1):
-        feedback = (register >> top ^ number >> index) & 1
-        register = register << 1 & mask
-        if feedback:
+        has_feedback = ((register >> top_bit) ^ (number >> index)) & 1
+        register = (register << 1) & mask
+        if has_feedback:
             register ^= poly
     if crc.refout:
         register = reflect(register, crc.width)
@@ -49,28 +49,33 @@ def start_for(crc: Crc, number: int, bits: int, result: int) -> int:
 
     There is exactly one if the lowest bit of ``poly`` is set, because each step can then be undone.
     """
-    register = result ^ crc.xorout
+    register, top_bit = result ^ crc.xorout, crc.width - 1
     if crc.refout:
         register = reflect(register, crc.width)
     for index in range(bits):
-        feedback = register & 1
-        if feedback:
+        sent_bit = (number >> index) & 1
+        # The shift leaves the lowest bit 0, and the polynomial sets it.
+        had_feedback = register & 1
+        if had_feedback:
             register ^= crc.poly
-        register = register >> 1 | (feedback ^ number >> index & 1) << crc.width - 1
+        shifted_out = had_feedback ^ sent_bit
+        register = (register >> 1) | (shifted_out << top_bit)
     return register
 
 
 def unused_bits(placed: PlacedLayout, number: int) -> int:
     """Return the unused bits of a frame as one number. A bit is 1 if it differs from the manual."""
-    bits = 0
+    differing_bits = 0
     for placed_field, low_bit in placed.unused:
-        bits |= (number >> placed_field.low & placed_field.mask ^ documented_bits(placed_field)) << low_bit
-    return bits
+        sent_bits = (number >> placed_field.low) & placed_field.mask
+        differing_bits |= (sent_bits ^ documented_bits(placed_field)) << low_bit
+    return differing_bits
 
 
 def documented_bits(placed_field: PlacedField) -> int:
     """Return the documented value of an unused field, cut to the width of the field for this order code."""
-    return placed_field.field.kind.value & placed_field.mask if isinstance(placed_field.field.kind, Unused) else 0
+    kind = placed_field.field.kind
+    return kind.value & placed_field.mask if isinstance(kind, Unused) else 0
 
 
 def parity_bit(placed: PlacedLayout, parity: Parity, number: int) -> int:
@@ -84,15 +89,17 @@ def join_value(placed: PlacedLayout, join: Join, number: int) -> int:
     """Return the fields of a join as one number, with the first field most significant."""
     value = 0
     for part in placed.find_fields(join.fields):
-        value = value << part.width | number >> part.low & part.mask
+        part_value = (number >> part.low) & part.mask
+        value = (value << part.width) | part_value
     return value
 
 
 def gray_to_binary(gray: int) -> int:
-    """Return the number whose Gray code is ``gray``."""
-    binary = gray
-    while gray := gray >> 1:
+    """Return the number whose Gray code is ``gray``: each bit is the parity of the bits from the highest down to it."""
+    binary = 0
+    while gray:
         binary ^= gray
+        gray >>= 1
     return binary
 
 
@@ -112,11 +119,14 @@ def to_gray(placed: PlacedLayout, number: int) -> int:
 
 
 def with_changed_part(placed: PlacedLayout, number: int, change: Callable[[int], int]) -> int:
+    """Return ``number`` with the part that is sent in Gray code, if any, changed by a function."""
     if not placed.gray:
         return number
     low, width = placed.place_of(placed.layout.gray_of)
     mask = (1 << width) - 1
-    return number & ~(mask << low) | change(number >> low & mask) << low
+    other_bits = number & ~(mask << low)
+    changed_part = change((number >> low) & mask)
+    return other_bits | (changed_part << low)
 
 
 def compute(crc: Crc, placed: PlacedLayout, number: int) -> int:

@@ -36,28 +36,32 @@ def decode_register(device: Device, variant: Variant, name: str, data: bytes) ->
         RegisterError: This interface has no such register, or the register has a different length.
     """
     registers = {register.name: register for register in device.registers_over(variant.interface)}
-    register = registers.get(name.lower())
-    if register is None:
-        problem = next(filter(None, (_not_known(device, erratum, name.lower()) for erratum in device.errata)), "")
-        if problem:
-            raise RegisterError(problem)
+    if name.lower() not in registers:
+        for erratum in device.errata:
+            problem = _not_known(device, erratum, name.lower())
+            if problem:
+                raise RegisterError(problem)
         available = f"it has: {', '.join(registers)}" if registers else "it has none"
         raise RegisterError(f"{variant.code} has no register '{name}'; {available}")
+    register = registers[name.lower()]
     if len(data) != register.length:
         needed, actual = counted(register.length, "byte"), counted(len(data), "byte")
         raise RegisterError(register_length(register.name, needed, actual))
-    return codec.decode(device, register.layout.place(variant.parameters), number_from_bytes(register.layout, data))
+    placed = register.layout.place(variant.parameters)
+    return codec.decode(device, placed, number_from_bytes(register.layout, data))
 
 
 def _not_known(device: Device, erratum: Erratum, name: str) -> str:
     """Return the message that this edition or overlay does not define a register, or an empty string if it does."""
-    scope = (
-        f"in edition {device.edition} of the manual"
-        if erratum.edition
-        else f"according to the overlay {erratum.overlay}"
-    )
-    if erratum.used != NOT_KNOWN or not (erratum.overlay or device.edition) or name not in erratum.printed.split(", "):
+    if erratum.used != NOT_KNOWN or name not in erratum.printed.split(", "):
         return ""
+    # The family of the spec also has errata about its editions, which do not apply to it.
+    if not erratum.overlay and not device.edition:
+        return ""
+    if erratum.edition:
+        scope = f"in edition {device.edition} of the manual"
+    else:
+        scope = f"according to the overlay {erratum.overlay}"
     return f"'{name}' is unknown {scope}: {erratum.why} [{cite(erratum.source)}]"
 
 
@@ -75,21 +79,22 @@ def register_writes(
         EncodeError: An argument is missing or does not fit its register.
     """
     writes: list[Write] = []
-    # The current value of a register: its default, then the value written by the procedure.
+    meanings = {argument.name: argument.meant_as for argument in procedure.arguments}
+    # The current value of each register that the procedure has written.
     numbers: dict[str, int] = {}
     for step in procedure.steps:
-        if isinstance(step, (WriteStep, ModifyStep)):
-            register = device.register(step.register)
-            argument = next((candidate for candidate in procedure.arguments if candidate.name == step.value_name), None)
-            limits = device.limits(register, argument.meant_as if argument is not None else "")
-            numbers[step.register] = _number(
-                register, step, variant, arguments, device, limits, numbers.get(step.register, register.default or 0)
-            )
-            variant = after_write(device, variant, register, numbers[step.register])
-            if register.is_accessed_whole:
-                writes.append(Write(register.address, numbers[step.register]))
-                continue
-            data = number_to_bytes(register.layout, numbers[step.register], 8 * register.length)
+        if not isinstance(step, (WriteStep, ModifyStep)):
+            continue
+        register = device.register(step.register)
+        limits = device.limits(register, meanings.get(step.value_name, ""))
+        old_number = numbers.get(step.register, register.default or 0)
+        number = _number(register, step, variant, arguments, device, limits, old_number)
+        numbers[step.register] = number
+        variant = after_write(device, variant, register, number)
+        if register.is_accessed_whole:
+            writes.append(Write(register.address, number))
+        else:
+            data = number_to_bytes(register.layout, number, 8 * register.length)
             writes += [Write(register.address + index, byte) for index, byte in enumerate(data)]
     return tuple(writes)
 

@@ -9,7 +9,7 @@ from typing import Any
 
 from ..hints import POLYNOMIAL, polynomial_powers
 from ..problems import DocumentReport, Path, is_typo, quoted
-from .walk import Has, Spec, by_name, explained, field_lists, items, leaves, leaves_of, mapping
+from .walk import Has, Spec, by_name, explained, field_lists, items, leaves, leaves_of, mapping, owner_of_alarm
 
 #: A hexadecimal number in a text.
 _HEX = re.compile(r"\b(?:0x([0-9A-Fa-f]+)|([0-9][0-9A-F]*)h)\b")
@@ -36,11 +36,10 @@ def misspelt_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a printed name does not differ by one letter from an entry of the contents, or from its flag."""
     _compare_with_contents(spec, raw, report)
     for path, alarm in items(spec, "alarms"):
-        kind = "group" if "group" in alarm else "register"
-        owner = by_name(spec, "field_groups" if kind == "group" else "registers").get(alarm.get(kind, ""), {})
-        flag = by_name(owner, "fields").get(alarm.get("field", ""), {})
+        flag = by_name(owner_of_alarm(spec, alarm), "fields").get(alarm.get("field", ""), {})
+        flag_names = dict(_names_of(flag))
         for name_path, name in _names_of(alarm):
-            flag_name = dict(_names_of(flag)).get(name_path, "")
+            flag_name = flag_names.get(name_path, "")
             if _misspells(name, flag_name):
                 message = f"the flag of this alarm has {quoted(flag_name)}; correct one of the two"
                 report.add("misspelt-name", (*path, *name_path), message)
@@ -48,21 +47,22 @@ def misspelt_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def _compare_with_contents(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Report the printed names that differ by one letter from an entry of the contents."""
-    entries: dict[str, str] = {}
-    for contents in mapping(raw, "manual", "contents").values():
-        entries |= {title.casefold(): title for title in mapping(contents, "entries")}
-    language = mapping(raw, "manual").get("language")
-    explained_names = "\n".join(erratum.get("used", "") for _, erratum in items(spec, "errata")).casefold()
-    if len(entries) > _MOST_ENTRIES:
+    titles: dict[str, str] = {}
+    for section in mapping(raw, "manual", "contents").values():
+        titles |= {title.casefold(): title for title in mapping(section, "entries")}
+    if len(titles) > _MOST_ENTRIES:
         return
+    language = mapping(raw, "manual").get("language")
+    texts_of_errata = "\n".join(erratum.get("used", "") for _, erratum in items(spec, "errata")).casefold()
     for path, name in leaves_of(spec, report):
         # A name in another language can differ by one letter too: temperature, temperatura.
-        if not isinstance(name, str) or (path[-2:] != ("names", language) and path[-1] != "printed_name"):
+        is_name = path[-1] == "printed_name" or path[-2:] == ("names", language)
+        if not is_name or not isinstance(name, str):
             continue
-        title = next((title for title in entries if _misspells(name, title)), None)
-        if title and name.casefold() not in entries and name.casefold() not in explained_names:
+        similar_titles = [title for title in titles if _misspells(name, title)]
+        if similar_titles and name.casefold() not in titles and name.casefold() not in texts_of_errata:
             message = (
-                f"the table of contents has {quoted(entries[title])}; correct one of the two, "
+                f"the table of contents has {quoted(titles[similar_titles[0]])}; correct one of the two, "
                 "or add an erratum whose 'used' has this name"
             )
             report.add("misspelt-name", path, message)
@@ -75,11 +75,13 @@ def _misspells(name: str, correct_name: str) -> bool:
     words, correct_words = name.casefold().split(), correct_name.casefold().split()
     if len(words) != len(correct_words):
         return False
-    different_words = [pair for pair in zip(words, correct_words, strict=True) if pair[0] != pair[1]]
-    if len(different_words) != 1:
+    pairs = zip(words, correct_words, strict=True)
+    different_pairs = [(word, correct_word) for word, correct_word in pairs if word != correct_word]
+    if len(different_pairs) != 1:
         return False
-    word, correct_word = different_words[0]
-    return len(correct_word) >= _LONG and word.rstrip("s") != correct_word.rstrip("s") and is_typo(word, correct_word)
+    word, correct_word = different_pairs[0]
+    differs_only_in_plural = word.rstrip("s") == correct_word.rstrip("s")
+    return len(correct_word) >= _LONG and not differs_only_in_plural and is_typo(word, correct_word)
 
 
 def _names_of(owner: Spec) -> Iterator[tuple[Path, str]]:
@@ -92,12 +94,13 @@ def number_in_meaning(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a field with a fixed number does not have another hexadecimal number in its meaning."""
     for fields in field_lists(spec):
         for path, field in fields:
-            key = next((key for key in ("constant", "equals", "unused") if isinstance(field.get(key), int)), None)
             meaning = field.get("meaning", "")
-            printed_numbers = {int(with_prefix or with_h, 16) for with_prefix, with_h in _HEX.findall(meaning)}
-            if _PLACE.search(meaning):
+            fixed_keys = [key for key in ("constant", "equals", "unused") if isinstance(field.get(key), int)]
+            if not fixed_keys or _PLACE.search(meaning):
                 continue
-            if key is not None and len(printed_numbers) == 1 and field[key] not in printed_numbers:
+            key = fixed_keys[0]
+            printed_numbers = {int(with_prefix or with_h, 16) for with_prefix, with_h in _HEX.findall(meaning)}
+            if len(printed_numbers) == 1 and field[key] not in printed_numbers:
                 message = (
                     f"the meaning has {printed_numbers.pop():#x}, but {quoted(key)} is {field[key]:#x}; "
                     "one of the two is wrong"
@@ -114,8 +117,9 @@ def polynomial_in_note(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         printed_polynomials = _printed_polynomials(crc.get("note", ""), crc["width"])
         polynomial = crc["poly"] + (1 << crc["width"])
         if printed_polynomials and polynomial not in printed_polynomials.values():
+            first_text, *_ = printed_polynomials
             message = (
-                f"the note has {next(iter(printed_polynomials))}, but 'poly' is {crc['poly']:#x}, "
+                f"the note has {first_text}, but 'poly' is {crc['poly']:#x}, "
                 f"or {polynomial:#x} with its top bit; one of the two is wrong"
             )
             report.add("printed-number", (*path, "poly"), message)
@@ -125,10 +129,12 @@ def _printed_polynomials(note: str, width: int) -> dict[str, int]:
     """Return the polynomials of this width in a note, with their top bit, by their text."""
     polynomials: dict[str, int] = {}
     top_bit = 1 << width
-    for match in _HEX.finditer(note) if not _PLACE.search(note) else ():
-        number = int(match[1] or match[2], 16)
-        if number & 1 and top_bit < number < 2 * top_bit:
-            polynomials[match[0]] = number
+    if not _PLACE.search(note):
+        for match in _HEX.finditer(note):
+            number = int(match[1] or match[2], 16)
+            is_odd = number & 1 == 1  # Every polynomial of a CRC ends in + 1.
+            if is_odd and top_bit < number < 2 * top_bit:
+                polynomials[match[0]] = number
     for match in POLYNOMIAL.finditer(note):
         powers = polynomial_powers(match[0])
         if max(powers) == width and 0 in powers:
@@ -139,19 +145,28 @@ def _printed_polynomials(note: str, width: int) -> dict[str, int]:
 def unused_bits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a register has no field at bits that its note calls unused."""
     for fields in field_lists(spec):
-        if fields.kind is not Has.REGISTER:
+        unused_in_note = set(_unused_bits_in(fields.owner.get("note", "")))
+        if fields.kind is not Has.REGISTER or not unused_in_note:
             continue
-        bits_in_note = set(_unused_bits_in(fields.owner.get("note", "")))
         for path, field in fields:
-            high, _, low = str(field.get("at", "")).partition(":")
-            used_bits = [bit for bit in bits_in_note if high.isdigit() and int(low or high) <= bit <= int(high)]
-            if used_bits and not {"constant", "unused"} & {*field} and field.get("equals") != 0:
+            bits = _bits_at(field.get("at", ""))
+            used_bits = [bit for bit in unused_in_note if bit in bits]
+            is_without_content = "constant" in field or "unused" in field or field.get("equals") == 0
+            if used_bits and not is_without_content:
                 field_name = quoted(str(field.get("name", "")))
                 message = (
                     f"the note says that bit {min(used_bits)} is not used, but {field_name} uses it; "
                     "one of the two is wrong"
                 )
                 report.add("unused-bits", (*path, "at"), message)
+
+
+def _bits_at(at: object) -> range:
+    """Return the bits of a place such as ``7:6`` or ``5``, or none if it is not a place."""
+    high, _, low = str(at).partition(":")
+    if not high.isdigit():
+        return range(0)
+    return range(int(low or high), int(high) + 1)
 
 
 def _unused_bits_in(text: str) -> Iterator[int]:
@@ -163,7 +178,6 @@ def _unused_bits_in(text: str) -> Iterator[int]:
 
 def access_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a register with fixed contents is not writable, and has the access that its errata use."""
-    registers = by_name(spec, "registers")
     for path, register in items(spec, "registers"):
         fields = [field for _, field in items(register, "fields")]
         is_fixed = bool(fields) and all("equals" in field for field in fields)
@@ -175,17 +189,23 @@ def access_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             )
             report.add("access-mismatch", (*path, "access"), message)
     for path, erratum in items(spec, "errata"):
-        # A sentence about bits or fields is not about the register.
-        used = erratum.get("used", "")
-        stated_accesses = set() if re.search(r"\b(?:bit|field)", used, re.IGNORECASE) else {*_ONLY.findall(used)}
-        for text in erratum.get("affects", ()) if len(stated_accesses) == 1 else ():
-            kind, _, name = text.partition(".")
-            access = f"{next(iter(stated_accesses))}_only"
-            if kind == "registers" and name in registers and registers[name]["access"] != access:
-                message = (
-                    f"this says {access}, but {quoted(name)} is {registers[name]['access']}; one of the two is wrong"
-                )
-                report.add("access-mismatch", (*path, "used"), message)
+        _check_access_in_erratum(spec, path, erratum, report)
+
+
+def _check_access_in_erratum(spec: Spec, path: Path, erratum: Spec, report: DocumentReport) -> None:
+    """Check that a register has the access that an erratum about it uses."""
+    registers = by_name(spec, "registers")
+    used = erratum.get("used", "")
+    is_about_bits = re.search(r"\b(?:bit|field)", used, re.IGNORECASE) is not None
+    stated_accesses = set(_ONLY.findall(used))
+    if is_about_bits or len(stated_accesses) != 1:
+        return
+    access = f"{stated_accesses.pop()}_only"
+    for affected in erratum.get("affects", ()):
+        kind, _, name = affected.partition(".")
+        if kind == "registers" and name in registers and registers[name]["access"] != access:
+            message = f"this says {access}, but {quoted(name)} is {registers[name]['access']}; one of the two is wrong"
+            report.add("access-mismatch", (*path, "used"), message)
 
 
 def zero_within_limits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -203,14 +223,17 @@ def zero_within_limits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def requests_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the number of requests in a text of a procedure is the one that its step sends."""
     for path, procedure in items(spec, "procedures"):
-        times = {step["times"] for _, step in items(procedure, "steps") if "times" in step}
-        is_single_step = len(times) == 1 and len(procedure["steps"]) == 1
-        for text_path, text in leaves(procedure) if is_single_step else ():
-            for printed_number in _REQUESTS.findall(text) if isinstance(text, str) else ():
-                if _number_of(printed_number) not in times:
+        steps = procedure["steps"]
+        if len(steps) != 1 or "times" not in steps[0]:
+            continue
+        times = steps[0]["times"]
+        for text_path, text in leaves(procedure):
+            if not isinstance(text, str):
+                continue
+            for printed_number in _REQUESTS.findall(text):
+                if _number_of(printed_number) != times:
                     message = (
-                        f"the text says {printed_number} requests, but 'times' is {next(iter(times))}; "
-                        "one of the two is wrong"
+                        f"the text says {printed_number} requests, but 'times' is {times}; one of the two is wrong"
                     )
                     report.add("quantity-repeated", (*path, *text_path), message)
 
@@ -255,14 +278,17 @@ class _CellPair:
 def _only_difference(table: Spec, earlier_table: Spec) -> _CellPair | None:
     """Return the pair of cells that differs if the tables agree in all others."""
     common_columns = [name for name in table["columns"] if name in earlier_table["columns"]]
-    for key in common_columns:
-        if not _is_key(table, key) or not _is_key(earlier_table, key):
+    for key_column in common_columns:
+        if not _is_key(table, key_column) or not _is_key(earlier_table, key_column):
             continue
         compared: list[_CellPair] = []
         for column in common_columns:
-            pairs = _number_pairs(table, earlier_table, key, column) if column != key else []
+            if column == key_column:
+                continue
+            pairs = _number_pairs(table, earlier_table, key_column, column)
             # A column that mostly differs, such as one of texts, is about something else.
-            if 2 * len(_differing_cells(pairs)) <= len(pairs):
+            is_about_the_same = 2 * len(_differing_cells(pairs)) <= len(pairs)
+            if is_about_the_same:
                 compared += pairs
         differing = _differing_cells(compared)
         if len(differing) == 1 and len(compared) > _CELLS:
@@ -270,12 +296,14 @@ def _only_difference(table: Spec, earlier_table: Spec) -> _CellPair | None:
     return None
 
 
-def _number_pairs(table: Spec, earlier_table: Spec, key: str, column: str) -> list[_CellPair]:
-    """Return the pairs of numbers in a column, from the rows that have the same cell in the column ``key``."""
-    earlier_cells = {_cell(earlier_table, row, key): _cell(earlier_table, row, column) for row in earlier_table["rows"]}
+def _number_pairs(table: Spec, earlier_table: Spec, key_column: str, column: str) -> list[_CellPair]:
+    """Return the pairs of numbers in a column, from the rows that have the same cell in the key column."""
+    earlier_cells: dict[str, str] = {}
+    for row in earlier_table["rows"]:
+        earlier_cells[_cell(earlier_table, row, key_column)] = _cell(earlier_table, row, column)
     pairs = []
     for index, row in enumerate(table["rows"]):
-        key_cell = _cell(table, row, key)
+        key_cell = _cell(table, row, key_column)
         if key_cell in earlier_cells:
             pairs.append(_CellPair(index, column, _cell(table, row, column), earlier_cells[key_cell]))
     return [pair for pair in pairs if pair.is_numeric]
@@ -286,10 +314,12 @@ def _differing_cells(pairs: list[_CellPair]) -> list[_CellPair]:
 
 
 def _cell(table: Spec, row: list[Any], column: str) -> str:
-    at = table["columns"].index(column)
-    return str(row[at]) if at < len(row) else ""
+    """Return the text in a column of a row, or an empty string if the row is too short."""
+    index = table["columns"].index(column)
+    return str(row[index]) if index < len(row) else ""
 
 
 def _is_key(table: Spec, column: str) -> bool:
+    """Return True if all cells of a column are different, so that each identifies its row."""
     cells = [_cell(table, row, column) for row in table["rows"]]
     return len(cells) == len(set(cells))

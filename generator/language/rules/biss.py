@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 
 from ...model import Biss
 from ..problems import DocumentReport, Path, quoted
@@ -32,28 +33,25 @@ _CONTROL_CRC = {"width": 4, "poly": 0x3, "init": 0, "refin": False, "refout": Fa
 
 def biss_places(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that registers with names fixed by BiSS are at their fixed place."""
-    select = bank_select(spec)
     for path, register in items(spec, "registers"):
         name = register["name"]
-        fixed_place = _BANK_SELECT if name == select else _PLACES.get(name)
-        if fixed_place is None or interface_of(register) != Biss.name or ("bank" in register and name != select):
+        selects_banks = name == bank_select(spec)
+        fixed_place = _BANK_SELECT if selects_banks else _PLACES.get(name)
+        is_in_bank = "bank" in register
+        if fixed_place is None or interface_of(register) != Biss.name or (is_in_bank and not selects_banks):
             continue
-        address, length, where = fixed_place
-        register_words, end = "it", "; correct the address, or rename the register if it is a different one"
-        if name == select:
-            register_words, end = "the register that selects banks", ""
-        if register["address"] != address or "bank" in register:
-            report.add(
-                "biss-protocol",
-                (*path, "address"),
-                f"{quoted(name)} is at {register['address']:02X}h, but BiSS has {register_words} {where}{end}",
-            )
+        address, length, place_text = fixed_place
+        if register["address"] != address or is_in_bank:
+            problem = f"{quoted(name)} is at {register['address']:02X}h, but BiSS has"
+            if selects_banks:
+                message = f"{problem} the register that selects banks {place_text}"
+            else:
+                remedy = "correct the address, or rename the register if it is a different one"
+                message = f"{problem} it {place_text}; {remedy}"
+            report.add("biss-protocol", (*path, "address"), message)
         elif register["length"] != length:
-            report.add(
-                "biss-protocol",
-                (*path, "length"),
-                f"{quoted(name)} has {register['length']} bytes; in BiSS it has {length}, {where}",
-            )
+            message = f"{quoted(name)} has {register['length']} bytes; in BiSS it has {length}, {place_text}"
+            report.add("biss-protocol", (*path, "length"), message)
 
 
 def biss_taken(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -63,29 +61,34 @@ def biss_taken(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     name ``profile_id_low``. Manuals use 40h and 41h for other purposes if there are no banks.
     """
     for path, register in items(spec, "registers"):
-        name, first_address = register["name"], register["address"]
-        if interface_of(register) != Biss.name or "bank" in register or name in _PLACES or name == bank_select(spec):
+        name = register["name"]
+        has_fixed_name = name in _PLACES or name == bank_select(spec)
+        if interface_of(register) != Biss.name or "bank" in register or has_fixed_name:
             continue
-        for fixed, (address, length, where) in _PLACES.items():
-            overlaps = first_address < address + length and address < first_address + register["length"]
-            is_inside = address <= first_address and first_address + register["length"] <= address + length
-            is_part = is_inside and (register["access"] == "read_only" or name.startswith(fixed))
-            if fixed == "eds_bank" or not overlaps or is_part:
-                continue
-            if not explained(report.document, "registers", name, "address"):
-                last_address = first_address + register["length"] - 1
-                address_text = (
-                    f"at {first_address:02X}h"
-                    if first_address == last_address
-                    else f"at {first_address:02X}h to {last_address:02X}h"
-                )
-                problem = f"{quoted(name)} is {address_text}, but BiSS has {quoted(fixed)} {where}"
-                remedy = (
-                    f"correct the address, or rename the register to {quoted(fixed)} if that is the one you mean. If"
-                    f" this is what the manual says, add an erratum that affects registers.{name}.address"
-                )
-                report.add("biss-protocol", (*path, "address"), f"{problem}; {remedy}")
-                break
+        fixed_name = _taken_place(register)
+        if fixed_name is None or explained(report.document, "registers", name, "address"):
+            continue
+        first, last = register["address"], register["address"] + register["length"] - 1
+        address_text = f"at {first:02X}h" if first == last else f"at {first:02X}h to {last:02X}h"
+        problem = f"{quoted(name)} is {address_text}, but BiSS has {quoted(fixed_name)} {_PLACES[fixed_name][2]}"
+        remedy = (
+            f"correct the address, or rename the register to {quoted(fixed_name)} if that is the one you mean. If"
+            f" this is what the manual says, add an erratum that affects registers.{name}.address"
+        )
+        report.add("biss-protocol", (*path, "address"), f"{problem}; {remedy}")
+
+
+def _taken_place(register: Spec) -> str | None:
+    """Return the name of the register that BiSS has at these addresses, or None. A part of that register is allowed."""
+    first, end = register["address"], register["address"] + register["length"]
+    for fixed_name, (fixed_first, length, _) in _PLACES.items():
+        fixed_end = fixed_first + length
+        overlaps = first < fixed_end and fixed_first < end
+        is_inside = fixed_first <= first and end <= fixed_end
+        is_part = is_inside and (register["access"] == "read_only" or register["name"].startswith(fixed_name))
+        if fixed_name != "eds_bank" and overlaps and not is_part:
+            return fixed_name
+    return None
 
 
 def biss_byte_order(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -94,96 +97,119 @@ def biss_byte_order(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         name = register["name"]
         if name not in _PLACES or interface_of(register) != Biss.name or "bank" in register:
             continue
-        if register.get("byte_order") != "low_byte_first":
-            continue
-        if not explained(report.document, "registers", name, "byte_order"):
-            report.add(
-                "biss-protocol",
-                (*path, "byte_order"),
+        is_low_byte_first = register.get("byte_order") == "low_byte_first"
+        if is_low_byte_first and not explained(report.document, "registers", name, "byte_order"):
+            message = (
                 f"{quoted(name)} has its low byte first, but in BiSS the most significant byte has the lowest address."
-                f" If this is what the manual says, add an erratum that affects registers.{name}.byte_order",
+                f" If this is what the manual says, add an erratum that affects registers.{name}.byte_order"
             )
+            report.add("biss-protocol", (*path, "byte_order"), message)
 
 
 def biss_frame(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that nE and nW are active low, that nE is sent first, and that an inverted CRC ends the frame."""
     groups, crcs = by_name(raw, "field_groups"), by_name(raw, "crcs")
     for fields in layouts(spec):
-        layout, sent_fields = fields.owner, list(expanded(fields, groups))
-        frame_path = f"interfaces.{Biss.name}.{layout['name']}"
-        if fields.interface == Biss.name and layout.get("from") == "encoder" and _FLAGS & _names(sent_fields):
-            faults = [*_frame_faults(sent_fields, crcs, (*fields.path, "name"), frame_path)]
-            faults += _late_positions(sent_fields, position_names(spec, Biss.name), frame_path)
-            for path, affected, problem in faults:
-                if not explained(report.document, affected):
-                    end = f"If this is what the manual says, add an erratum that affects {affected}"
-                    report.add("biss-protocol", path, f"{problem}. {end}")
+        sent_fields = list(expanded(fields, groups))
+        is_encoder_frame = fields.interface == Biss.name and fields.owner.get("from") == "encoder"
+        has_flags = not _FLAGS.isdisjoint(_names(sent_fields))
+        if not is_encoder_frame or not has_flags:
+            continue
+        frame_path = f"interfaces.{Biss.name}.{fields.owner['name']}"
+        faults = [
+            *_field_faults(sent_fields, crcs, frame_path),
+            *_order_faults(sent_fields, (*fields.path, "name"), frame_path),
+            *_late_positions(sent_fields, position_names(spec, Biss.name), frame_path),
+        ]
+        for fault in faults:
+            if not explained(report.document, fault.affected):
+                hint = f"If this is what the manual says, add an erratum that affects {fault.affected}"
+                report.add("biss-protocol", fault.path, f"{fault.problem}. {hint}")
 
 
-def _frame_faults(
-    sent_fields: list[tuple[Path, Spec]], crcs: Mapping[str, Spec], start: Path, frame_path: str
-) -> Iterator[tuple[Path, str, str]]:
-    """Yield the errors of a frame: the place, the path that an erratum must affect, and the message."""
-    names = [field.get("name") for _, field in sent_fields]
+@dataclass(frozen=True, slots=True)
+class _Fault:
+    """A contradiction to BiSS: its place, and the path that an erratum must affect if the manual prints it."""
+
+    path: Path
+    affected: str
+    problem: str
+
+
+def _field_faults(sent_fields: list[tuple[Path, Spec]], crcs: Mapping[str, Spec], frame_path: str) -> Iterator[_Fault]:
+    """Yield the errors of single fields of a frame."""
     for path, field in sent_fields:
         name = field.get("name")
         if name in _FLAGS and field.get("active") == "high":
             problem = f"{quoted(name)} is active high, but in BiSS it is active low; write 'active: low'"
-            yield (*path, "active"), f"{frame_path}.{name}", problem
+            yield _Fault((*path, "active"), f"{frame_path}.{name}", problem)
         if "crc_of" in field:
             problem = (
                 f"{quoted(name)} has 'crc_of', but in BiSS the CRC covers everything before it; leave 'crc_of' out"
             )
-            yield (*path, "crc_of"), f"{frame_path}.{name}", problem
+            yield _Fault((*path, "crc_of"), f"{frame_path}.{name}", problem)
         crc = crcs.get(field["crc"], {}) if "crc" in field else {}
-        for key, correction, reason in _crc_faults(crc):
-            if key == "xorout" and crc[key] in _INVERTED:
-                problem = _inverts_another_width(field["crc"], crc, correction)
-                yield (*path, "crc"), f"crcs.{field['crc']}.{key}", problem
-                continue
-            value_text = f"{crc[key]:#x}" if crc[key] and key == "xorout" else str(crc[key]).lower()
-            problem = f"the CRC {quoted(field['crc'])} has {quoted(key)} {value_text}, but BiSS sends the CRC {reason}"
-            yield (*path, "crc"), f"crcs.{field['crc']}.{key}", f"{problem}; write '{key}: {correction}'"
-    if {"error", "warning"} <= set(names) and names.index("error") > names.index("warning"):
+        for key, problem in _crc_faults(field.get("crc", ""), crc):
+            yield _Fault((*path, "crc"), f"crcs.{field['crc']}.{key}", problem)
+
+
+def _order_faults(sent_fields: list[tuple[Path, Spec]], frame_name: Path, frame_path: str) -> Iterator[_Fault]:
+    """Yield the errors of a frame with nW before nE, or without a CRC. ``frame_name`` is the place of its name."""
+    names = [field.get("name") for _, field in sent_fields]
+    if "error" in names and "warning" in names and names.index("error") > names.index("warning"):
         path, _ = sent_fields[names.index("warning")]
-        yield path, f"{frame_path}.warning", "'warning' is before 'error', but BiSS sends nE before nW; swap the two"
+        problem = "'warning' is before 'error', but BiSS sends nE before nW; swap the two"
+        yield _Fault(path, f"{frame_path}.warning", problem)
     if not any("crc" in field for _, field in sent_fields):
         correction = "add a last field such as {name: crc, crc: NAME}"
-        yield start, f"{frame_path}.fields", f"the frame has no CRC, but a BiSS frame ends with one; {correction}"
+        problem = f"the frame has no CRC, but a BiSS frame ends with one; {correction}"
+        yield _Fault(frame_name, f"{frame_path}.fields", problem)
 
 
-def _late_positions(
-    sent_fields: list[tuple[Path, Spec]], positions: set[str], frame_path: str
-) -> Iterator[tuple[Path, str, str]]:
-    """Yield the first part of the position that is sent after nE or nW, like ``_frame_faults``."""
-    flag = ""
+def _late_positions(sent_fields: list[tuple[Path, Spec]], positions: set[str], frame_path: str) -> Iterator[_Fault]:
+    """Yield an error for the first part of the position that is sent after nE or nW."""
+    first_flag = None
     for path, field in sent_fields:
         name = str(field.get("name"))
-        if name in _FLAGS:
-            flag = flag or name
-        elif flag and name in positions:
-            problem = f"{quoted(name)} is after {quoted(flag)}, but BiSS sends the position before nE and nW"
-            yield path, f"{frame_path}.{name}", f"{problem}; move it before {quoted(flag)}"
+        if first_flag is None:
+            first_flag = name if name in _FLAGS else None
+        elif name in positions and name not in _FLAGS:
+            problem = f"{quoted(name)} is after {quoted(first_flag)}, but BiSS sends the position before nE and nW"
+            yield _Fault(path, f"{frame_path}.{name}", f"{problem}; move it before {quoted(first_flag)}")
             return
 
 
-def _inverts_another_width(name: str, crc: Spec, expected_xorout: str) -> str:
+def _inverts_another_width(name: str, crc: Spec) -> str:
     """Return the message about a CRC whose width and inversion are those of two CRCs."""
-    inverted, width = _INVERTED[crc["xorout"]], crc["width"]
-    problem = f"the CRC {quoted(name)} has 'width' {width}, but its 'xorout' {crc['xorout']:#x} inverts {inverted} bits"
-    return (
-        f"{problem}; write 'width: {inverted}', or 'xorout: {expected_xorout}' if the manual has a CRC of {width} bits"
+    inverted_bits, width = _INVERTED[crc["xorout"]], crc["width"]
+    problem = (
+        f"the CRC {quoted(name)} has 'width' {width}, but its 'xorout' {crc['xorout']:#x} inverts {inverted_bits} bits"
     )
+    xorout = f"'xorout: {_all_ones(width):#x}' if the manual has a CRC of {width} bits"
+    return f"{problem}; write 'width: {inverted_bits}', or {xorout}"
 
 
-def _crc_faults(crc: Spec) -> Iterator[tuple[str, str, str]]:
-    """Yield the keys of a CRC that contradict BiSS, each with the value to write and the reason."""
+def _all_ones(width: int) -> int:
+    return (1 << width) - 1
+
+
+def _crc_faults(name: str, crc: Spec) -> Iterator[tuple[str, str]]:
+    """Yield the keys of a CRC that contradict BiSS, each with the message. The data may have any shape."""
     width, xorout = crc.get("width"), crc.get("xorout")
-    if isinstance(width, int) and 0 < width <= 64 and isinstance(xorout, int) and xorout < (1 << width) - 1:
-        yield "xorout", f"{(1 << width) - 1:#x}", "inverted"
+    is_valid = isinstance(width, int) and 0 < width <= 64 and isinstance(xorout, int)
+    if is_valid and crc["xorout"] < _all_ones(crc["width"]):
+        if xorout in _INVERTED:
+            yield "xorout", _inverts_another_width(name, crc)
+        else:
+            value = f"{xorout:#x}" if xorout else "0"
+            problem = f"the CRC {quoted(name)} has 'xorout' {value}, but BiSS sends the CRC inverted"
+            yield "xorout", f"{problem}; write 'xorout: {_all_ones(crc['width']):#x}'"
     for key in ("refin", "refout"):
         if crc.get(key) is True:
-            yield key, "false", "most significant bit first"
+            problem = (
+                f"the CRC {quoted(name)} has {quoted(key)} true, but BiSS sends the CRC most significant bit first"
+            )
+            yield key, f"{problem}; write '{key}: false'"
 
 
 def _names(sent_fields: list[tuple[Path, Spec]]) -> set[str]:
@@ -200,20 +226,10 @@ def biss_control(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         name = field.get("name")
         width = _WIDTHS.get(str(name))
         if width is not None and isinstance(field.get("bits"), int) and field["bits"] != width:
-            report.add(
-                "biss-protocol",
-                (*field_path, "bits"),
-                f"{quoted(name)} has {field['bits']} bits; in the BiSS control frame it has {width}",
-            )
+            message = f"{quoted(name)} has {field['bits']} bits; in the BiSS control frame it has {width}"
+            report.add("biss-protocol", (*field_path, "bits"), message)
         if name == "rw":
-            for word, value in mapping(field, "values").items():
-                direction_bits = _DIRECTIONS.get(word, value["value"])
-                if value["value"] != direction_bits:
-                    problem = (
-                        f"{quoted(word)} is {value['value']:02b}; in the BiSS control frame, 01 means write and 10"
-                        " means read"
-                    )
-                    report.add("biss-protocol", (*field_path, "values", word, "value"), problem)
+            _check_directions(field_path, field, report)
         crc = crcs.get(field.get("crc", ""))
         if crc is not None and any(crc.get(key) != value for key, value in _CONTROL_CRC.items()):
             problem = (
@@ -221,3 +237,11 @@ def biss_control(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 " reflected, xorout 0xF; write these numbers. If the manual prints others, add an erratum with both"
             )
             report.add("biss-protocol", (*field_path, "crc"), problem)
+
+
+def _check_directions(field_path: Path, field: Spec, report: DocumentReport) -> None:
+    """Check the bits of the names read and write in the field of a control frame that selects one of them."""
+    for name, value in mapping(field, "values").items():
+        if name in _DIRECTIONS and value["value"] != _DIRECTIONS[name]:
+            problem = f"{quoted(name)} is {value['value']:02b}; in the BiSS control frame, 01 means write and 10"
+            report.add("biss-protocol", (*field_path, "values", name, "value"), f"{problem} means read")

@@ -32,39 +32,43 @@ def check_master(data: Raw, report: DocumentReport) -> None:
             _check_source(node["source"], (*path, "source"), data, report)
         if isinstance(node.get("item"), str):
             _check_limit(node, path, report)
-    for index, note in enumerate(data.get("notes", ())):
-        _check_braces(note["text"], _ITEMS, ("notes", index, "text"), report)
-    for path, node in _nodes(data, ()):
         for index, place in enumerate(node.get("places", ())):
             _check_place(place, (*path, "places", index), data, report)
+    for index, note in enumerate(data.get("notes", ())):
+        _check_braces(note["text"], _ITEMS, ("notes", index, "text"), report)
     for index, setting in enumerate(data.get("settings", ())):
         _check_setting(setting, _written_setting(index, report), ("settings", index), report)
     _check_writing(data, report)
-    formats: set[str] = set()
+    _check_files(data, report)
+
+
+def _check_files(data: Raw, report: DocumentReport) -> None:
+    """Check that each format is listed once, with what it needs."""
+    listed_formats: set[str] = set()
     for index, file in enumerate(data.get("files", ())):
-        if file["format"] in formats:
+        if file["format"] in listed_formats:
             report.add("duplicate-name", ("files", index, "format"), f"{quoted(file['format'])} is listed twice")
-        formats.add(file["format"])
+        listed_formats.add(file["format"])
         _check_file(file, ("files", index), data, report)
 
 
 def _written_setting(index: int, report: DocumentReport) -> Raw:
     """Return a setting as written. The checked data no longer has values rejected by the schema."""
     original_indices = report.document.kept_indices.get(("settings",))
-    written_setting: Raw = report.document.data["settings"][
-        index if original_indices is None else original_indices[index]
-    ]
+    if original_indices is not None:
+        index = original_indices[index]
+    written_setting: Raw = report.document.data["settings"][index]
     return written_setting
 
 
 def _check_name(data: Raw, report: DocumentReport) -> None:
+    """Check that a master and its file have the same name."""
     stem = PurePath(report.document.file).stem
     if "master" in data and data["master"] != stem:
-        report.add(
-            "device-name",
-            ("master",),
-            f"the master is called '{data['master']}', but the file is called '{stem}'; use the same name for both",
+        message = (
+            f"the master is called '{data['master']}', but the file is called '{stem}'; use the same name for both"
         )
+        report.add("device-name", ("master",), message)
 
 
 def _nodes(node: Any, path: Path) -> Iterator[tuple[Path, Raw]]:
@@ -102,19 +106,26 @@ def _check_limit(node: Raw, path: Path, report: DocumentReport) -> None:
     name = node["item"]
     if not _is_item(name, (*path, "item"), report):
         return
-    conditions = [key for key in ("is", *_FOR_NUMBERS) if key in node]
-    allowed_conditions = ("is",) if name in WORDS else _FOR_NUMBERS
-    allowed_text = listed(map(quoted, allowed_conditions), "or")
-    for key in conditions:
-        if key not in allowed_conditions:
-            noun = "word" if name in WORDS else "number"
-            report.add("not-allowed", (*path, key), f"'{name}' is a {noun}; use {allowed_text}", at_key=True)
-    if not conditions:
+    is_word = name in WORDS
+    kind, allowed_keys = ("word", ("is",)) if is_word else ("number", _FOR_NUMBERS)
+    used_keys = [key for key in ("is", *_FOR_NUMBERS) if key in node]
+    allowed_text = listed(map(quoted, allowed_keys), "or")
+    for key in used_keys:
+        if key not in allowed_keys:
+            report.add("not-allowed", (*path, key), f"'{name}' is a {kind}; use {allowed_text}", at_key=True)
+    if not used_keys:
         report.add("missing-key", path, f"no condition for '{name}'; add {allowed_text}")
-    for index, word in enumerate(node.get("is", ()) if name in WORDS else ()):
-        _check_word(word, name, (*path, "is", index), report)
-    if node.get("at_least", 0) > node.get("at_most", node.get("at_least", 0)):
-        report.add("value-clash", (*path, "at_most"), f"'at_most' is less than 'at_least', which is {node['at_least']}")
+    if is_word:
+        for index, word in enumerate(node.get("is", ())):
+            _check_word(word, name, (*path, "is", index), report)
+    _check_bounds(node, "at_least", "at_most", path, report)
+
+
+def _check_bounds(node: Raw, low_key: str, high_key: str, path: Path, report: DocumentReport) -> None:
+    """Check that the highest number under two keys is not less than the lowest one. Either may be missing."""
+    low, high = node.get(low_key, 0), node.get(high_key)
+    if high is not None and high < low:
+        report.add("value-clash", (*path, high_key), f"'{high_key}' is less than '{low_key}', which is {low}")
 
 
 def _check_word(word: int | str, name: str, path: Path, report: DocumentReport) -> bool:
@@ -156,13 +167,8 @@ def _check_setting_value(setting: Raw, written: Raw, path: Path, report: Documen
         _check_braces(setting["text"], _ITEMS, (*path, "text"), report)
     if "string" in setting:
         _check_string(setting["string"], (*path, "string"), report)
-    clock = setting.get("any_clock", {})
-    if clock.get("at_least_hz", 0) > clock.get("at_most_hz", clock.get("at_least_hz", 0)):
-        report.add(
-            "value-clash",
-            (*path, "any_clock", "at_most_hz"),
-            f"'at_most_hz' is less than 'at_least_hz', which is {clock['at_least_hz']}",
-        )
+    if "any_clock" in setting:
+        _check_bounds(setting["any_clock"], "at_least_hz", "at_most_hz", (*path, "any_clock"), report)
 
 
 def _check_place(place: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
@@ -175,87 +181,108 @@ def _check_place(place: Raw, path: Path, data: Raw, report: DocumentReport) -> N
         report.add("setting-shape", (*path, "where"), message, at_key=True)
     _check_object_and_bits(place, path, report)
     _check_channels(place, path, data, report)
-    symbols = place.get("symbol", [])
-    for text in symbols if isinstance(symbols, list) else [symbols]:
+    symbol = place.get("symbol", [])
+    symbol_of_each_channel = symbol if isinstance(symbol, list) else [symbol]
+    for text in symbol_of_each_channel:
         _check_braces(text, _ITEMS, (*path, "symbol"), report)
 
 
 def _check_object_and_bits(place: Raw, path: Path, report: DocumentReport) -> None:
     """Check that the index, the bits and the limits of a place are complete and possible."""
-    if ("index" in place) != ("subindex" in place):
+    has_index, has_subindex = "index" in place, "subindex" in place
+    if has_index != has_subindex:
         report.add("setting-shape", path, "use 'index' and 'subindex' together or not at all")
-    if (place.get("type") == "bits") != ("at" in place):
+    is_bits, has_bit_range = place.get("type") == "bits", "at" in place
+    if is_bits != has_bit_range:
         report.add("setting-shape", path, "use the type 'bits' and the key 'at' together or not at all")
-    if not _BITS.fullmatch(str(place.get("at", 0))):
+    if has_bit_range and not _BITS.fullmatch(str(place["at"])):
         report.add("setting-shape", (*path, "at"), "'at' is a bit number, or a range such as 7:6")
-    if place.get("min", 0) > place.get("max", place.get("min", 0)):
-        report.add("value-clash", (*path, "max"), f"'max' is less than 'min', which is {place['min']}")
+    _check_bounds(place, "min", "max", path, report)
 
 
 def _check_channels(place: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
     """Check that a place is on known devices, with one entry for each of their channels."""
-    channels = {device["name"]: len(device.get("channels", ("",))) for device in data.get("devices", ())}
-    channels = channels or {data.get("title", ""): 1}
+    channel_counts: dict[str, int] = {}
+    for device in data.get("devices", ()):
+        channel_counts[device["name"]] = len(device["channels"]) if "channels" in device else 1
+    if not channel_counts:  # Without devices, the master itself is one.
+        channel_counts = {data.get("title", ""): 1}
     for index, name in enumerate(place.get("on", ())):
-        if name not in channels:
-            message = f"there is no device {quoted(name)}{suggestion(name, channels)}"
+        if name not in channel_counts:
+            message = f"there is no device {quoted(name)}{suggestion(name, channel_counts)}"
             report.add("undefined-reference", (*path, "on", index), message)
+    used_devices = [name for name in channel_counts if name in place.get("on", channel_counts)]
     for key in ("index", "subindex", "symbol", "register", "address"):
-        entries = place.get(key)
-        for name, number in channels.items():
-            if isinstance(entries, list) and name in place.get("on", channels) and len(entries) != number:
-                message = f"'{key}' needs one entry for each channel of {name}, which has {counted(number, 'channel')}"
+        values = place.get(key)
+        if not isinstance(values, list):
+            continue
+        for name in used_devices:
+            count = channel_counts[name]
+            if len(values) != count:
+                message = f"'{key}' needs one entry for each channel of {name}, which has {counted(count, 'channel')}"
                 report.add("setting-shape", (*path, key), message, at_key=True)
 
 
 def _check_file(file: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
     """Check that a file names existing devices and settings, and has the names that its format needs."""
-    devices = [device["name"] for device in data.get("devices", ())] or [data.get("title", "")]
+    devices = [device["name"] for device in data.get("devices", ())]
+    if not devices:  # Without devices, the master itself is one.
+        devices = [data.get("title", "")]
     for index, name in enumerate(file.get("on", ())):
         if name not in devices:
             message = f"there is no device {quoted(name)}{suggestion(name, devices)}"
             report.add("undefined-reference", (*path, "on", index), message)
-    names = tuple(dict.fromkeys(setting["name"] for setting in data.get("settings", ())))
     for key in ("names", "words"):
         for name in file.get(key, ()):
-            if name not in names:
-                message = f"there is no setting {quoted(name)}{suggestion(name, names)}"
-                report.add("undefined-reference", (*path, key, name), message, at_key=True)
+            _check_setting_name(name, (*path, key, name), data, report, at_key=True)
     needs_names = FILE_FORMATS[file["format"]].needs == "name"
-    if needs_names != ("names" in file):
-        fault = "needs 'names'" if needs_names else "has no names of its own; remove 'names'"
-        report.add("setting-shape", path, f"the format {quoted(file['format'])} {fault}")
-    _check_braces(file.get("line", ""), tuple(file.get("names", {}).values()), (*path, "line"), report)
+    if needs_names and "names" not in file:
+        report.add("setting-shape", path, f"the format {quoted(file['format'])} needs 'names'")
+    elif "names" in file and not needs_names:
+        message = f"the format {quoted(file['format'])} has no names of its own; remove 'names'"
+        report.add("setting-shape", path, message)
+    names_in_file = tuple(file.get("names", {}).values())
+    _check_braces(file.get("line", ""), names_in_file, (*path, "line"), report)
+
+
+def _check_setting_name(name: str, path: Path, data: Raw, report: DocumentReport, *, at_key: bool = False) -> None:
+    """Check that there is a setting of this name."""
+    names = [setting["name"] for setting in data.get("settings", ())]
+    if name not in names:
+        message = f"there is no setting {quoted(name)}{suggestion(name, names)}"
+        report.add("undefined-reference", path, message, at_key=at_key)
 
 
 def _check_writing(data: Raw, report: DocumentReport) -> None:
     """Check that write conditions have one kind, name existing settings, and define an order without cycles."""
-    names = tuple(dict.fromkeys(setting["name"] for setting in data.get("settings", ())))
-    order: dict[str, set[str]] = {}
-    for index, rule in enumerate(data.get("writing", ())):
+    earlier_settings: dict[str, set[str]] = {}
+    for index, condition in enumerate(data.get("writing", ())):
         path: Path = ("writing", index)
-        kinds = [key for key in _WRITING if key in rule]
-        if len(kinds) != 1:
-            if kinds:
-                fault = f"has {listed(map(quoted, kinds))}; keep one of them"
-            else:
-                fault = f"is empty; add {listed(map(quoted, _WRITING), 'or')}"
-            report.add("writing-shape", path, f"a write condition {fault}")
-        for key in ("of", "after"):
-            for place, name in enumerate(rule.get(key, ())):
-                if name not in names:
-                    message = f"there is no setting {quoted(name)}{suggestion(name, names)}"
-                    report.add("undefined-reference", (*path, key, place), message)
-        if "after" in rule and "of" not in rule:
-            report.add("writing-shape", path, "'after' also needs 'of', the settings to write later")
-        for name in rule.get("of", ()):
-            order.setdefault(name, set()).update(rule.get("after", ()))
+        _check_write_condition(condition, path, data, report)
+        for name in condition.get("of", ()):
+            earlier_settings.setdefault(name, set()).update(condition.get("after", ()))
         try:
-            TopologicalSorter(order).prepare()
+            TopologicalSorter(earlier_settings).prepare()
         except CycleError as error:
             circle = " after ".join(quoted(name) for name in reversed(error.args[1]))
             report.add("value-clash", (*path, "after"), f"circular order: {circle}")
-            order.clear()
+            earlier_settings.clear()  # Each circle is reported once.
+
+
+def _check_write_condition(condition: Raw, path: Path, data: Raw, report: DocumentReport) -> None:
+    """Check that a write condition has one kind and names existing settings."""
+    kinds = [key for key in _WRITING if key in condition]
+    if not kinds:
+        message = f"a write condition is empty; add {listed(map(quoted, _WRITING), 'or')}"
+        report.add("writing-shape", path, message)
+    elif len(kinds) > 1:
+        message = f"a write condition has {listed(map(quoted, kinds))}; keep one of them"
+        report.add("writing-shape", path, message)
+    for key in ("of", "after"):
+        for index, name in enumerate(condition.get(key, ())):
+            _check_setting_name(name, (*path, key, index), data, report)
+    if "after" in condition and "of" not in condition:
+        report.add("writing-shape", path, "'after' also needs 'of', the settings to write later")
 
 
 def _check_expression(value: int | str, path: Path, report: DocumentReport) -> None:
@@ -269,6 +296,7 @@ def _check_expression(value: int | str, path: Path, report: DocumentReport) -> N
 
 
 def _check_choice(choice: Raw, path: Path, report: DocumentReport) -> None:
+    """Check that a choice has one case for each value, and only values that its item can have."""
     name = choice["of"]
     if not _is_item(name, (*path, "of"), report):
         return
@@ -276,24 +304,30 @@ def _check_choice(choice: Raw, path: Path, report: DocumentReport) -> None:
     for index, case in enumerate(choice["cases"]):
         value_path = (*path, "cases", index, "is")
         value = case["is"]
-        if name in WORDS and not _check_word(value, name, value_path, report):
-            pass
-        elif name in NUMBERS and not isinstance(value, int):
-            report.add("wrong-type", value_path, f"'{name}' must be a number; {quoted(value)} is not one")
-        elif value in earlier_values:
+        is_valid = _check_case_value(name, value, value_path, report)
+        if is_valid and value in earlier_values:
             report.add("duplicate-name", value_path, f"{quoted(value)} already has a case")
         earlier_values.add(value)
 
 
+def _check_case_value(name: str, value: int | str, path: Path, report: DocumentReport) -> bool:
+    """Return True if an item can have this value, otherwise report it."""
+    if name in WORDS:
+        return _check_word(value, name, path, report)
+    if not isinstance(value, int):
+        report.add("wrong-type", path, f"'{name}' must be a number; {quoted(value)} is not one")
+        return False
+    return True
+
+
 def _check_string(rule: Raw, path: Path, report: DocumentReport) -> None:
+    """Check that a text composed of the fields of a frame has the position and only known names in braces."""
     _check_braces(rule.get("start", ""), _ITEMS, (*path, "start"), report)
     kinds = {field["of"] for field in rule["fields"]}
-    if "position" not in kinds and not {"multiturn", "singleturn"} <= kinds:
-        report.add(
-            "missing-key",
-            (*path, "fields"),
-            "there is no entry for the position; add one for position, or for multiturn and singleturn",
-        )
+    has_position = "position" in kinds or ("multiturn" in kinds and "singleturn" in kinds)
+    if not has_position:
+        message = "there is no entry for the position; add one for position, or for multiturn and singleturn"
+        report.add("missing-key", (*path, "fields"), message)
     for index, field in enumerate(rule["fields"]):
         _check_braces(field["text"], ("bits", "name", *_ITEMS), (*path, "fields", index, "text"), report)
 

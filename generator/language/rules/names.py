@@ -33,6 +33,13 @@ _INNER_LISTS = (
     ("leds", "states", "state", "a state"),
 )
 
+#: Keys of a data ID that must be unique, each with the word for such a data ID.
+_DATA_ID_LABELS = (
+    ("name", "a data ID"),
+    ("id", "a data ID with the number"),
+    ("control", "a data ID with the control field"),
+)
+
 #: Family names reserved by an output, with the reason.
 TAKEN = {
     "encoder": "the C header that all families share",
@@ -74,54 +81,54 @@ def duplicate_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that names are unique among items of one kind."""
     for key, word, label in _LISTS:
         _check_unique(_labels(items(spec, key), label), word, report)
-    _check_unique(_labels(((layout.path, layout.owner) for layout in layouts(spec)), "name"), "a layout", report)
+    named_layouts = [(layout.path, layout.owner) for layout in layouts(spec)]
+    _check_unique(_labels(named_layouts, "name"), "a layout", report)
     for interface in mapping(spec, "interfaces"):
         _check_unique(_labels(items(spec, "interfaces", interface, "timings"), "name"), "a timing", report)
-        for key, word in (
-            ("name", "a data ID"),
-            ("id", "a data ID with the number"),
-            ("control", "a data ID with the control field"),
-        ):
-            _check_unique(_labels(items(spec, "interfaces", interface, "data_ids"), key), word, report)
-    for key, label in (("editions", "language"), ("history", "revision")):
-        _check_unique(_labels(items(spec, "manual", key), label), f"a {label}", report)
+        for label, word in _DATA_ID_LABELS:
+            _check_unique(_labels(items(spec, "interfaces", interface, "data_ids"), label), word, report)
+    _check_unique(_labels(items(spec, "manual", "editions"), "language"), "a language", report)
+    _check_unique(_labels(items(spec, "manual", "history"), "revision"), "a revision", report)
     _check_unique(_labels(items(spec, "order_code", "parts"), "name"), "a part", report)
-    for key, inner, label, word in _INNER_LISTS:
+    for key, inner_key, label, word in _INNER_LISTS:
         for path, owner in items(spec, key):
-            entries = [((*path, *inner_path), inner_spec) for inner_path, inner_spec in items(owner, inner)]
-            _check_unique(_labels(entries, label), word, report)
+            inner_items = [((*path, *inner_path), inner) for inner_path, inner in items(owner, inner_key)]
+            _check_unique(_labels(inner_items, label), word, report)
 
 
 def duplicate_field(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that fields, joins and runs of digits of a layout have unique names, as a decoder returns all of them."""
     groups = by_name(spec, "field_groups")
     for fields in field_lists(spec):
-        use_paths = {path for path, field in fields if "use" in field}
         named_values: list[Named] = []
+        use_paths = {path for path, field in fields if "use" in field}
         for path, field in expanded(fields, groups):
-            place = (*path, "name") if path not in use_paths else path
-            named_values.append((place, field.get("name")))
-            named_values += (((*path, *run_path, "name"), run["name"]) for run_path, run in items(field, "digits"))
-        named_values += (((*fields.path, "join", name), name) for name in mapping(fields.owner, "join"))
+            # A name in a group is reported at its use, because that is what makes it occur twice.
+            name_path = path if path in use_paths else (*path, "name")
+            named_values.append((name_path, field.get("name")))
+            named_values += [((*path, *run_path, "name"), run["name"]) for run_path, run in items(field, "digits")]
+        named_values += [((*fields.path, "join", name), name) for name in mapping(fields.owner, "join")]
         _check_unique(named_values, "a field", report)
 
 
 def duplicate_selection(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that each value of the selecting field identifies one frame of its sender."""
-    first_layouts: dict[tuple[str, object, object], object] = {}
+    first_names: dict[tuple[str, object, object], object] = {}
     for layout in layouts(spec):
+        name, sender = layout.owner["name"], layout.owner.get("from")
         for selector, values in mapping(layout.owner, "when").items():
             for index, value in enumerate(values):
-                key = (layout.interface, layout.owner.get("from"), value)
-                name = layout.owner["name"]
-                first_layout = first_layouts.setdefault(key, name)
-                if first_layout != name or value in values[:index]:
-                    fault = "listed" if first_layout == name else f"used by {quoted(first_layout)}"
-                    message = (
-                        f"{quoted(selector)} {value} is already {fault}; "
-                        f"use each value for only one frame of the {key[1]}"
-                    )
-                    report.add("duplicate-name", (*layout.path, "when", selector, index), message)
+                first_name = first_names.setdefault((layout.interface, sender, value), name)
+                if first_name != name:
+                    fault = f"used by {quoted(first_name)}"
+                elif value in values[:index]:
+                    fault = "listed"
+                else:
+                    continue
+                message = (
+                    f"{quoted(selector)} {value} is already {fault}; use each value for only one frame of the {sender}"
+                )
+                report.add("duplicate-name", (*layout.path, "when", selector, index), message)
 
 
 def duplicate_address(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -129,27 +136,43 @@ def duplicate_address(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
     A read-only and a write-only register may have the same address.
     """
-    registers = sorted(items(spec, "registers"), key=lambda path_and_register: path_and_register[1]["address"])
-    for index, (path, register) in enumerate(registers):
-        for other_path, other_register in reversed(registers[max(0, index - 128) : index]):
-            if (
-                _address_space(other_register) != _address_space(register)
-                or last_address(other_register) < register["address"]
-            ):
+    by_address = sorted(items(spec, "registers"), key=lambda path_and_register: path_and_register[1]["address"])
+    for index, (path, register) in enumerate(by_address):
+        # Registers are short, so only the nearest ones can overlap. The limit bounds the time for long lists.
+        for lower_path, lower_register in reversed(by_address[max(0, index - 128) : index]):
+            if not _share_a_byte(lower_register, register):
                 continue
-            accesses = {register["access"], other_register["access"]}
-            if register["address"] == other_register["address"] and accesses == {"read_only", "write_only"}:
-                continue
-            earlier, later = (other_path, other_register), (path, register)
-            if path < other_path:
-                earlier, later = later, earlier
-            line = report.document.position(earlier[0])[0]
-            message = (
-                f"{_address_range(later[1])} overlap{'s' if later[1]['address'] == last_address(later[1]) else ''} "
-                f"{quoted(earlier[1]['name'])} on line {line}, which has {_address_range(earlier[1])}"
-            )
-            report.add("duplicate-address", (*later[0], "address"), message)
+            # The one that comes later in the file is reported.
+            if path < lower_path:
+                _report_overlap(lower_path, lower_register, path, register, report)
+            else:
+                _report_overlap(path, register, lower_path, lower_register, report)
             break
+
+
+def _share_a_byte(lower_register: Spec, register: Spec) -> bool:
+    """Return True if a register has an address of one that begins at the same address or below, and must not."""
+    if _address_space(lower_register) != _address_space(register):
+        return False
+    if last_address(lower_register) < register["address"]:
+        return False
+    accesses = {register["access"], lower_register["access"]}
+    is_read_write_pair = accesses == {"read_only", "write_only"}
+    return not (is_read_write_pair and register["address"] == lower_register["address"])
+
+
+def _report_overlap(
+    path: Path, register: Spec, earlier_path: Path, earlier_register: Spec, report: DocumentReport
+) -> None:
+    """Report a register that overlaps one that comes earlier in the file."""
+    line, _ = report.document.position(earlier_path)
+    has_one_address = register["address"] == last_address(register)
+    verb = "overlaps" if has_one_address else "overlap"
+    message = (
+        f"{_address_range(register)} {verb} {quoted(earlier_register['name'])} on line {line}, "
+        f"which has {_address_range(earlier_register)}"
+    )
+    report.add("duplicate-address", (*path, "address"), message)
 
 
 def value_clash(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -164,9 +187,10 @@ def value_clash(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                     report.add("value-clash", (*path, "values", name, "value"), message)
 
 
-def _labels(entries: Iterable[tuple[Path, Spec]], label: str) -> Iterator[Named]:
-    """Yield the label of each entry with its path."""
-    return (((*path, label), spec[label]) for path, spec in entries)
+def _labels(owners: Iterable[tuple[Path, Spec]], label: str) -> Iterator[Named]:
+    """Yield the value under the key ``label`` of each item, with its path."""
+    for path, owner in owners:
+        yield (*path, label), owner[label]
 
 
 def _check_unique(named_values: Iterable[Named], word: str, report: DocumentReport) -> None:
@@ -176,15 +200,13 @@ def _check_unique(named_values: Iterable[Named], word: str, report: DocumentRepo
         if value is None:
             continue
         first_path = first_paths.setdefault(value, path)
-        if first_path != path:
-            value_text = f"{value:#04x}" if isinstance(value, int) else quoted(value)
-            line = report.document.position(first_path)[0]
-            report.add(
-                "duplicate-name",
-                path,
-                f"there is already {word} {value_text} on line {line}; rename one of them",
-                at_key=path[-2] == "join",
-            )
+        if first_path == path:
+            continue
+        value_text = f"{value:#04x}" if isinstance(value, int) else quoted(value)
+        line, _ = report.document.position(first_path)
+        message = f"there is already {word} {value_text} on line {line}; rename one of them"
+        is_key_of_join = path[-2] == "join"
+        report.add("duplicate-name", path, message, at_key=is_key_of_join)
 
 
 def _address_space(register: Spec) -> tuple[str, object]:

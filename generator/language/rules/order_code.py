@@ -12,30 +12,33 @@ from typing import Any
 from ...model.expressions import Expression, ExpressionError
 from ..document import Path
 from ..problems import WORDS_ONLY, DocumentReport, quoted
-from .references import NameResolver
+from .name_resolver import NameResolver
 from .walk import Spec, by_name, items, mapping
 
 
 def order_code_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of order code values: parameters, interfaces, other parts and their values."""
-    resolver, parts = NameResolver(raw, report), by_name(raw, "order_code", "parts")
-
-    def refer_to_parts(path: Path, part: Spec, combined: Spec) -> None:
-        for name in combined:
-            resolver.refer(
-                (*path, name), "other part", name, [other_part for other_part in parts if other_part != part["name"]]
-            )
-            if name in parts:
-                resolver.refer_by(name, path, combined, name, mapping(parts[name], "values"))
-
-    for path, part in items(spec, "order_code", "parts"):
-        refer_to_parts((*path, "open_only_with"), part, mapping(part, "open_only_with"))
+    resolver, parts = NameResolver(raw, report), by_name(raw, *_PARTS)
+    for path, part in items(spec, *_PARTS):
+        own_name = part["name"]
+        _check_parts(resolver, (*path, "open_only_with"), mapping(part, "open_only_with"), own_name, parts)
         for text, value in part["values"].items():
             value_path = (*path, "values", text)
             for name in mapping(value, "sets"):
                 resolver.refer((*value_path, "sets", name), "parameter", name)
             resolver.refer_by("interface", value_path, value, "interface")
-            refer_to_parts((*value_path, "only_with"), part, mapping(value, "only_with"))
+            _check_parts(resolver, (*value_path, "only_with"), mapping(value, "only_with"), own_name, parts)
+
+
+def _check_parts(
+    resolver: NameResolver, path: Path, texts_by_part: Spec, own_name: str, parts: Mapping[str, Spec]
+) -> None:
+    """Check that the parts with which a value can be combined exist, and that they have the listed values."""
+    other_parts = [name for name in parts if name != own_name]
+    for name in texts_by_part:
+        resolver.refer((*path, name), "other part", name, other_parts)
+        if name in parts:
+            resolver.refer_by(name, path, texts_by_part, name, mapping(parts[name], "values"))
 
 
 #: Largest number of codes of one family. More indicate an error, as the largest catalogue pages list a few hundred.
@@ -69,38 +72,48 @@ class _Code:
     @property
     def set_parameters(self) -> list[str]:
         """Names of the parameters that its parts set, with duplicates."""
-        return [name for _, _, value in self.chosen for name in mapping(value, "sets")]
+        names: list[str] = []
+        for _, _, value in self.chosen:
+            names += mapping(value, "sets")
+        return names
 
 
 def parameter_cycle(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that no parameter is defined by itself."""
-    parameters = mapping(spec, "parameters")
-    formulas = {name: parameter["equals"] for name, parameter in parameters.items() if "equals" in parameter}
-    definitions = {name: _parameters_in(formula) for name, formula in formulas.items()}
+    definitions: dict[str, tuple[str, ...]] = {}
+    for name, parameter in mapping(spec, "parameters").items():
+        if "equals" in parameter:
+            definitions[name] = _parameters_in(parameter["equals"])
     settled: set[str] = set()
-    for start in definitions:
-        trail: list[str] = []
-        name: str | None = start
-        # Depth first, without recursion: a long chain of parameters must not exhaust the stack.
-        stack = [iter((start,))]
-        while stack:
-            name = next(stack[-1], None)
-            if name is None:
-                stack.pop()
-                if trail:
-                    settled.add(trail.pop())
-            elif name in trail:
-                loop = [*trail[trail.index(name) :], name]
-                report.add(
-                    "parameter-cycle",
-                    ("parameters", loop[0], "equals"),
-                    f"circular definition of parameter: {' -> '.join(loop)}",
-                )
-                settled.update(trail)
-                break
-            elif name in definitions and name not in settled:
-                trail.append(name)
-                stack.append(iter(definitions[name]))
+    for name in definitions:
+        cycle = _find_cycle(name, definitions, settled)
+        if cycle:
+            message = f"circular definition of parameter: {' -> '.join(cycle)}"
+            report.add("parameter-cycle", ("parameters", cycle[0], "equals"), message)
+
+
+def _find_cycle(start: str, definitions: Mapping[str, tuple[str, ...]], settled: set[str]) -> list[str]:
+    """Return the parameters of a cycle that is reached from ``start``, with the first one also at the end, or none.
+
+    Every parameter that is visited is added to ``settled``, because each cycle is reported once.
+    """
+    # Depth first, without recursion: a long chain of parameters must not exhaust the stack.
+    # ``trail`` has the open definitions, and ``pending`` an iterator for each of them and for the start.
+    trail: list[str] = []
+    pending = [iter((start,))]
+    while pending:
+        name = next(pending[-1], None)
+        if name is None:
+            pending.pop()
+            if trail:
+                settled.add(trail.pop())
+        elif name in trail:
+            settled.update(trail)
+            return [*trail[trail.index(name) :], name]
+        elif name in definitions and name not in settled:
+            trail.append(name)
+            pending.append(iter(definitions[name]))
+    return []
 
 
 def order_code_pattern(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -114,19 +127,11 @@ def order_code_pattern(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         return
     codes = _codes(spec)
     if codes is None:
-        report.add(
-            "order-code-pattern",
-            _PARTS,
-            f"the parts combine to more than {MAX_CODES} order codes; use 'open' for parts with open values",
-            at_key=True,
-        )
+        message = f"the parts combine to more than {MAX_CODES} order codes; use 'open' for parts with open values"
+        report.add("order-code-pattern", _PARTS, message, at_key=True)
     elif not codes:
-        report.add(
-            "order-code-pattern",
-            _PARTS,
-            "'only_with' excludes every combination, so no order code remains",
-            at_key=True,
-        )
+        message = "'only_with' excludes every combination, so no order code remains"
+        report.add("order-code-pattern", _PARTS, message, at_key=True)
     else:
         _check_codes(spec, codes, report)
 
@@ -137,11 +142,12 @@ def order_code_ambiguous(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         return
     parts = [part for _, part in items(spec, *_PARTS)]
     part_names = {part["name"] for part in parts}
-    if len(part_names) < len(parts) or any(_expression_fault(part.get("open", "")) for part in parts):
-        return
+    has_duplicate_names = len(part_names) < len(parts)
+    has_invalid_expression = any(_expression_fault(part.get("open", "")) for part in parts)
     pattern = str(mapping(spec, "order_code").get("pattern", ""))
-    if sorted(_BRACES.findall(pattern)) != sorted(part_names):
-        return
+    names_each_part_once = sorted(_BRACES.findall(pattern)) == sorted(part_names)
+    if has_duplicate_names or has_invalid_expression or not names_each_part_once:
+        return  # Other rules report these.
     message = _ambiguity(spec, parts, pattern)
     if message:
         report.add("order-code-ambiguous", ("order_code", "pattern"), message)
@@ -149,25 +155,24 @@ def order_code_ambiguous(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def _ambiguity(spec: Spec, parts: Sequence[Spec], pattern: str) -> str:
     """Return the message about the first text that can be read in two ways, or an empty string."""
-    # Blanks on a label are ignored.
+    # Literals are at even indices, and names of parts at odd ones. Blanks on a label are ignored.
     pieces = _BRACES.split(pattern)
     pieces[::2] = map(_without_blanks, pieces[::2])
     # With parts of fixed length each code splits at fixed places, so it can only be read as it was composed.
     has_fixed_lengths = all(map(_has_fixed_length, parts))
-    fits = {part["name"]: _value_test(part) for part in parts}
-    codes_by_text: dict[str, _Code] = {}
+    value_tests = {part["name"]: _value_test(part) for part in parts}
+    first_codes: dict[str, _Code] = {}
     for code in _codes(spec) or ():
-        text = _without_blanks(code.text)
-        first_code = codes_by_text.setdefault(text, code)
+        label = _without_blanks(code.text)
+        first_code = first_codes.setdefault(label, code)
         if first_code is not code:
-            return (
-                f"the code {quoted(code.text)} occurs twice: as {_parts_text(first_code)}, and as {_parts_text(code)}"
-            )
+            occurrences = f"as {_parts_text(first_code)}, and as {_parts_text(code)}"
+            return f"the code {quoted(code.text)} occurs twice: {occurrences}"
         if has_fixed_lengths:
             continue
-        two_readings = list(itertools.islice(_readings(text, pieces, fits), 2))
-        if len(two_readings) == 2:
-            first, second = (_reading_text(pieces[1::2], reading) for reading in two_readings)
+        readings = list(itertools.islice(_readings(label, pieces, value_tests), 2))
+        if len(readings) == 2:
+            first, second = (_reading_text(pieces[1::2], reading) for reading in readings)
             return f"the code {quoted(code.text)} can be read as {first}, and as {second}"
     return ""
 
@@ -185,30 +190,36 @@ def also_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     if not is_whole(spec, raw):
         return
     parts = {part["name"]: part for _, part in items(spec, *_PARTS)}
-    pattern = spec["order_code"]["pattern"]
     for path, spelling in items(spec, "order_code", "also_written"):
         used_parts = _BRACES.findall(spelling["pattern"])
-        if sorted(used_parts) != sorted(parts):
-            used_text = f"the part{'s' * (len(used_parts) > 1)} {', '.join(used_parts)}" if used_parts else "no parts"
-            message = (
-                f"{quoted(spelling['pattern'])} has {used_text}; "
-                f"each part ({', '.join(parts)}) must occur exactly once, as in {quoted(pattern)}"
-            )
-            report.add("also-written", (*path, "pattern"), message)
+        if sorted(used_parts) == sorted(parts):
+            _check_spelling(path, spelling, parts, report)
             continue
-        for name, texts in mapping(spelling, "values").items():
-            if name not in parts:
-                message = f"there is no part {quoted(name)}; known: {', '.join(parts)}"
-                report.add("also-written", (*path, "values", name), message, at_key=True)
-                continue
-            for text, value in texts.items():
-                if value not in parts[name]["values"]:
-                    message = f"{quoted(value)} is not a value of {name}; known: {', '.join(parts[name]['values'])}"
-                    report.add("also-written", (*path, "values", name, text), message)
-        fault = _expression_fault(spelling.get("then", ""))
-        if fault:
-            message = f"{quoted(spelling['then'])} is not a valid regular expression: {fault}"
-            report.add("also-written", (*path, "then"), message)
+        noun = "part" if len(used_parts) == 1 else "parts"
+        used_text = f"the {noun} {', '.join(used_parts)}" if used_parts else "no parts"
+        message = (
+            f"{quoted(spelling['pattern'])} has {used_text}; "
+            f"each part ({', '.join(parts)}) must occur exactly once, as in {quoted(spec['order_code']['pattern'])}"
+        )
+        report.add("also-written", (*path, "pattern"), message)
+
+
+def _check_spelling(path: Path, spelling: Spec, parts: Mapping[str, Spec], report: DocumentReport) -> None:
+    """Check that the texts of an alternative spelling represent listed values, and that its expression is valid."""
+    for name, texts in mapping(spelling, "values").items():
+        if name not in parts:
+            message = f"there is no part {quoted(name)}; known: {', '.join(parts)}"
+            report.add("also-written", (*path, "values", name), message, at_key=True)
+            continue
+        listed_values = parts[name]["values"]
+        for text, value in texts.items():
+            if value not in listed_values:
+                message = f"{quoted(value)} is not a value of {name}; known: {', '.join(listed_values)}"
+                report.add("also-written", (*path, "values", name, text), message)
+    fault = _expression_fault(spelling.get("then", ""))
+    if fault:
+        message = f"{quoted(spelling['then'])} is not a valid regular expression: {fault}"
+        report.add("also-written", (*path, "then"), message)
 
 
 def _without_blanks(text: str) -> str:
@@ -230,54 +241,60 @@ def is_whole(spec: Spec, raw: Spec) -> bool:
 def _without_prose(value: Any) -> Any:
     if isinstance(value, dict):
         return {key: _without_prose(inner) for key, inner in value.items() if key not in WORDS_ONLY}
-    return list(map(_without_prose, value)) if isinstance(value, list) else value
+    if isinstance(value, list):
+        return [_without_prose(inner) for inner in value]
+    return value
 
 
 def _check_pattern(spec: Spec, report: DocumentReport) -> None:
+    """Check that a pattern has each part once, and only characters of order codes between them."""
     pattern = spec["order_code"]["pattern"]
     path: Path = ("order_code", "pattern")
     used_parts = _BRACES.findall(pattern)
     names = [part["name"] for _, part in items(spec, *_PARTS)]
     literals = "".join(_BRACES.split(pattern)[0::2])
-    if not _LITERAL.fullmatch(literals):
-        forbidden = next(character for character in literals if not _LITERAL.fullmatch(character))
+    forbidden = [character for character in literals if not _LITERAL.fullmatch(character)]
+    if forbidden:
         message = (
-            f"{quoted(forbidden)} is not allowed outside braces; "
+            f"{quoted(forbidden[0])} is not allowed outside braces; "
             "a code contains only letters, digits, '/', '-', '_', '.' and spaces"
         )
         report.add("order-code-pattern", path, message)
     for name in dict.fromkeys(used_parts):
         if name not in names:
             report.add("order-code-pattern", path, f"there is no part {{{name}}}; known parts: {', '.join(names)}")
-        if used_parts.count(name) > 1:
-            report.add(
-                "order-code-pattern", path, f"the part {{{name}}} occurs {used_parts.count(name)} times in the pattern"
-            )
-    for place, part in items(spec, *_PARTS):
+        count = used_parts.count(name)
+        if count > 1:
+            report.add("order-code-pattern", path, f"the part {{{name}}} occurs {count} times in the pattern")
+    for part_path, part in items(spec, *_PARTS):
         if part["name"] not in used_parts:
-            report.add(
-                "order-code-pattern",
-                (*place, "name"),
-                f"the pattern {quoted(pattern)} does not contain {{{part['name']}}}",
-            )
+            message = f"the pattern {quoted(pattern)} does not contain {{{part['name']}}}"
+            report.add("order-code-pattern", (*part_path, "name"), message)
 
 
 def _check_values(spec: Spec, report: DocumentReport) -> None:
+    """Check that order codes set only parameters without another origin, and that open parts have valid expressions."""
     parameters = spec["parameters"]
     for path, part in items(spec, *_PARTS):
         for text, value in part["values"].items():
             for name in mapping(value, "sets"):
-                origin = next((key for key in _NOT_SET if key in parameters.get(name, ())), None)
-                if origin is not None and not (origin == "read_from" and _has_no_default(spec, parameters[name])):
-                    report.add(
-                        "order-code-pattern",
-                        (*path, "values", text, "sets", name),
-                        f"{quoted(name)} {_NOT_SET[origin]}, so an order code cannot set it too",
-                    )
+                origin = _other_origin(spec, parameters.get(name, {}))
+                if origin is not None:
+                    message = f"{quoted(name)} {_NOT_SET[origin]}, so an order code cannot set it too"
+                    report.add("order-code-pattern", (*path, "values", text, "sets", name), message)
         fault = _expression_fault(part.get("open", ""))
         if fault:
             message = f"{quoted(part['open'])} is not a valid regular expression: {fault}"
             report.add("order-code-pattern", (*path, "open"), message)
+
+
+def _other_origin(spec: Spec, parameter: Spec) -> str | None:
+    """Return the key because of which an order code cannot set a parameter, or None if it can."""
+    origins = [key for key in _NOT_SET if key in parameter]
+    if not origins:
+        return None
+    needs_order_code = origins[0] == "read_from" and _has_no_default(spec, parameter)
+    return None if needs_order_code else origins[0]
 
 
 def _has_no_default(spec: Spec, parameter: Spec) -> bool:
@@ -293,35 +310,43 @@ def _expression_fault(text: str) -> str:
     except (re.error, OverflowError) as error:
         return str(error)
     # Each repetition multiplies the ways to match a label. Three are more than any catalogue needs.
-    return "more than three repetitions" if len(_COUNT.findall(_CLASS.sub("", text))) > 3 else ""
+    repetitions = _COUNT.findall(_CLASS.sub("", text))
+    return "more than three repetitions" if len(repetitions) > 3 else ""
 
 
 def _check_codes(spec: Spec, codes: Sequence[_Code], report: DocumentReport) -> None:
     """Report each kind of error once, for the first code that has it."""
-    faults: dict[str, tuple[Path, str]] = {}
+    problems: dict[str, tuple[Path, str]] = {}
     required_parameters = _required_parameters(spec, codes)
     for code in codes:
         interfaces = code.interfaces
         if len(interfaces) != 1:
             selected = f"{len(interfaces)} ({', '.join(interfaces)})" if interfaces else "none"
             message = f"each code must select one interface; {code.text} selects {selected}"
-            faults.setdefault("interface", (_PARTS, message))
-        set_parameters = code.set_parameters
-        is_misspelt = any(name not in spec["parameters"] for name in set_parameters)
+            problems.setdefault("interface", (_PARTS, message))
         for name in required_parameters:
-            count = set_parameters.count(name)
-            if count == 0 and not is_misspelt:
-                message = (
-                    f"no part of {code.text} sets {quoted(name)}; "
-                    "every code must set it, or the parameter needs 'equals', 'read_from' or 'alternative'"
-                )
-                faults.setdefault(name, (("parameters", name), message))
-            elif count > 1:
-                message = f"{count} parts of {code.text} set {quoted(name)}; only one may"
-                faults.setdefault(name, (("parameters", name), message))
-    for path, message in faults.values():
+            message = _parameter_fault(name, code, spec["parameters"])
+            if message:
+                problems.setdefault(name, (("parameters", name), message))
+    for path, message in problems.values():
         report.add("order-code-pattern", path, message, at_key=True)
     _check_selected_interfaces(spec, codes, report)
+
+
+def _parameter_fault(name: str, code: _Code, parameters: Spec) -> str:
+    """Return the message about a code that does not set a parameter exactly once, or an empty string."""
+    set_parameters = code.set_parameters
+    count = set_parameters.count(name)
+    if count > 1:
+        return f"{count} parts of {code.text} set {quoted(name)}; only one may"
+    # A misspelt name, which another rule reports, may be meant as this one.
+    has_unknown_name = any(set_name not in parameters for set_name in set_parameters)
+    if count == 0 and not has_unknown_name:
+        return (
+            f"no part of {code.text} sets {quoted(name)}; "
+            "every code must set it, or the parameter needs 'equals', 'read_from' or 'alternative'"
+        )
+    return ""
 
 
 def _required_parameters(spec: Spec, codes: Sequence[_Code]) -> list[str]:
@@ -337,16 +362,16 @@ def _required_parameters(spec: Spec, codes: Sequence[_Code]) -> list[str]:
 
 def _check_selected_interfaces(spec: Spec, codes: Sequence[_Code], report: DocumentReport) -> None:
     """Report each interface that no code selects."""
-    reached_interfaces = {interface for code in codes for interface in code.interfaces}
-    for interface in mapping(spec, "interfaces"):
-        # If a code selects an interface that does not exist, that is the mistake. Another rule reports it.
-        if interface not in reached_interfaces and reached_interfaces <= mapping(spec, "interfaces").keys():
-            report.add(
-                "order-code-pattern",
-                ("interfaces", interface),
-                f"no order code selects the interface {quoted(interface)}",
-                at_key=True,
-            )
+    interfaces = mapping(spec, "interfaces")
+    selected_interfaces: set[str] = set()
+    for code in codes:
+        selected_interfaces.update(code.interfaces)
+    if not selected_interfaces <= interfaces.keys():
+        return  # The mistake is that a code selects an interface that does not exist. Another rule reports it.
+    for interface in interfaces:
+        if interface not in selected_interfaces:
+            message = f"no order code selects the interface {quoted(interface)}"
+            report.add("order-code-pattern", ("interfaces", interface), message, at_key=True)
 
 
 def _codes(spec: Spec) -> list[_Code] | None:
@@ -354,9 +379,10 @@ def _codes(spec: Spec) -> list[_Code] | None:
     parts = [part for _, part in items(spec, *_PARTS)]
     if math.prod(len(part["values"]) for part in parts) > MAX_CODES:
         return None
+    # For each part, its name with each of its texts and values.
+    choices = [[(part["name"], text, value) for text, value in part["values"].items()] for part in parts]
     codes = []
-    for values in itertools.product(*(part["values"].items() for part in parts)):
-        chosen = tuple((part["name"], text, value) for part, (text, value) in zip(parts, values, strict=True))
+    for chosen in itertools.product(*choices):
         texts = {name: text for name, text, _ in chosen}
         if _is_allowed(chosen, texts):
             codes.append(_Code(_fill_pattern(spec["order_code"]["pattern"], texts), chosen))
@@ -378,13 +404,15 @@ def _fill_pattern(pattern: str, texts: dict[str, str]) -> str:
 
 def _value_test(part: Spec) -> Callable[[str], bool]:
     """Return the test whether a text in capitals is a value of a part."""
-    listed = frozenset(value.upper() for value in part["values"])
-    expression = re.compile(part["open"], re.IGNORECASE) if "open" in part else None
-    return lambda text: text in listed or (expression is not None and expression.fullmatch(text) is not None)
+    listed_values = frozenset(value.upper() for value in part["values"])
+    if "open" not in part:
+        return listed_values.__contains__
+    expression = re.compile(part["open"], re.IGNORECASE)
+    return lambda text: text in listed_values or expression.fullmatch(text) is not None
 
 
 def _readings(
-    text: str, pieces: Sequence[str], fits: Mapping[str, Callable[[str], bool]], start: int = 0, index: int = 0
+    text: str, pieces: Sequence[str], value_tests: Mapping[str, Callable[[str], bool]], start: int = 0, index: int = 0
 ) -> Iterator[tuple[str, ...]]:
     """Yield every way to split ``text`` from ``start`` into the pattern's ``pieces`` from ``index``.
 
@@ -393,17 +421,18 @@ def _readings(
     literal = pieces[index].upper()
     if not text.startswith(literal, start):
         return
-    start += len(literal)
-    if index == len(pieces) - 1:
-        if start == len(text):
+    value_start = start + len(literal)
+    is_last_piece = index == len(pieces) - 1
+    if is_last_piece:
+        if value_start == len(text):
             yield ()
         return
-    is_value = fits[pieces[index + 1]]
-    for end in range(start, len(text) + 1):
-        value = text[start:end]
+    is_value = value_tests[pieces[index + 1]]
+    for end in range(value_start, len(text) + 1):
+        value = text[value_start:end]
         if is_value(value):
-            for following_values in _readings(text, pieces, fits, end, index + 2):
-                yield (value, *following_values)
+            for later_values in _readings(text, pieces, value_tests, end, index + 2):
+                yield (value, *later_values)
 
 
 def _parts_text(code: _Code) -> str:

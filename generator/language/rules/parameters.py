@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 from ...model.expressions import Expression, ExpressionError, Factor
 from ..problems import DocumentReport, Path, listed, quoted
@@ -86,23 +86,34 @@ def expressions(spec: Spec) -> Iterator[tuple[Path, int | str]]:
 def uses(spec: Spec, raw: Spec | None = None) -> Iterator[tuple[Path, str, int | str]]:
     """Yield each use of an expression or parameter by an interface: the place, the interface, and the text."""
     groups = by_name(raw if raw is not None else spec, "field_groups")
-    fields_of_all = list(layouts(spec))
+    field_owners = list(layouts(spec))
     for path, register in items(spec, "registers"):
-        interface = interface_of(register)
-        fields_of_all.append(Fields(Has.REGISTER, register, path, interface))
-    for fields in fields_of_all:
-        located_texts = [use for path, field in expanded(fields, groups) for use in _of_field(path, field)]
-        located_texts += _of_limits(fields.path, fields.owner)
-        located_texts += _expressions_under((*fields.path, "gray"), mapping(fields.owner, "gray"), ("when",))
-        yield from ((path, fields.interface, text) for path, text in located_texts)
+        field_owners.append(Fields(Has.REGISTER, register, path, interface_of(register)))
+    for fields in field_owners:
+        for path, text in _expressions_of_fields(fields, groups):
+            yield path, fields.interface, text
     for path, kind, own_range in position_ranges(spec):
-        yield from ((path, kind, text) for path, text in _expressions_under(path, own_range, _MEASURED))
+        for key_path, text in _expressions_under(path, own_range, _MEASURED):
+            yield key_path, kind, text
     for kind, interface in mapping(spec, "interfaces").items():
-        has_own_measurement = "measurement" in interface
-        measurement_path: Path = ("interfaces", kind, "measurement") if has_own_measurement else ("measurement",)
-        measurement = mapping(interface if has_own_measurement else spec, "measurement")
-        located_texts = [*_expressions_under(measurement_path, measurement, _MEASURED), *_of_words(kind, interface)]
-        yield from ((path, kind, text) for path, text in located_texts)
+        # A measurement of the device applies to each interface without its own.
+        measurement_path: Path = ("measurement",)
+        measurement = mapping(spec, "measurement")
+        if "measurement" in interface:
+            measurement_path = ("interfaces", kind, "measurement")
+            measurement = mapping(interface, "measurement")
+        for path, text in _expressions_under(measurement_path, measurement, _MEASURED):
+            yield path, kind, text
+        for path, text in _of_words(kind, interface):
+            yield path, kind, text
+
+
+def _expressions_of_fields(fields: Fields, groups: Mapping[str, Spec]) -> Iterator[tuple[Path, int | str]]:
+    """Yield the expressions of a layout or register: those of its fields, of its limits and of its Gray code."""
+    for path, field in expanded(fields, groups):
+        yield from _of_field(path, field)
+    yield from _of_limits(fields.path, fields.owner)
+    yield from _expressions_under((*fields.path, "gray"), mapping(fields.owner, "gray"), ("when",))
 
 
 def _expressions_under(path: Path, spec: Spec, keys: Iterable[str]) -> Iterator[tuple[Path, int | str]]:
@@ -112,26 +123,28 @@ def _expressions_under(path: Path, spec: Spec, keys: Iterable[str]) -> Iterator[
 def _of_words(kind: str, interface: Spec) -> Iterator[tuple[Path, int | str]]:
     """Yield the lengths of words, of the interface and of its exchanges."""
     interface_path = ("interfaces", kind)
-    for path, owner in (
-        (interface_path, interface),
-        *(((*interface_path, *path), owner) for path, owner in items(interface, "exchanges")),
-    ):
-        yield from _expressions_under(path, owner, ("word_bits",))
+    yield from _expressions_under(interface_path, interface, ("word_bits",))
+    for path, exchange in items(interface, "exchanges"):
+        yield from _expressions_under((*interface_path, *path), exchange, ("word_bits",))
 
 
 def _of_field(path: Path, field: Spec) -> Iterator[tuple[Path, int | str]]:
     """Return the expressions of a field. ``equals`` of a text field is text, otherwise an expression."""
-    return _expressions_under(path, field, ("bits", "low_bit") if "text" in field else ("bits", "low_bit", "equals"))
+    keys = ("bits", "low_bit") if "text" in field else ("bits", "low_bit", "equals")
+    return _expressions_under(path, field, keys)
 
 
 def _of_limits(path: Path, owner: Spec) -> Iterator[tuple[Path, int | str]]:
-    for below, limited in (((), owner), *items(owner, "meanings")):
-        yield from _expressions_under((*path, *below), limited, ("min", "max"))
+    """Yield the limits of a register, and those of its meanings."""
+    yield from _expressions_under(path, owner, ("min", "max"))
+    for meaning_path, meaning in items(owner, "meanings"):
+        yield from _expressions_under((*path, *meaning_path), meaning, ("min", "max"))
 
 
 def all_parameters(text: object, parameters: Spec) -> Iterator[str]:
     """Yield the parameters in an expression, and those that define them."""
-    factors, visited_names = _factors(text), set()
+    factors = _factors(text)
+    visited_names: set[str] = set()
     # The list grows during the loop: parameters named directly come before those that define them.
     for factor in factors:
         name = factor.parameter
@@ -142,8 +155,11 @@ def all_parameters(text: object, parameters: Spec) -> Iterator[str]:
 
 
 def _factors(text: object) -> list[Factor]:
+    """Return the factors of all terms of an expression, or none if it is not valid."""
+    if not isinstance(text, (int, str)):
+        return []
     try:
-        terms = Expression.parse(text).terms if isinstance(text, (int, str)) else ()
+        terms = Expression.parse(text).terms
     except ExpressionError:  # Reported by the rule on expressions.
         return []
     return [factor for term in terms for factor in term.factors]
@@ -162,13 +178,13 @@ def parameter_origin(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             report.add("parameter-origin", ("parameters", name, origins[1]), problem, at_key=True)
         if "by_code" not in parameter:
             continue
-        limit = next((key for key in ("min", "max") if key in parameter), "")
+        limits = [key for key in ("min", "max") if key in parameter]
         if "read_from" not in parameter:
             problem = "'by_code' needs 'read_from', the register field that holds the code"
             report.add("parameter-origin", ("parameters", name, "by_code"), problem, at_key=True)
-        elif limit:
-            problem = f"'by_code' already lists the values of {quoted(name)}; leave out {quoted(limit)}"
-            report.add("parameter-origin", ("parameters", name, limit), problem, at_key=True)
+        elif limits:
+            problem = f"'by_code' already lists the values of {quoted(name)}; leave out {quoted(limits[0])}"
+            report.add("parameter-origin", ("parameters", name, limits[0]), problem, at_key=True)
 
 
 def alternative_use(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -177,53 +193,51 @@ def alternative_use(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     Those with a default affect only verdicts, which do not need a choice.
     """
     parameters, alternatives = mapping(raw, "parameters"), by_name(raw, "alternatives")
-    decided = {name for name in parameters if "alternative" in mapping(parameters, name)}
-    used = [*expressions(spec), *((path, text) for path, _, text in uses(spec, raw) if path[-1] == "when")]
-    for path, text in used:
-        name = next((factor.parameter for factor in _factors(text) if factor.parameter in decided), None)
-        if name is not None and path[-1] not in _WIDTHS:
-            alt = mapping(parameters, name)["alternative"]
-            problem = (
-                f"{quoted(name)} is set by the alternative {quoted(alt)}, so only frames and registers can depend on it"
-            )
-            report.add("alternative-use", path, f"{problem}; use it only in 'bits' or 'low_bit' of a field")
-        elif name is not None and "default" in alternatives.get(mapping(parameters, name)["alternative"], {}):
-            alt = mapping(parameters, name)["alternative"]
-            problem = f"{quoted(name)} is set by the alternative {quoted(alt)}, whose default applies without a choice"
-            remedy = f"use it only in 'makes_position_if' of a flag, or remove 'default' from {quoted(alt)}"
-            report.add("alternative-use", path, f"{problem}; {remedy}")
+    used_texts = list(expressions(spec))
+    used_texts += [(path, text) for path, _, text in uses(spec, raw) if path[-1] == "when"]
+    for path, text in used_texts:
+        set_by_alternative = [
+            factor.parameter for factor in _factors(text) if "alternative" in mapping(parameters, factor.parameter)
+        ]
+        if not set_by_alternative:
+            continue
+        name = set_by_alternative[0]
+        alternative = mapping(parameters, name)["alternative"]
+        problem = f"{quoted(name)} is set by the alternative {quoted(alternative)}"
+        if path[-1] not in _WIDTHS:
+            remedy = "use it only in 'bits' or 'low_bit' of a field"
+            message = f"{problem}, so only frames and registers can depend on it; {remedy}"
+            report.add("alternative-use", path, message)
+        elif "default" in alternatives.get(alternative, {}):
+            remedy = f"use it only in 'makes_position_if' of a flag, or remove 'default' from {quoted(alternative)}"
+            report.add("alternative-use", path, f"{problem}, whose default applies without a choice; {remedy}")
 
 
 def units(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that exponents are in bits, and that numbers of a measurement and fields have the right unit."""
     parameters = mapping(raw, "parameters")
-
-    def compare(path: Path, factor: Factor, needed_unit: str, use: str) -> None:
-        unit = mapping(parameters, factor.parameter).get("unit")
-        kind = _KIND_OF.get(str(unit))
-        if kind is not None and kind != needed_unit:
-            report.add(
-                "unit-mismatch",
-                path,
-                f"{quoted(factor.parameter)} is in {unit}, but {use} must be in"
-                f" {'µm' if needed_unit == 'micrometres' else needed_unit}",
-            )
-
     for fields in field_lists(spec):
         for path, field in fields:
-            unit, peer = field.get("unit"), mapping(parameters, str(field.get("equals"))).get("unit")
-            if unit and peer and _KIND_OF.get(unit, unit) != _KIND_OF.get(str(peer), peer):
-                problem = (
-                    f"{quoted(field['name'])} is in {unit}, but it equals {quoted(field['equals'])}, which is in {peer}"
-                )
-                report.add("unit-mismatch", (*path, "unit"), problem)
+            unit = field.get("unit")
+            equal_unit = mapping(parameters, str(field.get("equals"))).get("unit")
+            if unit and equal_unit and kind_of_unit(unit) != _KIND_OF.get(str(equal_unit), equal_unit):
+                problem = f"{quoted(field['name'])} is in {unit}, but it equals {quoted(field['equals'])}"
+                report.add("unit-mismatch", (*path, "unit"), f"{problem}, which is in {equal_unit}")
     for path, text in expressions(spec):
         for factor in _factors(text):
-            needed_unit = "bits" if factor.power or path[-1] in _WIDTHS else _MEASURED.get(str(path[-1]), "")
-            if needed_unit:
-                compare(
-                    path,
-                    factor,
-                    needed_unit,
-                    f"the exponent in 2^{factor.parameter}" if factor.power else quoted(path[-1]),
-                )
+            _check_unit_of_factor(path, factor, parameters, report)
+
+
+def _check_unit_of_factor(path: Path, factor: Factor, parameters: Spec, report: DocumentReport) -> None:
+    """Check that a parameter in an expression has the unit that its place needs, if that unit is known."""
+    key = str(path[-1])
+    is_exponent = bool(factor.power)
+    needed_kind = "bits" if is_exponent or key in _WIDTHS else _MEASURED.get(key)
+    unit = mapping(parameters, factor.parameter).get("unit")
+    kind = _KIND_OF.get(str(unit))
+    if needed_kind is None or kind is None or kind == needed_kind:
+        return
+    place = f"the exponent in 2^{factor.parameter}" if is_exponent else quoted(key)
+    needed_unit = "µm" if needed_kind == "micrometres" else needed_kind
+    message = f"{quoted(factor.parameter)} is in {unit}, but {place} must be in {needed_unit}"
+    report.add("unit-mismatch", path, message)

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import Any
+from typing import Any, Literal
 
 from ...model.expressions import Expression, ExpressionError
 from ..document import Path
@@ -41,63 +41,72 @@ def value_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the meaning of an order code value agrees with its settings: code, length and supply."""
     for path, part in items(spec, "order_code", "parts"):
         for text, value in part["values"].items():
-            meaning, value_path, sets = value.get("meaning", ""), (*path, "values", text), mapping(value, "sets")
-            for name, expected in _codes_named(spec, value).items():
-                if value["sets"][name] != expected:
-                    word = "Gray" if expected else "binary"
-                    problem = f"the meaning of {quoted(text)} says {word}, so {quoted(name)} must be {expected}"
-                    report.add("meaning-mismatch", (*value_path, "sets", name), problem)
+            value_path, problem = (*path, "values", text), f"the meaning of {quoted(text)} says"
+            meaning, sets = value.get("meaning", ""), mapping(value, "sets")
+            for name, code in _codes_named(spec, value).items():
+                if sets[name] != code:
+                    word = "Gray" if code else "binary"
+                    message = f"{problem} {word}, so {quoted(name)} must be {code}"
+                    report.add("meaning-mismatch", (*value_path, "sets", name), message)
             lengths = _lengths_named(meaning)
             for name, number in sets.items():
                 unit = str(mapping(raw, "parameters", name).get("unit"))
                 if lengths and unit in _NANOMETRES and number * _NANOMETRES[unit] not in lengths:
-                    says = next(iter(lengths.values()))
-                    problem = f"the meaning of {quoted(text)} says {says}, but {quoted(name)} is {number} {unit}"
-                    report.add("meaning-mismatch", (*value_path, "sets", name), problem)
+                    first_length, *_ = lengths.values()
+                    message = f"{problem} {first_length}, but {quoted(name)} is {number} {unit}"
+                    report.add("meaning-mismatch", (*value_path, "sets", name), message)
             stated_range, supply = supply_named(meaning), mapping(value, "supply")
             if stated_range and supply and stated_range != (supply["min_mv"], supply["max_mv"]):
-                problem = f"the meaning of {quoted(text)} says {stated_range[0]} to {stated_range[1]} mV"
-                report.add(
-                    "meaning-mismatch",
-                    (*value_path, "supply"),
-                    f"{problem}, but here it is {supply['min_mv']} to {supply['max_mv']}",
-                )
+                low_mv, high_mv = stated_range
+                actual_range = f"{supply['min_mv']} to {supply['max_mv']}"
+                message = f"{problem} {low_mv} to {high_mv} mV, but here it is {actual_range}"
+                report.add("meaning-mismatch", (*value_path, "supply"), message)
 
 
 def _lengths_named(meaning: str) -> dict[Fraction, str]:
     """Return the lengths in a meaning in nanometres, each with its text. A quotient also stands for its dividend."""
     lengths = {}
     for dividend, number, unit in _LENGTH.findall(meaning):
-        length = Fraction(number.replace(",", "")) * _NANOMETRES[unit]
-        text = f"{number} {unit}"
         if dividend:
-            whole = Fraction(dividend.replace(",", "")) * _NANOMETRES[unit]
-            length, text = whole / Fraction(number.replace(",", "")), f"{dividend}/{number} {unit}"
-            lengths[whole] = text
-        lengths[length] = text
+            text = f"{dividend}/{number} {unit}"
+            whole_length = Fraction(dividend.replace(",", "")) * _NANOMETRES[unit]
+            lengths[whole_length] = text
+            lengths[whole_length / Fraction(number.replace(",", ""))] = text
+        else:
+            lengths[Fraction(number.replace(",", "")) * _NANOMETRES[unit]] = f"{number} {unit}"
     return lengths
 
 
 def _codes_named(spec: Spec, value: Spec) -> dict[str, int]:
-    """Return the parameters that must be set by a value whose meaning names one code, with the required numbers."""
-    words = [word for word in ("Gray", "binary") if re.search(rf"\b{word}\b", value.get("meaning", ""), re.IGNORECASE)]
-    if len(words) != 1:
+    """Return the parameters that must be set by a value whose meaning names one code, with the required numbers.
+
+    A parameter that decides the code of a layout is 1 for Gray code and 0 for binary code.
+    """
+    meaning = value.get("meaning", "")
+    says_gray, says_binary = (re.search(rf"\b{word}\b", meaning, re.IGNORECASE) for word in ("Gray", "binary"))
+    if bool(says_gray) == bool(says_binary):
         return {}
     interface = value.get("interface")
-    own_layouts = (fields for fields in layouts(spec) if interface in (None, fields.interface))
-    used = {mapping(fields.owner, "gray").get("when") for fields in own_layouts}
-    return {name: int(words[0] == "Gray") for name in mapping(value, "sets") if name in used}
+    deciding_parameters = set()
+    for fields in layouts(spec):
+        if interface is None or fields.interface == interface:
+            deciding_parameters.add(mapping(fields.owner, "gray").get("when"))
+    required_number = 1 if says_gray else 0
+    return {name: required_number for name in mapping(value, "sets") if name in deciding_parameters}
 
 
 def supply_named(text: str) -> tuple[int, int] | None:
     """Return the supply range given by a text, in millivolts, or None."""
-    if (range_match := _TWO_VOLTAGES.fullmatch(text)) is not None:
-        return _millivolts(range_match[1], 100), _millivolts(range_match[2], 100)
-    match = _ONE_VOLTAGE.fullmatch(text)
-    if match is None:
+    two_voltages = _TWO_VOLTAGES.fullmatch(text)
+    if two_voltages is not None:
+        low, high = two_voltages.groups()
+        return _millivolts(low, 100), _millivolts(high, 100)
+    one_voltage = _ONE_VOLTAGE.fullmatch(text)
+    if one_voltage is None:
         return None
-    tolerance = Fraction(match[2] or 0)
-    return _millivolts(match[1], 100 - tolerance), _millivolts(match[1], 100 + tolerance)
+    volts, tolerance_text = one_voltage.groups()
+    tolerance = Fraction(tolerance_text or 0)
+    return _millivolts(volts, 100 - tolerance), _millivolts(volts, 100 + tolerance)
 
 
 def _millivolts(volts: str, per_cent: Fraction | int) -> int:
@@ -109,40 +118,42 @@ def printed_number(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for fields in field_lists(spec):
         for path, field in fields:
             for name, value in mapping(field, "values").items():
-                number = _number(value.get("printed_name", ""), constant_width(field))
+                printed_name = value.get("printed_name", "")
+                number = _number(printed_name, constant_width(field))
                 if number is not None and number != value["value"]:
-                    problem = (
-                        f"{quoted(name)} is printed as {value['printed_name']}, which is {number}, but 'value' is"
-                        f" {value['value']}"
-                    )
-                    report.add("printed-number", (*path, "values", name, "value"), problem)
+                    problem = f"{quoted(name)} is printed as {printed_name}, which is {number}"
+                    message = f"{problem}, but 'value' is {value['value']}"
+                    report.add("printed-number", (*path, "values", name, "value"), message)
 
 
-def _number(text: str, width: int | None) -> int | None:
-    """Return the number in a printed name if it is clearly only a number, otherwise None."""
-    if (match := _IN_QUOTES.fullmatch(text)) is not None:
-        digits = next(group for group in match.groups() if group)
+def _number(printed_name: str, width: int | None) -> int | None:
+    """Return the number in a printed name if it is clearly only a number, otherwise None.
+
+    Zeros and ones in quotes are a binary number if they have as many digits as the field has bits.
+    """
+    if _IN_QUOTES.fullmatch(printed_name):
+        digits = printed_name[1:-1]
         return int(digits, 2) if len(digits) == width else None
-    if _WITH_PREFIX.fullmatch(text):
-        return int(text, 0)
-    suffixed = _WITH_SUFFIX.fullmatch(text)
-    return int(suffixed[1], 16) if suffixed is not None else None
+    if _WITH_PREFIX.fullmatch(printed_name):
+        return int(printed_name, 0)
+    with_suffix = _WITH_SUFFIX.fullmatch(printed_name)
+    return int(with_suffix[1], 16) if with_suffix is not None else None
 
 
 def interface_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that an order code value does not select a different interface than its meaning names."""
     for path, part in items(spec, "order_code", "parts"):
         for text, value in part["values"].items():
-            words = _ANY_INTERFACE.findall(value.get("meaning", ""))
+            meaning = value.get("meaning", "")
+            words = _ANY_INTERFACE.findall(meaning)
             names = {word.upper().replace("RS485", "RS-485") for word in words}
-            for kind, pattern in _INTERFACES.items():
-                if len(names) == 1 and pattern.search(value["meaning"]) and value.get("interface", kind) != kind:
-                    problem = (
-                        f"the meaning of {quoted(text)} mentions {names.pop().replace('BISS', 'BiSS')}, but the"
-                        f" value selects {value['interface']}"
-                    )
-                    report.add("interface-mismatch", (*path, "values", text, "interface"), problem)
-                    break
+            if len(names) != 1 or "interface" not in value:
+                continue
+            named_kinds = [kind for kind, pattern in _INTERFACES.items() if pattern.search(meaning)]
+            if named_kinds and value["interface"] != named_kinds[0]:
+                name = names.pop().replace("BISS", "BiSS")
+                problem = f"the meaning of {quoted(text)} mentions {name}, but the value selects {value['interface']}"
+                report.add("interface-mismatch", (*path, "values", text, "interface"), problem)
 
 
 _RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
@@ -177,7 +188,8 @@ def labels(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             continue
         for text, value in part["values"].items():
             sets = mapping(value, "sets")
-            if not text.isdecimal() or not sets.keys() >= set(expression.parameters):
+            sets_all_parameters = all(name in sets for name in expression.parameters)
+            if not text.isdecimal() or not sets_all_parameters:
                 continue
             number = _value(expression, sets)
             if number is not None and int(text) != number:
@@ -203,17 +215,20 @@ def default_lists(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the manual's list of defaults matches the registers, except for rows explained by an erratum."""
     registers = by_name(spec, "registers")
     for path, row in items(spec, "printed_defaults"):
-        if ("bytes" in row) == ("value" in row) or ("bytes" in row) == ("at" in row):
+        has_whole_register = "bytes" in row and "at" not in row and "value" not in row
+        has_some_bits = "bytes" not in row and "at" in row and "value" in row
+        if not has_whole_register and not has_some_bits:
             message = "a row has either 'bytes' for the whole register, or 'at' and 'value' for some of its bits"
             report.add("default-mismatch", path, message)
             continue
         register = registers.get(row["register"])
         if register is None:
             continue
-        fault = next(_row_faults(row, register), None)
-        if fault is not None and "erratum" not in row:
-            report.add("default-mismatch", (*path, fault[0]), fault[1])
-        if fault is None and "erratum" in row:
+        faults = list(_row_faults(row, register))
+        if faults and "erratum" not in row:
+            key, message = faults[0]
+            report.add("default-mismatch", (*path, key), message)
+        elif not faults and "erratum" in row:
             message = f"the row is correct, so {quoted(row['erratum'])} explains nothing; leave 'erratum' out"
             report.add("default-mismatch", (*path, "erratum"), message)
 
@@ -228,16 +243,15 @@ def _row_faults(row: Spec, register: Spec) -> Iterator[tuple[str, str]]:
     if bounds is None:
         yield "at", f"{quoted(row['at'])} is not a position; write a bit number, or a range such as 7:6"
         return
-    high, low = bounds
-    default_bits = (default or 0) >> low & (1 << high - low + 1) - 1
     if default is None:
         yield "value", f"{name} has no 'default' that contains these bits"
-    elif default_bits != row["value"]:
-        message = (
-            f"the 'default' of {name} is {default:#x}, which gives {default_bits} in these bits, "
-            f"but the manual prints {row['value']}"
-        )
-        yield "value", message
+    else:
+        high, low = bounds
+        mask = (1 << (high - low + 1)) - 1
+        default_bits = (default >> low) & mask
+        if default_bits != row["value"]:
+            problem = f"the 'default' of {name} is {default:#x}, which gives {default_bits} in these bits"
+            yield "value", f"{problem}, but the manual prints {row['value']}"
     yield from _field_faults(row, register, bounds)
 
 
@@ -245,8 +259,8 @@ def _byte_faults(row: Spec, register: Spec) -> Iterator[tuple[str, str]]:
     """Yield the error of a row with the bytes of the whole register."""
     name, default = quoted(register["name"]), register.get("default")
     printed_bytes = bytes.fromhex(row["bytes"])
-    is_low_byte_first = register.get("byte_order") == "low_byte_first"
-    number = int.from_bytes(printed_bytes, "little" if is_low_byte_first else "big")
+    byte_order: Literal["little", "big"] = "little" if register.get("byte_order") == "low_byte_first" else "big"
+    number = int.from_bytes(printed_bytes, byte_order)
     if len(printed_bytes) != register["length"]:
         yield "bytes", f"{name} has {register['length']} bytes, but {len(printed_bytes)} are printed"
     elif default is None:
@@ -257,27 +271,29 @@ def _byte_faults(row: Spec, register: Spec) -> Iterator[tuple[str, str]]:
 
 def _field_faults(row: Spec, register: Spec, bounds: tuple[int, int]) -> Iterator[tuple[str, str]]:
     """Yield the errors of a row's field: a different place, or a different name of the number."""
-    fields = by_name(register, "fields")
     if "field" not in row:
         return
-    field = fields.get(row["field"])
+    field = by_name(register, "fields").get(row["field"])
     if field is None:  # Reported by the rule on references, or the field is in a group.
         return
     if "at" in field and _bounds(field["at"]) != bounds:
         yield "at", f"{quoted(row['field'])} is at {field['at']}, but {row['at']} is printed"
-    numbers = {name: mapping(value).get("value") for name, value in mapping(field, "values").items()}
-    if "is" in row and numbers.get(row["is"]) != row["value"]:
-        correct_name = next((name for name, number in numbers.items() if number == row["value"]), None)
-        meaning = f"is {quoted(correct_name)}" if correct_name else "has no name"
-        yield "is", f"{row['value']} {meaning} in {quoted(row['field'])}, but {quoted(row['is'])} is printed"
+    values = mapping(field, "values")
+    names = [name for name, value in values.items() if mapping(value).get("value") == row["value"]]
+    if "is" in row and row["is"] not in names:
+        actual = f"is {quoted(names[0])}" if names else "has no name"
+        yield "is", f"{row['value']} {actual} in {quoted(row['field'])}, but {quoted(row['is'])} is printed"
 
 
 def _bounds(at: object) -> tuple[int, int] | None:
+    """Return the highest and the lowest bit of a place, or None if it is not one."""
     if isinstance(at, int):
         return (at, at) if 0 <= at < 1024 else None
-    match = _RANGE.fullmatch(str(at))
-    bounds = (int(match[1]), int(match[2])) if match is not None else (0, 1)
-    return bounds if bounds[0] >= bounds[1] else None
+    bit_range = _RANGE.fullmatch(str(at))
+    if bit_range is None:
+        return None
+    high, low = int(bit_range[1]), int(bit_range[2])
+    return (high, low) if high >= low else None
 
 
 @dataclass(frozen=True)
@@ -307,16 +323,17 @@ def writes(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         printed_writes = [_printed_write(text) for text in procedure.get("printed_writes", ())]
         steps = [(step_path, step) for step_path, step in items(procedure, "steps") if step["do"] == "write"]
         step_writes = [_step_write(step, registers, groups) for _, step in steps]
-        if not printed_writes or any(write is None for write in step_writes):
+        if not printed_writes or None in step_writes:
             continue
-        for index, write in enumerate(printed_writes):
+        for index, printed in enumerate(printed_writes):
+            printed_path = (*path, "printed_writes", index)
             if index >= len(step_writes):
-                message = f"{write} is printed, but no step writes it"
-                report.add("writes-mismatch", (*path, "printed_writes", index), message)
-            elif write != step_writes[index]:
-                line = report.document.position((*path, *steps[index][0]))[0]
-                message = f"{write} is printed, but the step on line {line} writes {step_writes[index]}"
-                report.add("writes-mismatch", (*path, "printed_writes", index), message)
+                report.add("writes-mismatch", printed_path, f"{printed} is printed, but no step writes it")
+            elif printed != step_writes[index]:
+                step_path, _ = steps[index]
+                line, _ = report.document.position((*path, *step_path))
+                message = f"{printed} is printed, but the step on line {line} writes {step_writes[index]}"
+                report.add("writes-mismatch", printed_path, message)
         for step_path, _ in steps[len(printed_writes) :]:
             report.add("writes-mismatch", (*path, *step_path), "this write is not among the 'printed_writes'")
 
@@ -338,21 +355,23 @@ def _step_write(step: Spec, registers: Mapping[str, Spec], groups: Mapping[str, 
     if register is None or "value" not in step:
         return None
     fields = [field for _, field in expanded(Fields(Has.REGISTER, register, (), ""), groups)]
-    name = step.get("field")
-    candidates = [field for field in fields if name in (None, field.get("name"))]
-    valued_field = next((field for field in candidates if step["value"] in mapping(field, "values")), None)
-    number = None if valued_field is None else mapping(valued_field, "values", step["value"]).get("value")
-    address, last = register["address"], last_address(register)
-    if name is None and (valued_field is None or len(fields) == 1):
-        return _Write(first=address, last=last, bit=None, value=number)
-    named_field = next((field for field in fields if field.get("name") == name), {})
-    bounds = _bounds(mapping(valued_field or named_field).get("at"))
+    step_field = step.get("field")
+    candidates = [field for field in fields if step_field in (None, field.get("name"))]
+    # The field that has the value. Without one, the value is an argument, whose number the caller supplies.
+    fields_with_value = [field for field in candidates if step["value"] in mapping(field, "values")]
+    number = mapping(fields_with_value[0], "values", step["value"]).get("value") if fields_with_value else None
+    first, last = register["address"], last_address(register)
+    writes_whole_register = step_field is None and (not fields_with_value or len(fields) == 1)
+    if writes_whole_register:
+        return _Write(first=first, last=last, bit=None, value=number)
+    written_fields = fields_with_value or candidates
+    bounds = _bounds(written_fields[0].get("at")) if written_fields else None
     if bounds is None:
         return None
-    low_bit = bounds[1]
-    if name is None:
-        return _Write(first=address, last=last, bit=None, value=(number or 0) << low_bit)
-    return _Write(first=address, last=last, bit=low_bit, value=number)
+    _, low_bit = bounds
+    if step_field is None:
+        return _Write(first=first, last=last, bit=None, value=(number or 0) << low_bit)
+    return _Write(first=first, last=last, bit=low_bit, value=number)
 
 
 def _address_text(first: int, last: int) -> str:
@@ -388,11 +407,12 @@ def repeated_item(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def repeated_text(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that registers, fields of a frame, and values of a field do not have the text of a neighbour."""
-    registers: dict[object, list[tuple[Path, Spec]]] = {}
+    registers_by_bank: dict[object, list[tuple[Path, Spec]]] = {}
     for path, register in items(spec, "registers"):
-        registers.setdefault((interface_of(register), register.get("bank")), []).append((path, register))
-    for neighbours in registers.values():
-        _report_repeated(neighbours, "printed_name", report)
+        bank = (interface_of(register), register.get("bank"))
+        registers_by_bank.setdefault(bank, []).append((path, register))
+    for registers in registers_by_bank.values():
+        _report_repeated(registers, "printed_name", report)
     for fields in field_lists(spec):
         data_fields = [(path, field) for path, field in fields if _NOT_DATA.isdisjoint(field)]
         _report_repeated(data_fields, "printed_name", report)
@@ -400,23 +420,28 @@ def repeated_text(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             values = [((*path, "values", name), value) for name, value in mapping(field, "values").items()]
             _report_repeated(values, "printed_name", report)
             # Several values can be "not used".
-            explained = [(path, value) for path, value in values if value.get("meaning", "").count(" ") > 1]
-            _report_repeated(explained, "meaning", report)
+            with_long_meaning = [(path, value) for path, value in values if value.get("meaning", "").count(" ") > 1]
+            _report_repeated(with_long_meaning, "meaning", report)
 
 
 def _report_repeated(neighbours: Iterable[tuple[Path, Spec]], key: str, report: DocumentReport) -> None:
     """Report every text under a key that an earlier item has."""
     first_names: dict[object, object] = {}
     for path, neighbour in neighbours:
+        if key not in neighbour:
+            continue
         name = neighbour.get("name", path[-1])
-        if key in neighbour and (first_name := first_names.setdefault(neighbour[key], name)) != name:
+        first_name = first_names.setdefault(neighbour[key], name)
+        if first_name != name:
             message = f"{quoted(str(first_name))} already has this text as its {quoted(key)}; one of the two is wrong"
             report.add("repeated-text", (*path, key), message)
 
 
 def _unique_lists(path: Path, node: Any) -> Iterator[tuple[Path, list[Any]]]:
+    """Yield every list that is a set, at a place and below it."""
     if isinstance(node, list):
-        if path[-1] in _SETS or (len(path) > 1 and path[-2] in _MAPS_OF_SETS):
+        is_in_map_of_sets = len(path) > 1 and path[-2] in _MAPS_OF_SETS
+        if path[-1] in _SETS or is_in_map_of_sets:
             yield path, node
         for index, inner in enumerate(node):
             yield from _unique_lists((*path, index), inner)

@@ -10,6 +10,7 @@ from ...model import INTERFACES, Biss
 from ..document import Path
 from ..problems import DocumentReport, quoted
 from ..schema_files import is_second
+from .shapes import KeysOfKind, check_keys
 from .walk import (
     Fields,
     Has,
@@ -26,6 +27,34 @@ from .walk import (
 
 #: Access of a register that makes a kind of step impossible.
 _REFUSED = {"write": "read_only", "read": "write_only", "poll": "write_only"}
+#: Keys of each kind of step, and those of all kinds.
+_STEPS: dict[str, KeysOfKind] = {
+    "write": (("register", "value"), ("field",)),
+    "read": (("register",), ("field",)),
+    "poll": (("register", "field", "until"), ()),
+    "wait": (("at_least_ms",), ()),
+    "send": (("data_id",), ("times", "every_at_least_us", "in_succession")),
+}
+_ALL_STEPS = frozenset(("do", "meaning", "source"))
+
+
+def step_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that each step has the keys of its kind."""
+    for path, procedure in items(spec, "procedures"):
+        for below, step in items(procedure, "steps"):
+            kind: str = step["do"]
+            check_keys("step-shape", f"a {kind} step", (*path, *below), step, _STEPS[kind], _ALL_STEPS, report)
+            _check_repeated((*path, *below), step, report)
+
+
+def _check_repeated(path: Path, step: Spec, report: DocumentReport) -> None:
+    """Check that conditions between the requests of a step are only given for several requests."""
+    conditions = [key for key in ("in_succession", "every_at_least_us") if step.get(key)]
+    if step["do"] == "send" and conditions and step.get("times", 1) == 1:
+        request_count = "sends one" if "times" in step else "has no 'times'"
+        key = quoted(conditions[0])
+        problem = f"{key} applies to several requests, but the step {request_count}; add 'times', or remove {key}"
+        report.add("step-shape", (*path, conditions[0]), problem, at_key=True)
 
 
 def step_access(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -36,7 +65,8 @@ def step_access(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         for step_path, step in items(procedure, "steps"):
             register = registers.get(step.get("register", ""), {})
             access = register.get("access")
-            if "field" in step and (step["do"], access) == ("write", "write_only") and has_other_bits(register, groups):
+            writes_field = step["do"] == "write" and "field" in step
+            if writes_field and access == "write_only" and has_other_bits(register, groups):
                 message = (
                     f"{quoted(step['register'])} is write_only, so a step cannot keep its other bits; "
                     "describe it as one field with all its bits, and leave 'field' out"
@@ -83,20 +113,30 @@ def step_waits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         steps = list(items(procedure, "steps"))
         for index, (step_path, step) in enumerate(steps):
             needed_ms = registers.get(step.get("register", ""), {}).get("wait_at_least_ms")
-            if step["do"] != "write" or needed_ms is None:
-                continue
-            later_steps = steps[index + 1 :]
-            until_write = list(takewhile(lambda later: later[1]["do"] != "write", later_steps))
-            waits = [(at, wait) for at, wait in until_write if wait["do"] == "wait"]
-            waits_ms = [wait["at_least_ms"] for _, wait in waits if "at_least_ms" in wait]
-            is_polled = any(later_step["do"] == "poll" for _, later_step in until_write)
-            is_last_write = len(until_write) == len(later_steps)
-            if is_polled or sum(waits_ms) >= needed_ms or (is_last_write and not waits_ms):
-                continue
-            place = (*waits[0][0], "at_least_ms") if waits_ms else step_path
-            wait_text = f"the wait here is {sum(waits_ms)} ms" if waits_ms else "there is no wait here"
-            message = f"{quoted(step['register'])} needs a wait of {needed_ms} ms after a write, but {wait_text}"
-            report.add("wait-too-short", (*path, *place), message)
+            if step["do"] == "write" and needed_ms is not None:
+                short_wait = _find_short_wait(step_path, steps[index + 1 :], needed_ms)
+                if short_wait is not None:
+                    place, wait_text = short_wait
+                    problem = f"{quoted(step['register'])} needs a wait of {needed_ms} ms after a write"
+                    report.add("wait-too-short", (*path, *place), f"{problem}, but {wait_text}")
+
+
+def _find_short_wait(write_path: Path, later_steps: list[tuple[Path, Spec]], needed_ms: int) -> tuple[Path, str] | None:
+    """Return the place of a wait that is too short or missing after a write, and what is there. None if it is enough.
+
+    After the last write, a procedure need not wait at all.
+    """
+    until_write = list(takewhile(lambda path_and_step: path_and_step[1]["do"] != "write", later_steps))
+    waits = [(path, step) for path, step in until_write if step["do"] == "wait"]
+    waits_ms = [wait["at_least_ms"] for _, wait in waits if "at_least_ms" in wait]
+    is_polled = any(step["do"] == "poll" for _, step in until_write)
+    is_last_write = len(until_write) == len(later_steps)
+    if is_polled or sum(waits_ms) >= needed_ms or (is_last_write and not waits_ms):
+        return None
+    if not waits_ms:
+        return write_path, "there is no wait here"
+    first_wait_path, _ = waits[0]
+    return (*first_wait_path, "at_least_ms"), f"the wait here is {sum(waits_ms)} ms"
 
 
 def step_opens(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -104,25 +144,30 @@ def step_opens(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     registers = by_name(spec, "registers")
     for path, procedure in items(spec, "procedures"):
         steps = list(items(procedure, "steps"))
+        arguments = [argument["name"] for _, argument in items(procedure, "arguments")]
         for index, (step_path, step) in enumerate(steps):
             opener = mapping(registers.get(step.get("register", ""), {}), "opened_by")
-            written_values = [earlier["value"] for _, earlier in steps[:index] if _writes(earlier, opener)]
-            opening_values = [opener.get("value"), *(argument["name"] for _, argument in items(procedure, "arguments"))]
-            if step["do"] != "write" or not written_values or written_values[-1] in opening_values:
+            values_before = [earlier["value"] for _, earlier in steps[:index] if _writes(earlier, opener)]
+            if step["do"] != "write" or not values_before:
                 continue
-            message = (
-                f"{quoted(step['register'])} must be opened by writing {quoted(opener['value'])} to"
-                f" {quoted(opener['register'])}, but {quoted(written_values[-1])} was written there"
-            )
-            report.add("not-opened", (*path, *step_path, "register"), message)
+            # An argument may be the value that opens the register.
+            last_value = values_before[-1]
+            if last_value != opener.get("value") and last_value not in arguments:
+                message = (
+                    f"{quoted(step['register'])} must be opened by writing {quoted(opener['value'])} to"
+                    f" {quoted(opener['register'])}, but {quoted(last_value)} was written there"
+                )
+                report.add("not-opened", (*path, *step_path, "register"), message)
 
 
 def _writes(step: Spec, opener: Spec) -> bool:
     """Return True if a step writes the register, or the field of it, that opens another register."""
     if step["do"] != "write" or "value" not in step or "value" not in opener:
         return False
-    is_opening_register = step.get("register", "") == opener.get("register", None)
-    return is_opening_register and step.get("field", opener.get("field")) == opener.get("field")
+    writes_opening_register = "register" in step and step["register"] == opener.get("register")
+    # A step without a field writes all of them.
+    writes_opening_field = "field" not in step or step["field"] == opener.get("field")
+    return writes_opening_register and writes_opening_field
 
 
 def argument_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -146,23 +191,26 @@ def procedure_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     registers, groups = by_name(raw, "registers"), by_name(raw, "field_groups")
     for path, procedure in items(spec, "procedures"):
         name = procedure["name"]
-        written_steps: dict[str, list[tuple[Path, object]]] = {}
+        writes_by_register: dict[str, list[tuple[Path, object]]] = {}
         for step_path, step in items(procedure, "steps"):
             register = registers.get(step.get("register", ""), {})
             value_names = named_values(register, groups, step.get("field"))
             if step["do"] == "write" and name in value_names and step.get("value") in value_names:
-                written_steps.setdefault(step["register"], []).append(((*path, *step_path, "value"), step["value"]))
-        for register_name, steps in written_steps.items():
-            if name not in [value for _, value in steps]:
-                place, value = steps[-1]
+                value_path = (*path, *step_path, "value")
+                writes_by_register.setdefault(step["register"], []).append((value_path, step["value"]))
+        for register_name, writes in writes_by_register.items():
+            written_values = [value for _, value in writes]
+            if name not in written_values:
+                last_path, last_value = writes[-1]
                 message = (
                     f"the procedure {quoted(name)} has the same name as a value of {quoted(register_name)}, but writes"
-                    f" {quoted(value)}; write that value, or rename the procedure"
+                    f" {quoted(last_value)}; write that value, or rename the procedure"
                 )
-                report.add("procedure-name", place, message)
+                report.add("procedure-name", last_path, message)
 
 
 _SAVE = re.compile(r"(?:save|store|burn)(?:_.*)?")
+_ANY_BANK = "any"
 
 
 def saved_before_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -174,17 +222,21 @@ def saved_before_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         if "note" in procedure:
             continue
         arguments = {argument["name"] for _, argument in items(procedure, "arguments")}
-        writes = [(below, step) for below, step in items(procedure, "steps") if step["do"] == "write"]
-        is_saved = [step.get("register") in registers and _is_save(step) for _, step in writes]
-        for index, (below, save) in enumerate(writes):
-            later = [step for _, step in writes[index + 1 :] if step.get("register") != save.get("register")]
-            if not is_saved[index] or any(is_saved[index + 1 :]):
-                continue
-            unsaved = _first_unsaved(later, arguments, registers)
-            if unsaved:
-                problem = f"this step saves before {quoted(unsaved)} is written, so that value is lost at power-off"
-                remedy = "move this step behind the write, or explain the order in a 'note' of the procedure"
-                report.add("saved-too-early", (*path, *below), f"{problem}; {remedy}")
+        writes = [(step_path, step) for step_path, step in items(procedure, "steps") if step["do"] == "write"]
+        saves = [
+            index for index, (_, step) in enumerate(writes) if step.get("register") in registers and _is_save(step)
+        ]
+        if not saves:
+            continue
+        last_save = saves[-1]
+        save_path, save = writes[last_save]
+        later_steps = [step for _, step in writes[last_save + 1 :] if step.get("register") != save.get("register")]
+        unsaved_register = _first_unsaved(later_steps, arguments, registers)
+        if unsaved_register:
+            problem = f"this step saves before {quoted(unsaved_register)} is written"
+            remedy = "move this step behind the write, or explain the order in a 'note' of the procedure"
+            message = f"{problem}, so that value is lost at power-off; {remedy}"
+            report.add("saved-too-early", (*path, *save_path), message)
 
 
 def _is_save(step: Spec) -> bool:
@@ -192,9 +244,9 @@ def _is_save(step: Spec) -> bool:
     return _SAVE.fullmatch(str(step.get("value", ""))) is not None
 
 
-def _first_unsaved(later: Iterable[Spec], arguments: set[str], registers: dict[str, Spec]) -> str:
+def _first_unsaved(later_steps: Iterable[Spec], arguments: set[str], registers: dict[str, Spec]) -> str:
     """Return the first register that later steps write with an argument, or an empty text. Not a volatile one."""
-    for step in later:
+    for step in later_steps:
         name = str(step.get("register", ""))
         if step.get("value") in arguments and name in registers and not registers[name].get("volatile"):
             return name
@@ -227,26 +279,25 @@ def bank_selected(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     registers, select = by_name(raw, "registers"), bank_select(raw)
     if not isinstance(select, str):
         return
-    numbers = _numbers(registers.get(select, {}), raw)
+    bank_numbers = _numbers(registers.get(select, {}), raw)
     for path, procedure in items(spec, "procedures"):
-        selected: object = None
-        for below, step in items(procedure, "steps"):
-            register = registers.get(step.get("register", ""), {})
-            bank = register.get("bank")
+        selected_bank: object = None
+        for step_path, step in items(procedure, "steps"):
+            bank = registers.get(step.get("register", ""), {}).get("bank")
             if step["do"] == "write" and step.get("register") == select:
                 # An argument may select any bank.
-                selected = numbers.get(step.get("value", ""), "any")
-            elif isinstance(bank, int) and selected not in (bank, "any"):
+                selected_bank = bank_numbers.get(step.get("value", ""), _ANY_BANK)
+            elif isinstance(bank, int) and selected_bank not in (bank, _ANY_BANK):
                 message = (
                     f"{quoted(step['register'])} is in bank {bank}; write {bank} to {quoted(select)} before this step"
                 )
-                report.add("bank-not-selected", (*path, *below, "register"), message)
+                report.add("bank-not-selected", (*path, *step_path, "register"), message)
 
 
 def _numbers(register: Spec, raw: Spec) -> dict[str, object]:
     """Return the numbers of all named values of a register."""
-    fields = expanded(Fields(Has.REGISTER, register, (), ""), by_name(raw, "field_groups"))
     numbers: dict[str, object] = {}
-    for _, field in fields:
-        numbers |= {name: mapping(value).get("value") for name, value in mapping(field, "values").items()}
+    for _, field in expanded(Fields(Has.REGISTER, register, (), ""), by_name(raw, "field_groups")):
+        for name, value in mapping(field, "values").items():
+            numbers[name] = mapping(value).get("value")
     return numbers

@@ -118,31 +118,43 @@ def _possible_numbers(text: str, unit: str) -> Iterator[Decimal]:
     plain_numbers = list(_plain_numbers(text, unit))
     yield from plain_numbers
     tolerances = [number for sign, number in _signed_numbers(text, unit) if sign == "±"]
-    relative_tolerances = [number / 100 for sign, number in _signed_numbers(text, "%") if sign == "±"]
-    for middle in plain_numbers or [Decimal(0)]:
-        for tolerance in (*tolerances, *(middle * relative for relative in relative_tolerances)):
-            yield from (middle - tolerance, middle + tolerance)
+    percentages = [number for sign, number in _signed_numbers(text, "%") if sign == "±"]
+    nominal_numbers = plain_numbers or [Decimal(0)]  # A tolerance alone is about 0.
+    for nominal in nominal_numbers:
+        relative_tolerances = [nominal * (percentage / 100) for percentage in percentages]
+        for tolerance in (*tolerances, *relative_tolerances):
+            yield nominal - tolerance
+            yield nominal + tolerance
 
 
 def quantity_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a supply in a characteristic or a contact, and a threshold in a text, match those given elsewhere."""
-    values = [value for _, part in items(spec, "order_code", "parts") for value in part["values"].values()]
-    supplies = [mapping(supplied, "supply") for supplied in (spec, *values)]
-    ranges = [(supply.get("min_mv"), supply.get("max_mv")) for supply in supplies if supply]
+    supply_ranges = _supply_ranges(spec)
     for path, characteristic in items(spec, "characteristics"):
-        for at, value in items(characteristic, "values"):
+        for value_path, value in items(characteristic, "values"):
             if value["quantity"] == "supply" and "min" in value and "max" in value:
-                supply_range = int(value["min"] * 1000), int(value["max"] * 1000)
-                _compare_supply(supply_range, ranges, (*path, *at), report)
+                stated_range = int(value["min"] * 1000), int(value["max"] * 1000)
+                _compare_supply(stated_range, supply_ranges, (*path, *value_path), report)
     for path, connector in items(spec, "connectors"):
-        for at, contact in items(connector, "contacts"):
+        for contact_path, contact in items(connector, "contacts"):
             contact_supply = supply_named(contact["signal"])
             if contact_supply is not None and contact_supply[0] != contact_supply[1]:
-                _compare_supply(contact_supply, ranges, (*path, *at, "signal"), report)
+                _compare_supply(contact_supply, supply_ranges, (*path, *contact_path, "signal"), report)
     for path, alarm in items(spec, "alarms"):
-        if alarm.get("below_mv") is not None:
-            for place, described in ((path, alarm), *_fields_of_alarm(spec, alarm)):
-                _compare_threshold(described, alarm["below_mv"], place, report)
+        threshold_mv = alarm.get("below_mv")
+        if threshold_mv is not None:
+            _compare_threshold(alarm, threshold_mv, path, report)
+            for field_path, field in _fields_of_alarm(spec, alarm):
+                _compare_threshold(field, threshold_mv, field_path, report)
+
+
+def _supply_ranges(spec: Spec) -> list[tuple[Any, Any]]:
+    """Return the supply ranges of the device and of its order code values, in millivolts."""
+    owners = [spec]
+    for _, part in items(spec, "order_code", "parts"):
+        owners += part["values"].values()
+    supplies = [mapping(owner, "supply") for owner in owners]
+    return [(supply.get("min_mv"), supply.get("max_mv")) for supply in supplies if supply]
 
 
 def _compare_supply(
@@ -189,19 +201,28 @@ def time_repeated(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     if report.document.other_files or report.document.family:
         return
     interfaces = mapping(spec, "interfaces")
-    timings = [mapping(owner).get("timings") for owner in (spec, *interfaces.values())]
-    named_times = set(_times(timings))
-    timed_items = [timed_item for key in _TIMED for timed_item in items(spec, key)]
+    named_times = set(_times([mapping(owner).get("timings") for owner in (spec, *interfaces.values())]))
+    timed_items: list[tuple[Path, Spec]] = []
+    for key in _TIMED:
+        timed_items += items(spec, key)
     times_of_items = [set(_times(timed_item)) for _, timed_item in timed_items]
-    items_with = Counter(time for times in times_of_items for time in times)
+    items_with: Counter[int] = Counter()
+    for item_times in times_of_items:
+        items_with.update(item_times)
     for (path, timed_item), item_times in zip(timed_items, times_of_items, strict=True):
         elsewhere = _Elsewhere(named_times, items_with, item_times)
         for place, text, nearby_times in _texts(timed_item, path):
             _compare_times(text, nearby_times or item_times, elsewhere, place, report)
     for name, interface in interfaces.items():
+        elsewhere = _Elsewhere(named_times, items_with, set())
         for place, text, nearby_times in _texts(interface, ("interfaces", name)):
-            _compare_times(text, nearby_times, _Elsewhere(named_times, items_with, set()), place, report)
+            _compare_times(text, nearby_times, elsewhere, place, report)
     _compare_errata(spec, named_times, report)
+    _compare_symbols(spec, report)
+
+
+def _compare_symbols(spec: Spec, report: DocumentReport) -> None:
+    """Report each timing whose meaning gives another time after its symbol, as in ``tw > 20 µs``."""
     for path, timing in _with_symbol(spec):
         times = set(_times(timing))
         pattern = rf"\b{re.escape(timing['symbol'])} ?[<>=≤≥] ?{_TIME}"
@@ -214,14 +235,16 @@ def _compare_errata(spec: Spec, named_times: set[int], report: DocumentReport) -
     """Report each erratum whose times differ from all times of the facts it affects."""
     affected_places, times_below = Affected(spec), _TimesBelow()
     for path, erratum in items(spec, "errata"):
-        facts = [fact for text in dict.fromkeys(erratum.get("affects", ())) for fact in affected_places.at(text)]
         used_matches = list(_ANY_TIME.finditer(erratum.get("used", "")))
+        if not used_matches:
+            continue
         used_times = set(map(_nanoseconds, used_matches))
+        facts: list[Any] = []
+        for affected in dict.fromkeys(erratum.get("affects", ())):
+            facts += affected_places.at(affected)
         affected_times = set().union(*map(times_below.of, facts))
         timings = [fact for fact in facts if _is_timing(fact)]
         timing_times = times_below.of(timings[0]) if len(timings) == 1 else set()
-        if not used_times:
-            continue
         if affected_times and used_times.isdisjoint(affected_times | named_times):
             _report_time(used_matches[0], affected_times, (*path, "used"), report)
         elif timing_times and used_times.isdisjoint(timing_times):
@@ -245,12 +268,13 @@ def _is_timing(fact: Any) -> bool:
 
 
 def _with_symbol(spec: Spec) -> Iterator[tuple[Path, Spec]]:
-    """Yield the timings with a symbol."""
-    parents = ((), *(("interfaces", name) for name in mapping(spec, "interfaces")))
-    for parent in parents:
-        for path, timing in items(spec, *parent, "timings"):
-            if "symbol" in timing:
-                yield path, timing
+    """Yield the timings with a symbol, of the device and of its interfaces."""
+    timings = list(items(spec, "timings"))
+    for interface in mapping(spec, "interfaces"):
+        timings += items(spec, "interfaces", interface, "timings")
+    for path, timing in timings:
+        if "symbol" in timing:
+            yield path, timing
 
 
 @dataclass(frozen=True, slots=True)
@@ -265,14 +289,19 @@ class _Elsewhere:
     item_times: Set[int]
 
     def __contains__(self, time: object) -> bool:
-        own_count = 1 if time in self.item_times else 0
-        return time in self.named or self.items_with.get(time, 0) > own_count
+        if time in self.named:
+            return True
+        items_to_exceed = 1 if time in self.item_times else 0
+        return self.items_with.get(time, 0) > items_to_exceed
 
 
 def _compare_times(text: str, item_times: set[int], elsewhere: _Elsewhere, place: Path, report: DocumentReport) -> None:
     """Report the first time of a text that differs from all of these, if the item has times."""
-    for match in _KEPT_TIME.finditer(text) if item_times else ():
-        if (time := _nanoseconds(match)) not in item_times and time not in elsewhere:
+    if not item_times:
+        return
+    for match in _KEPT_TIME.finditer(text):
+        time = _nanoseconds(match)
+        if time not in item_times and time not in elsewhere:
             _report_time(match, item_times, place, report)
             return
 
@@ -301,7 +330,8 @@ def _times(node: Any) -> Iterator[int]:
 def _texts(node: Any, path: Path) -> Iterator[tuple[Path, str, set[int]]]:
     """Yield every text below a place, with the times next to it."""
     if isinstance(node, dict):
-        nearby_times = set(_times({key: value for key, value in node.items() if isinstance(value, int)}))
+        numbers = {key: value for key, value in node.items() if isinstance(value, int)}
+        nearby_times = set(_times(numbers))
         for key, value in node.items():
             if isinstance(value, str) and key not in _NO_TEXTS:
                 yield (*path, key), value, nearby_times
@@ -325,7 +355,9 @@ def conversions(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 (_, first_value), (second_path, second_value) = values
                 _compare_bounds(second_value, first_value, second_path, report)
     for path, text in leaves_of(spec, report):
-        for match in _SAME.finditer(text) if isinstance(text, str) and path[-1] != "printed" else ():
+        if not isinstance(text, str) or path[-1] == "printed":
+            continue
+        for match in _SAME.finditer(text):
             quantity = _Quantity(Decimal(match["one"].replace("−", "-")), match["one_unit"])
             repetition = _Quantity(Decimal(match["two"].replace("−", "-")), match["two_unit"])
             _compare_quantities(quantity, repetition, path, report)
@@ -376,16 +408,26 @@ def _half_digit(number: object) -> float:
 def column_units(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a table has one unit per column, and numbers in the columns that have a unit."""
     for path, table in items(spec, "tables"):
-        units = table.get("units", [])
-        if units and len(units) != len(table["columns"]):
-            message = (
-                f"the table has {counted(len(table['columns']), 'column')} but {counted(len(units), 'unit')}; "
-                'give one for each, or ""'
-            )
-            report.add("column-units", (*path, "units"), message)
+        if not table.get("units"):
             continue
-        for row, cells in enumerate(table["rows"] if units else ()):
+        units, columns = table["units"], table["columns"]
+        if len(units) != len(columns):
+            counts = f"{counted(len(columns), 'column')} but {counted(len(units), 'unit')}"
+            report.add("column-units", (*path, "units"), f'the table has {counts}; give one for each, or ""')
+            continue
+        for row, cells in enumerate(table["rows"]):
+            # Another rule reports a row with too few or too many cells.
             for column, (unit, cell) in enumerate(zip(units, cells, strict=False)):
                 if unit and not _CELL.fullmatch(str(cell)):
                     message = f"{quoted(str(cell))} is not a number, but the column has the unit {unit}"
                     report.add("column-units", (*path, "rows", row, column), message)
+
+
+def table_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that each row of a table has one cell per column."""
+    for path, table in items(spec, "tables"):
+        columns = len(table["columns"])
+        for index, row in enumerate(table["rows"]):
+            if len(row) != columns:
+                message = f"the row has {counted(len(row), 'cell')}, but the table has {counted(columns, 'column')}"
+                report.add("table-shape", (*path, "rows", index), message)

@@ -2,25 +2,23 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Iterator
 from typing import Any
 
-from ...model import INTERFACES, Biss
+from ...model import Biss
 from ...model.expressions import Expression, ExpressionError
 from ...model.steps import has_steps
 from ..document import Path
 from ..hints import expression_hint, number_hint
-from ..problems import DocumentReport, nearest_choice, quoted, suggestion
-from ..schema_check import value_at
+from ..problems import DocumentReport, quoted
 from . import parameters
+from .name_resolver import NameResolver
 from .shapes import KINDS
 from .walk import (
     INTERFACE_OF_REGISTERS,
     Fields,
     Has,
     Spec,
-    bits_of,
     by_name,
     field_lists,
     field_names,
@@ -30,81 +28,11 @@ from .walk import (
     layouts,
     mapping,
     measurements,
-    named_values,
     readable_names,
 )
 
-_NAME = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
-
-
-class NameResolver:
-    """Names defined in a spec as read, by kind, and the report for undefined ones."""
-
-    def __init__(self, raw: Spec, report: DocumentReport) -> None:
-        self._report = report
-        self._broken = {name for name in mapping(raw, "interfaces") if name not in INTERFACES}
-        for path in report.faults():
-            name = value_at(raw, path) if path[-1] == "name" else path[-1]
-            if isinstance(name, str) and not _NAME.fullmatch(name):
-                self._broken.add(name)
-        self.groups, self.registers = by_name(raw, "field_groups"), by_name(raw, "registers")
-        self.procedures, self.parameters = by_name(raw, "procedures"), mapping(raw, "parameters")
-        self._known: Mapping[str, Collection[str]] = {
-            "CRC": by_name(raw, "crcs"),
-            "erratum": by_name(raw, "errata"),
-            "field group": self.groups,
-            "interface": mapping(raw, "interfaces"),
-            "parameter": self.parameters,
-            "procedure": self.procedures,
-            "register": self.registers,
-        }
-
-    def refer(self, path: Path, kind: str, name: str, known_names: Collection[str] | None = None) -> None:
-        """Report ``name`` at ``path`` unless it is in ``known_names``, by default all names of its kind.
-
-        If one of these names is itself wrong, it is reported already and may be the one that is nearest_choice.
-        """
-        choices = self._known[kind] if known_names is None else known_names
-        if name in choices:
-            return
-        if self._broken.isdisjoint(choices) or nearest_choice(
-            name, [choice for choice in choices if choice not in self._broken]
-        ):
-            problem = f"there is no {kind} {quoted(name)}{suggestion(name, choices)}"
-            self._report.add("undefined-reference", path, problem)
-        else:
-            self._report.mark(path)
-
-    def report_problem(self, path: Path, problem: str) -> None:
-        """Report a name that exists but is not sufficient."""
-        self._report.add("undefined-reference", path, problem)
-
-    def refer_by(
-        self, key: str, path: Path, owner: Spec, kind: str, known_names: Collection[str] | None = None
-    ) -> None:
-        """Call ``refer`` for the value of a key: one name, several names, or none."""
-        references = owner.get(key, ())
-        for name, place in (
-            [(references, ())]
-            if isinstance(references, str)
-            else [(reference, (at,)) for at, reference in enumerate(references)]
-        ):
-            self.refer((*path, key, *place), kind, name, known_names)
-
-    def refer_to_bit(self, path: Path, text: str) -> None:
-        """Report ``text``, written as ``register.field``, unless both exist."""
-        name, _, field = text.partition(".")
-        self.refer(path, "register", name)
-        if name in self.registers:
-            self.refer(path, f"field of {quoted(name)} called", field, self.bits(name))
-
-    def bits(self, register: str) -> list[str]:
-        """Return the names allowed after the dot that follows a register."""
-        return bits_of(self.registers[register], self.groups)
-
-    def values(self, register: str, field: str | None) -> list[str]:
-        """Return the names of values of a register, or of one of its fields."""
-        return named_values(self.registers[register], self.groups, field)
+#: Kind of a field that is a number.
+_NUMBER = "digits"
 
 
 def field_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -112,31 +40,32 @@ def field_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     resolver = NameResolver(raw, report)
     for fields in field_lists(spec):
         names = list(field_names(fields, resolver.groups))
-        joins, gray, gray_path = mapping(fields.owner, "join"), mapping(fields.owner, "gray"), (*fields.path, "gray")
+        joins = mapping(fields.owner, "join")
         for path, field in fields:
-            resolver.refer_by("use", path, field, "field group")
-            resolver.refer_by("crc", path, field, "CRC")
-            if "parity_of" in field or "crc_of" in field:
-                siblings = [name for name in names if name != field.get("name")]
-                resolver.refer_by("parity_of", path, field, "other field", [*siblings, *joins])
-                resolver.refer_by("crc_of", path, field, "other field", siblings)
-            if (
-                "values_of" in field
-                and fields.kind is not Has.GROUP
-                and not mapping(raw, "interfaces", fields.interface).get("data_ids")
-            ):
-                message = (
-                    f"the interface {quoted(fields.interface)} has no table of data IDs; list the values with 'values'"
-                )
+            _check_field(path, field, names, list(joins), resolver)
+            has_no_table = not mapping(raw, "interfaces", fields.interface).get("data_ids")
+            if "values_of" in field and fields.kind is not Has.GROUP and has_no_table:
+                problem = f"the interface {quoted(fields.interface)} has no table of data IDs"
+                message = f"{problem}; list the values with 'values'"
                 report.add("undefined-reference", (*path, "values_of"), message)
-            for index, text in enumerate(field.get("explained_by", ())):
-                resolver.refer_to_bit((*path, "explained_by", index), text)
+        gray, gray_path = mapping(fields.owner, "gray"), (*fields.path, "gray")
         resolver.refer_by("of", gray_path, gray, "field or joined number", [*names, *joins])
         resolver.refer_by("when", gray_path, gray, "parameter")
         for name in mapping(fields.owner, "when"):
             resolver.refer((*fields.path, "when", name), "field", name, names)
         for join in joins:
             resolver.refer_by(join, (*fields.path, "join"), joins, "field", names)
+
+
+def _check_field(path: Path, field: Spec, names: list[str], joins: list[str], resolver: NameResolver) -> None:
+    """Check the references of a field. ``names`` are the fields of its layout, and ``joins`` its joined numbers."""
+    resolver.refer_by("use", path, field, "field group")
+    resolver.refer_by("crc", path, field, "CRC")
+    siblings = [name for name in names if name != field.get("name")]
+    resolver.refer_by("parity_of", path, field, "other field", [*siblings, *joins])
+    resolver.refer_by("crc_of", path, field, "other field", siblings)
+    for index, text in enumerate(field.get("explained_by", ())):
+        resolver.refer_to_bit((*path, "explained_by", index), text)
 
 
 def register_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -152,23 +81,26 @@ def register_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             report.add("undefined-reference", path, message)
         _check_opener((*path, "opened_by"), mapping(register, "opened_by"), resolver)
         fields = Fields(Has.REGISTER, register, path, interface_of(register))
-        bounded = [*field_names(fields, resolver.groups), *mapping(register, "join")]
-        resolver.refer_by("limits_of", path, register, "field or joined number", bounded)
+        numbers = [*field_names(fields, resolver.groups), *mapping(register, "join")]
+        resolver.refer_by("limits_of", path, register, "field or joined number", numbers)
         resolver.refer_by("write_clears", path, register, "register")
-        for below, meaning in items(register, "meanings"):
-            _check_meaning((*path, *below), meaning, resolver)
+        for meaning_path, meaning in items(register, "meanings"):
+            _check_meaning((*path, *meaning_path), meaning, resolver)
 
 
-def _check_opener(path: Path, opened: Spec, resolver: NameResolver) -> None:
-    resolver.refer_by("register", path, opened, "register")
-    name = opened.get("register")
-    if name in resolver.registers:
-        resolver.refer_by("field", path, opened, f"field of {quoted(name)} called", resolver.bits(name))
-        values = resolver.values(name, opened.get("field"))
-        resolver.refer_by("value", path, opened, f"value of {quoted(name)} called", values)
-        if "field" not in opened and opened.get("value") in values and len(resolver.bits(name)) > 1:
-            problem = f"{quoted(name)} has several fields; add 'field' with the name of the field"
-            resolver.report_problem((*path, "value"), f"{problem} that must hold {quoted(opened['value'])}")
+def _check_opener(path: Path, opener: Spec, resolver: NameResolver) -> None:
+    """Check the register, the field and the value that open another register."""
+    resolver.refer_by("register", path, opener, "register")
+    name = opener.get("register")
+    if name not in resolver.registers:
+        return
+    fields = resolver.bits(name)
+    values = resolver.values(name, opener.get("field"))
+    resolver.refer_by("field", path, opener, f"field of {quoted(name)} called", fields)
+    resolver.refer_by("value", path, opener, f"value of {quoted(name)} called", values)
+    if "field" not in opener and opener.get("value") in values and len(fields) > 1:
+        problem = f"{quoted(name)} has several fields; add 'field' with the name of the field"
+        resolver.report_problem((*path, "value"), f"{problem} that must hold {quoted(opener['value'])}")
 
 
 def _check_meaning(path: Path, meaning: Spec, resolver: NameResolver) -> None:
@@ -191,21 +123,32 @@ def device_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         for key in ("inverts", "needs"):
             if key in hardware_input:
                 resolver.refer_to_bit((*path, key), hardware_input[key])
+    readable: dict[str, None] = {}
+    for fields in layouts(raw):
+        readable |= dict.fromkeys(readable_names(fields, resolver.groups))
     for path, measurement in measurements(spec):
-        names = [name for fields in layouts(raw) for name in readable_names(fields, resolver.groups)]
-        resolver.refer_by("of", path, measurement, "field or joined number", dict.fromkeys(names))
-        name = measurement.get("of", "")
-        replies = (fields for fields in layouts(raw) if fields.owner.get("from") == "encoder")
-        measured = (fields for fields in replies if path[0] == "measurement" or fields.interface in path)
-        fields = (field_names(layout_fields, resolver.groups).get(name) for layout_fields in measured)
-        kinds = [_kind_of(field) for field in fields if field is not None]
-        if kinds and "digits" not in kinds:
-            problem = (
-                f"{quoted(name)} has {quoted(kinds[0])}, so it is not a number; name the field that holds the position"
-            )
-            report.add("measurement-shape", (*path, "of"), problem)
+        resolver.refer_by("of", path, measurement, "field or joined number", readable)
+        _check_measured_field(path, measurement, raw, resolver, report)
     biss_path = ("interfaces", Biss.name)
     resolver.refer_by("bank_select", biss_path, mapping(spec, *biss_path), "register")
+
+
+def _check_measured_field(
+    path: Path, measurement: Spec, raw: Spec, resolver: NameResolver, report: DocumentReport
+) -> None:
+    """Check that a field with the measured position is a number in at least one frame."""
+    name = measurement.get("of", "")
+    is_of_device = path == ("measurement",)
+    kinds = []
+    for fields in layouts(raw):
+        is_measured = is_of_device or fields.interface in path
+        field = field_names(fields, resolver.groups).get(name)
+        if is_measured and fields.owner.get("from") == "encoder" and field is not None:
+            kinds.append(_kind_of(field))
+    if kinds and _NUMBER not in kinds:
+        problem = f"{quoted(name)} has {quoted(kinds[0])}, so it is not a number"
+        message = f"{problem}; name the field that holds the position"
+        report.add("measurement-shape", (*path, "of"), message)
 
 
 def alarm_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -215,30 +158,36 @@ def alarm_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         resolver.refer_by("group", path, alarm, "field group")
         resolver.refer_by("register", path, alarm, "register")
         if "field" in alarm and "group" not in alarm and "register" not in alarm:
-            report.add(
-                "undefined-reference", (*path, "field"), "'field' also needs the 'group' or 'register' of the flag"
-            )
-        owner, owners = ("register", resolver.registers) if "register" in alarm else ("group", resolver.groups)
-        if alarm.get(owner) in owners:
-            flags = by_name(owners[alarm[owner]], "fields")
-            resolver.refer_by("field", path, alarm, f"field of {quoted(alarm[owner])} called", flags)
+            message = "'field' also needs the 'group' or 'register' of the flag"
+            report.add("undefined-reference", (*path, "field"), message)
+        owner_key, owners = ("register", resolver.registers) if "register" in alarm else ("group", resolver.groups)
+        owner_name = alarm.get(owner_key)
+        if owner_name in owners:
+            flags = by_name(owners[owner_name], "fields")
+            resolver.refer_by("field", path, alarm, f"field of {quoted(owner_name)} called", flags)
         resolver.refer_by("cleared_by", path, alarm, "procedure")
 
 
 def _kind_of(field: Spec) -> str:
     """Return the key for the kind of a field, or ``digits`` for a number."""
-    return next((key for key in KINDS if key in field), "digits")
+    for key in KINDS:
+        if key in field:
+            return key
+    return _NUMBER
 
 
 def by_hand_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that manual remedies refer to a characteristic with numbered steps."""
     resolver = NameResolver(raw, report)
     characteristics = by_name(raw, "characteristics").items()
-    counted = [name for name, characteristic in characteristics if has_steps(f"{characteristic.get('value')}")]
-    states = [((*path, *below), state) for path, led in items(spec, "leds") for below, state in items(led, "states")]
-    flags = [field for fields in field_lists(spec) for field in fields]
-    for path, owner in (*items(spec, "alarms"), *states, *flags):
-        resolver.refer_by("by_hand", path, owner, "characteristic with numbered steps called", counted)
+    with_steps = [name for name, characteristic in characteristics if has_steps(f"{characteristic.get('value')}")]
+    owners = list(items(spec, "alarms"))
+    for led_path, led in items(spec, "leds"):
+        owners += [((*led_path, *path), state) for path, state in items(led, "states")]
+    for fields in field_lists(spec):
+        owners += fields
+    for path, owner in owners:
+        resolver.refer_by("by_hand", path, owner, "characteristic with numbered steps called", with_steps)
 
 
 def procedure_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -246,35 +195,37 @@ def procedure_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     resolver = NameResolver(raw, report)
     for path, procedure in items(spec, "procedures"):
         resolver.refer_by("interface", path, procedure, "interface")
-        for below, argument in items(procedure, "arguments"):
+        for argument_path, argument in items(procedure, "arguments"):
+            place = (*path, *argument_path)
             register_name = argument["of"]
-            resolver.refer_by("of", (*path, *below), argument, "register")
+            resolver.refer_by("of", place, argument, "register")
             if register_name in resolver.registers:
                 meanings = by_name(resolver.registers[register_name], "meanings")
-                resolver.refer_by(
-                    "as", (*path, *below), argument, f"meaning of {quoted(register_name)} called", meanings
-                )
-        for below, step in items(procedure, "steps"):
-            _check_step((*path, *below), step, procedure, resolver)
-            data_ids = by_name(raw, "interfaces", procedure["interface"], "data_ids")
-            resolver.refer_by("data_id", (*path, *below), step, "data ID", data_ids)
+                resolver.refer_by("as", place, argument, f"meaning of {quoted(register_name)} called", meanings)
+        data_ids = by_name(raw, "interfaces", procedure["interface"], "data_ids")
+        for step_path, step in items(procedure, "steps"):
+            _check_step((*path, *step_path), step, procedure, resolver)
+            resolver.refer_by("data_id", (*path, *step_path), step, "data ID", data_ids)
 
 
 def _check_step(path: Path, step: Spec, procedure: Spec, resolver: NameResolver) -> None:
     """Check the register of a step, with its field and its value."""
     resolver.refer_by("register", path, step, "register")
     name = step.get("register")
-    if name in resolver.registers:
-        resolver.refer_by("field", path, step, f"field of {quoted(name)} called", resolver.bits(name))
-        arguments = [argument["name"] for _, argument in items(procedure, "arguments")]
-        values = [*resolver.values(name, step.get("field")), *arguments]
-        resolver.refer_by("value", path, step, f"argument, or value of {quoted(name)}, called", values)
-        is_named = "field" not in step and step.get("value") in resolver.values(name, None)
-        if is_named and step["value"] not in arguments and has_other_bits(resolver.registers[name], resolver.groups):
-            remedy = f"add 'field' with the name of the field that must hold {quoted(step['value'])}"
-            if resolver.registers[name].get("access") == "write_only":
-                remedy = "describe it as one field with all its bits, because it is write_only"
-            resolver.report_problem((*path, "value"), f"{quoted(name)} has other bits, too; {remedy}")
+    if name not in resolver.registers:
+        return
+    register = resolver.registers[name]
+    resolver.refer_by("field", path, step, f"field of {quoted(name)} called", resolver.bits(name))
+    arguments = [argument["name"] for _, argument in items(procedure, "arguments")]
+    values = [*resolver.values(name, step.get("field")), *arguments]
+    resolver.refer_by("value", path, step, f"argument, or value of {quoted(name)}, called", values)
+    # The value of one field, written to the whole register, would change its other bits.
+    is_value_of_field = step.get("value") in resolver.values(name, None) and step["value"] not in arguments
+    if "field" not in step and is_value_of_field and has_other_bits(register, resolver.groups):
+        remedy = f"add 'field' with the name of the field that must hold {quoted(step['value'])}"
+        if register.get("access") == "write_only":
+            remedy = "describe it as one field with all its bits, because it is write_only"
+        resolver.report_problem((*path, "value"), f"{quoted(name)} has other bits, too; {remedy}")
 
 
 def alternative_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -283,14 +234,11 @@ def alternative_references(spec: Spec, raw: Spec, report: DocumentReport) -> Non
     for path, alternative in items(spec, "alternatives"):
         _check_answers(path, alternative, resolver, report)
     for name, parameter in mapping(spec, "parameters").items():
-        if "alternative" in parameter:
-            alternative_name = parameter["alternative"]
-            resolver.refer_by("alternative", ("parameters", name), parameter, "alternative", alternatives)
-            answers = mapping(alternatives.get(alternative_name, {}), "values")
-            setting_answers = [answer for answer in answers if name in mapping(answers, answer, "sets")]
-            if alternative_name in alternatives and not setting_answers:
-                problem = f"no answer of {quoted(alternative_name)} sets {quoted(name)}"
-                report.add("undefined-reference", ("parameters", name, "alternative"), problem)
+        resolver.refer_by("alternative", ("parameters", name), parameter, "alternative", alternatives)
+        alternative_name = parameter.get("alternative")
+        if alternative_name in alternatives and not _is_set(name, alternatives[alternative_name]):
+            problem = f"no answer of {quoted(alternative_name)} sets {quoted(name)}"
+            report.add("undefined-reference", ("parameters", name, "alternative"), problem)
     for path, example in items(spec, "examples"):
         for name, answer in mapping(example, "alternatives").items():
             answer_path = (*path, "alternatives", name)
@@ -300,48 +248,59 @@ def alternative_references(spec: Spec, raw: Spec, report: DocumentReport) -> Non
                 resolver.refer(answer_path, f"answer of {quoted(name)} called", answer, answers)
 
 
+def _is_set(parameter_name: str, alternative: Spec) -> bool:
+    """Return True if any answer of an alternative sets a parameter."""
+    answers = mapping(alternative, "values")
+    return any(parameter_name in mapping(answers, answer, "sets") for answer in answers)
+
+
 def _check_answers(path: Path, alternative: Spec, resolver: NameResolver, report: DocumentReport) -> None:
     """Check that each answer of an alternative sets all its parameters, and no others."""
     answers, owner = alternative["values"], alternative["name"]
     parameters = resolver.parameters
     own_parameters = [name for name in parameters if mapping(parameters, name).get("alternative") == owner]
-    first_answer_setting = {name: answer for answer in reversed(answers) for name in answers[answer]["sets"]}
-    for answer, sets in ((answer, answers[answer]["sets"]) for answer in answers):
-        sets_path = (*path, "values", answer, "sets")
+    first_answers: dict[str, str] = {}
+    for answer in answers:
+        for name in answers[answer]["sets"]:
+            first_answers.setdefault(name, answer)
+    for answer in answers:
+        sets, sets_path = answers[answer]["sets"], (*path, "values", answer, "sets")
         for name in sets:
             resolver.refer((*sets_path, name), "parameter", name)
-            if name in resolver.parameters and name not in own_parameters:
+            if name in parameters and name not in own_parameters:
                 problem = f"{quoted(name)} is not a parameter of {quoted(owner)}; give it 'alternative: {owner}'"
                 report.add("undefined-reference", (*sets_path, name), problem)
         for name in own_parameters:
-            if name in first_answer_setting and name not in sets:
-                problem = (
-                    f"{quoted(answer)} does not set {quoted(name)}, which {quoted(first_answer_setting[name])} sets"
-                )
+            if name in first_answers and name not in sets:
+                problem = f"{quoted(answer)} does not set {quoted(name)}, which {quoted(first_answers[name])} sets"
                 report.add("undefined-reference", sets_path, problem)
 
 
 def example_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check the references of examples: their subject, the fields with values, and errata."""
     resolver = NameResolver(raw, report)
-    named_layouts = ((layout.owner.get("name"), layout) for layout in layouts(raw))
-    known_layouts: dict[Any, Fields] = {name: layout for name, layout in named_layouts if isinstance(name, str)}
+    known_layouts: dict[Any, Fields] = {}
+    for layout in layouts(raw):
+        if isinstance(layout.owner.get("name"), str):
+            known_layouts[layout.owner["name"]] = layout
     for path, example in items(spec, "examples"):
         for key in ("procedure", "erratum", "register"):
             resolver.refer_by(key, path, example, key)
         resolver.refer_by("crc", path, example, "CRC")
         resolver.refer_by("layout", path, example, "layout", known_layouts)
-        name = example.get("procedure", "")
-        for argument in mapping(example, "arguments") if name in resolver.procedures else ():
-            arguments = by_name(resolver.procedures[name], "arguments")
-            resolver.refer((*path, "arguments", argument), f"argument of {quoted(name)} called", argument, arguments)
-        owner_fields = known_layouts.get(example.get("layout"))
-        if owner_fields is None and example.get("register") in resolver.registers:
-            owner_fields = Fields(Has.REGISTER, resolver.registers[example["register"]], (), "")
-        if owner_fields is not None:
-            names = readable_names(owner_fields, resolver.groups)
+        procedure_name = example.get("procedure", "")
+        if procedure_name in resolver.procedures:
+            arguments = by_name(resolver.procedures[procedure_name], "arguments")
+            kind = f"argument of {quoted(procedure_name)} called"
+            for name in mapping(example, "arguments"):
+                resolver.refer((*path, "arguments", name), kind, name, arguments)
+        fields = known_layouts.get(example.get("layout"))
+        if fields is None and example.get("register") in resolver.registers:
+            fields = Fields(Has.REGISTER, resolver.registers[example["register"]], (), "")
+        if fields is not None:
+            field_names_in_example = readable_names(fields, resolver.groups)
             for name in mapping(example, "values"):
-                resolver.refer((*path, "values", name), "field", name, names)
+                resolver.refer((*path, "values", name), "field", name, field_names_in_example)
 
 
 #: Lists that paths leave out: a frame belongs to its interface, and a field to its frame.
@@ -350,18 +309,22 @@ _LISTS = ("layouts", "fields", "combinations")
 
 def erratum_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that each path affected by an erratum exists."""
-    resolver, steps_by_node = NameResolver(raw, report), {id(raw): dict(_next_steps(raw))}
+    resolver = NameResolver(raw, report)
+    # Many errata affect the same places, so the steps of each place are found once.
+    steps_by_node: dict[int, dict[str, Any]] = {}
     for path, erratum in items(spec, "errata"):
         for index, affected in enumerate(erratum.get("affects", ())):
             steps = affected.split(".")
-            short = [*(step for step in steps[:-1] if step not in _LISTS), steps[-1]]
-            if len(short) < len(steps):
-                problem = f"no output would find {quoted(affected)}; write {'.'.join(short)}"
+            short_steps = [*(step for step in steps[:-1] if step not in _LISTS), steps[-1]]
+            if len(short_steps) < len(steps):
+                problem = f"no output would find {quoted(affected)}; write {'.'.join(short_steps)}"
                 report.add("undefined-reference", (*path, "affects", index), problem)
                 continue
             node: Any = raw
             for step in steps:
-                next_nodes = steps_by_node.get(id(node)) or steps_by_node.setdefault(id(node), dict(_next_steps(node)))
+                if id(node) not in steps_by_node:
+                    steps_by_node[id(node)] = dict(_next_steps(node))
+                next_nodes = steps_by_node[id(node)]
                 if step not in next_nodes:
                     kind = f"place {quoted(affected)} in this spec: there is no"
                     resolver.refer((*path, "affects", index), kind, step, next_nodes)
@@ -395,7 +358,9 @@ def expressions(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             names = Expression.parse(text).parameters
         except ExpressionError as error:
             hint = expression_hint(str(text)) or number_hint(str(path[-1]), text)
-            report.add("bad-expression", path, f"{error}{hint or '; write an expression such as singleturn_bits + 8'}")
+            if not hint:
+                hint = "; write an expression such as singleturn_bits + 8"
+            report.add("bad-expression", path, f"{error}{hint}")
             continue
         for name in names:
             resolver.refer(path, "parameter", name)
@@ -421,10 +386,13 @@ def connector_references(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def unused_crc(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that each CRC is a field of some frame, or has a note."""
-    names = (field.get("crc") for fields in field_lists(raw) for _, field in fields)
-    used_crcs = {name for name in names if isinstance(name, str)}
+    used_crcs: set[str] = set()
+    for fields in field_lists(raw):
+        used_crcs |= {field["crc"] for _, field in fields if isinstance(field.get("crc"), str)}
+    if not used_crcs <= by_name(raw, "crcs").keys():
+        return  # A misspelt name, which another rule reports, may be meant as the unused CRC.
     for path, crc in items(spec, "crcs"):
-        if used_crcs <= by_name(raw, "crcs").keys() and crc["name"] not in used_crcs and "note" not in crc:
+        if crc["name"] not in used_crcs and "note" not in crc:
             problem = f"no frame uses the CRC {quoted(crc['name'])}"
             field = f"{{name: crc, crc: {crc['name']}}}"
             remedy = f"add the field {field} at the end of its frame, or explain in a 'note' what the CRC is for"

@@ -21,32 +21,34 @@ _WIDEST_WORD = 64
 def check_exchanges(
     spec: Spec, raw: Spec, interface: str, rule: str, report: DocumentReport
 ) -> list[tuple[Path, Spec]]:
-    """Check that the frames of exchanges exist, and that each request is in one of them. Return the exchanges.
+    """Check that the frames of exchanges exist, and that no two have the same request. Return the exchanges.
 
     A request for the position needs a measurement, because without one no output has a position.
     """
     interface_path = ("interfaces", interface)
-    layouts = by_name(raw, *interface_path, "layouts")
     exchanges = list(items(spec, *interface_path, "exchanges"))
+    _check_layouts(exchanges, by_name(raw, *interface_path, "layouts"), report)
+    has_measurement = "measurement" in raw or "measurement" in mapping(raw, *interface_path)
+    earlier_requests = set()
+    for path, exchange in exchanges:
+        request = exchange["request"]
+        if request in earlier_requests:
+            report.add(rule, (*path, "request"), f"{quoted(request)} already has a reply; keep one")
+        earlier_requests.add(request)
+        if exchange["purpose"] == "position" and not has_measurement:
+            message = f"{quoted(request)} asks for the position, but the spec has no 'measurement'; add one"
+            report.add(rule, (*path, "purpose"), message)
+    return exchanges
+
+
+def _check_layouts(exchanges: list[tuple[Path, Spec]], layouts: Mapping[str, Spec], report: DocumentReport) -> None:
+    """Check that the request of each exchange is a layout of the master, and the reply one of the encoder."""
     for sender, key in KEYS.items():
         names = [name for name, layout in layouts.items() if layout.get("from") == sender]
         for path, exchange in exchanges:
-            name = exchange.get(key, "")
-            if name not in ("", *names):
-                message = f"there is no layout {quoted(name)} from the {sender}{suggestion(name, names)}"
-                report.add("undefined-reference", (*path, key), message)
-    requests = [exchange["request"] for _, exchange in exchanges]
-    for index, (path, exchange) in enumerate(exchanges):
-        if exchange["request"] in requests[:index]:
-            report.add(rule, (*path, "request"), f"{quoted(exchange['request'])} already has a reply; keep one")
-    if "measurement" not in raw and "measurement" not in mapping(raw, *interface_path):
-        for path, exchange in exchanges:
-            if exchange["purpose"] == "position":
-                message = (
-                    f"{quoted(exchange['request'])} asks for the position, but the spec has no 'measurement'; add one"
-                )
-                report.add(rule, (*path, "purpose"), message)
-    return exchanges
+            if key in exchange and exchange[key] not in names:
+                message = f"there is no layout {quoted(exchange[key])} from the {sender}"
+                report.add("undefined-reference", (*path, key), message + suggestion(exchange[key], names))
 
 
 def report_unused(
@@ -153,13 +155,16 @@ def _check_lengths(spec: Spec, exchanges: list[tuple[Path, Spec]], report: Docum
     interface = mapping(spec, *_SPI_PATH)
     default_bits = interface.get("word_bits")
     for path, exchange in exchanges:
-        if exchange.get("word_bits") == default_bits is not None:
+        if default_bits is not None and exchange.get("word_bits") == default_bits:
             message = f"'word_bits' is {default_bits}, as for the interface; remove it from the exchange"
             report.add("spi-exchange", (*path, "word_bits"), message, at_key=True)
     writes = [(path, exchange) for path, exchange in exchanges if exchange["purpose"] == "write"]
-    for path, exchange in writes[1:] if interface.get("reply") == "next_word" else ():
-        first_write = writes[0][1]
-        first_bits = first_write.get("word_bits", default_bits)
+    is_reply_late = interface.get("reply") == "next_word"
+    if not is_reply_late or not writes:
+        return
+    _, first_write = writes[0]
+    first_bits = first_write.get("word_bits", default_bits)
+    for path, exchange in writes[1:]:
         word_bits = exchange.get("word_bits", default_bits)
         if word_bits != first_bits:
             message = (
@@ -175,9 +180,10 @@ _DECIDED = frozenset(("constant", "unused", "parity_of", "crc", "use"))
 
 def _check_frames(spec: Spec, exchanges: list[tuple[Path, Spec]], report: DocumentReport) -> None:
     """Check that each frame has a place in an exchange, or that there is only one frame."""
-    for path, layout in items(spec, *_SPI_PATH, "layouts"):
-        key = KEYS.get(layout.get("from", ""), "")
-        if exchanges or key == "request" or path[-1] != 0:
+    for index, (path, layout) in enumerate(items(spec, *_SPI_PATH, "layouts")):
+        is_request = layout.get("from") == "master"
+        # Without exchanges, the first frame can be the only one: it is read with any word.
+        if exchanges or is_request or index > 0:
             report_unused(layout, path, exchanges, "spi-exchange", report)
         if layout.get("carried_as") == "bytes":
             message = f"{quoted(layout['name'])} is an SPI word, which is always carried as bits; remove 'carried_as'"
@@ -187,16 +193,21 @@ def _check_frames(spec: Spec, exchanges: list[tuple[Path, Spec]], report: Docume
 def _check_parities(spec: Spec, report: DocumentReport) -> None:
     """Check that the parity bits of a word without a CRC cover the other fields, unless a note names those left out."""
     for path, layout in items(spec, *_SPI_PATH, "layouts"):
+        fields = [field for _, field in items(layout, "fields")]
         parity_fields = [(field_path, field) for field_path, field in items(layout, "fields") if "parity_of" in field]
-        covered_names = {name for _, field in parity_fields for name in _covered_fields(layout, field["parity_of"])}
-        fields = [field for _, field in items(layout, "fields") if "parity_of" not in field]
-        notes = {word for _, field in parity_fields for word in re.findall(r"\w+", str(field.get("note", "")))}
-        field_names = [field["name"] for field in fields if "name" in field]
-        left_out = [name for name in field_names if name not in covered_names and name not in notes]
-        if parity_fields and left_out and not any("crc" in field for field in fields):
-            field_path, field = parity_fields[0]
+        if not parity_fields or any("crc" in field for field in fields):
+            continue
+        covered_names: set[str] = set()
+        words_in_notes: set[str] = set()
+        for _, parity_field in parity_fields:
+            covered_names.update(_covered_fields(layout, parity_field["parity_of"]))
+            words_in_notes.update(re.findall(r"\w+", str(parity_field.get("note", ""))))
+        other_names = [field["name"] for field in fields if "parity_of" not in field and "name" in field]
+        left_out = [name for name in other_names if name not in covered_names and name not in words_in_notes]
+        if left_out:
+            field_path, parity_field = parity_fields[0]
             message = (
-                f"{quoted(field.get('name', ''))} leaves out {quoted(left_out[0])}; "
+                f"{quoted(parity_field.get('name', ''))} leaves out {quoted(left_out[0])}; "
                 f"add it to 'parity_of', or add a 'note' that the manual leaves out {left_out[0]}"
             )
             report.add("spi-parity", (*path, *field_path, "parity_of"), message)
@@ -205,8 +216,9 @@ def _check_parities(spec: Spec, report: DocumentReport) -> None:
 def _covered_fields(layout: Spec, parity_of: object) -> Iterator[str]:
     """Yield the fields that a parity bit covers, with those of joined numbers."""
     joins = mapping(layout, "join")
-    for name in map(str, parity_of if isinstance(parity_of, list) else [parity_of]):
-        yield from joins.get(name, [name])
+    names = parity_of if isinstance(parity_of, list) else [parity_of]
+    for name in names:
+        yield from joins.get(str(name), [str(name)])
 
 
 def _free_fields(layout: Spec) -> Iterator[str]:
@@ -221,21 +233,23 @@ def _check_accesses(
 ) -> None:
     """Check that registers have exchanges for their accesses, and that the frames of these have the needed fields."""
     groups = by_name(raw, "field_groups")
+    spi_registers = [(path, item) for path, item in items(raw, "registers") if interface_of(item) == Spi.name]
     for purpose, needed in _NEEDED.items():
         accesses = [(path, exchange) for path, exchange in exchanges if exchange["purpose"] == purpose]
-        for names, key in zip(needed, KEYS.values(), strict=True):
-            _check_fields(accesses, key, names, layouts, groups, report)
+        needed_in_request, needed_in_reply = needed
+        _check_fields(accesses, "request", needed_in_request, layouts, groups, report)
+        _check_fields(accesses, "reply", needed_in_reply, layouts, groups, report)
         if purpose == "read" and len(accesses) > 1:
             report.add("spi-exchange", (*accesses[1][0], "purpose"), "a second request reads registers; keep one")
         impossible_access = "write_only" if purpose == "read" else "read_only"
-        for path, register in items(raw, "registers"):
-            if interface_of(register) == Spi.name and not accesses and register.get("access") != impossible_access:
-                message = (
-                    f"no exchange has the purpose {purpose!r}, so {quoted(register.get('name', ''))} has no access; "
-                    "add one under 'exchanges'"
-                )
-                report.add("spi-exchange", path, message)
-                break
+        accessible = [(path, reg) for path, reg in spi_registers if reg.get("access") != impossible_access]
+        if accessible and not accesses:
+            path, register = accessible[0]
+            message = (
+                f"no exchange has the purpose {purpose!r}, so {quoted(register.get('name', ''))} has no access; "
+                "add one under 'exchanges'"
+            )
+            report.add("spi-exchange", path, message)
 
 
 def _check_fields(
@@ -247,23 +261,25 @@ def _check_fields(
     report: DocumentReport,
 ) -> None:
     """Check that the frames under a key of these exchanges have the needed fields, and requests no undecided ones."""
+    if not accesses:
+        return
     names: set[str] = set()
     for _, exchange in accesses:
-        names |= field_names(Fields(Has.LAYOUT, layouts.get(exchange[key], {}), (), Spi.name), groups).keys()
-    missing_name = next((name for name in needed if name not in names), "")
-    if accesses and missing_name:
+        frame = Fields(Has.LAYOUT, layouts.get(exchange[key], {}), (), Spi.name)
+        names |= field_names(frame, groups).keys()
+    missing_names = [name for name in needed if name not in names]
+    if missing_names:
         path, exchange = accesses[0]
-        message = f"{quoted(exchange[key])} is for a register, so it needs the field {quoted(missing_name)}"
+        message = f"{quoted(exchange[key])} is for a register, so it needs the field {quoted(missing_names[0])}"
         report.add("spi-exchange", (*path, key), message)
-    for path, exchange in accesses if key == "request" and not missing_name else ():
-        free_names = _free_fields(layouts.get(exchange[key], {}))
-        undecided_name = next((name for name in free_names if name not in needed), "")
-        if undecided_name:
-            message = (
-                f"an access to a register gives no value for {quoted(undecided_name)} in {quoted(exchange[key])}; "
-                "use 'constant' or 'unused' there"
-            )
-            report.add("spi-exchange", (*path, key), message)
+    elif key == "request":
+        for path, exchange in accesses:
+            free_names = _free_fields(layouts.get(exchange[key], {}))
+            undecided_names = [name for name in free_names if name not in needed]
+            if undecided_names:
+                problem = f"an access to a register gives no value for {quoted(undecided_names[0])}"
+                message = f"{problem} in {quoted(exchange[key])}; use 'constant' or 'unused' there"
+                report.add("spi-exchange", (*path, key), message)
 
 
 _SPI_REQUESTS_PATH = ("interfaces", Spi.name)
@@ -279,26 +295,32 @@ def requests_that_write(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     groups, layouts = by_name(raw, "field_groups"), by_name(spec, *_SPI_REQUESTS_PATH, "layouts")
     exchanges = [exchange for _, exchange in items(spec, *_SPI_REQUESTS_PATH, "exchanges")]
     bits = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
-    write_requests = (exchange["request"] for exchange in exchanges if exchange["purpose"] == "write")
-    writes = [name for name in write_requests if name in layouts]
-    addressed = [name for name in writes if "address" in _free_names(layouts[name], groups)]
+    write_requests = [exchange["request"] for exchange in exchanges if exchange["purpose"] == "write"]
+    distinguishable_writes = []
+    for name in write_requests:
+        if name in layouts and "address" in _free_names(layouts[name], groups) and _has_constant(bits[name]):
+            distinguishable_writes.append(name)
     for exchange in exchanges:
         name = exchange["request"]
-        if name not in layouts or name in writes or "note" in layouts[name] or not bits[name]:
+        if name not in layouts or name in write_requests or "note" in layouts[name] or not bits[name]:
             continue
-        with_constants = (write for write in addressed if set(bits[write]) > {"?"})
-        equal = next((write for write in with_constants if _may_be_equal(bits[name], bits[write])), None)
-        if equal is not None:
-            problem = f"{quoted(name)} can be the same word as {quoted(equal)}, so it would write a register"
+        equal_writes = [write for write in distinguishable_writes if _may_be_equal(bits[name], bits[write])]
+        if equal_writes:
+            problem = f"{quoted(name)} can be the same word as {quoted(equal_writes[0])}, so it would write a register"
             remedy = "correct a 'constant' in one of them, or explain it in a 'note' of this layout"
             report.add("spi-exchange", (*_SPI_REQUESTS_PATH, "layouts", name), f"{problem}; {remedy}")
+
+
+def _has_constant(bits: str) -> bool:
+    return "0" in bits or "1" in bits
 
 
 def _may_be_equal(request: str, write: str) -> bool:
     """Return True if two words have the same length and no constant bit differs."""
     if len(request) != len(write):
         return False
-    return all(bit == write_bit or "?" in (bit, write_bit) for bit, write_bit in zip(request, write, strict=True))
+    pairs = zip(request, write, strict=True)
+    return all(bit == write_bit or "?" in (bit, write_bit) for bit, write_bit in pairs)
 
 
 def _constant_bits(layout: Spec, groups: dict[str, Spec]) -> str:
@@ -309,7 +331,8 @@ def _constant_bits(layout: Spec, groups: dict[str, Spec]) -> str:
         if width is None or width > _WIDEST_WORD:
             return ""
         constant = field.get("constant", field.get("unused"))
-        bits += f"{constant:0{width}b}" if isinstance(constant, int) else "?" * width
+        is_constant = isinstance(constant, int)
+        bits += f"{constant:0{width}b}" if is_constant else "?" * width
     return bits
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping
-from itertools import pairwise
+from dataclasses import dataclass
 from typing import Any
 
 from ..document import Path, is_placeholder
@@ -15,8 +15,24 @@ _CITED = re.compile(r"(?P<section>[0-9]+(?:\.[0-9]+)*|[^\W\d_][^:;]*?)(?:\s+p\.(
 _NUMBERED = re.compile(r"[0-9]+(?:\.[0-9]+)*")
 #: Where a section begins or ends if the contents do not say.
 _FIRST, _END = 1, 10_000
+#: Name under which the pages of a whole section are kept.
+_WHOLE_SECTION = ""
 #: Number of cited pages that show which pages a spec cites, and the share of them that agrees.
 _ENOUGH, _SHARE = 50, 0.98
+
+
+@dataclass(frozen=True, slots=True)
+class _LaterPage:
+    """A citation of a page on which nothing begins, with the last page before it on which something begins."""
+
+    path: Path
+    section: str
+    page: int
+    first_page: int
+
+
+#: First and last page of each section, under an empty name, and of its entries by name.
+_Spans = Mapping[str, Mapping[str, tuple[int, int]]]
 
 
 def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -25,42 +41,53 @@ def cited_place(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     In a spec whose sources cite the pages on which sections and entries begin, no source may cite another page.
     """
     contents = mapping(raw, "manual", "contents")
+    if not contents:
+        return
     spans = _spans(contents)
-    first_pages = 0
-    later_pages: list[tuple[Path, str, int, int]] = []
-    for path, value in sources(leaves_of(spec, report)) if contents else ():
-        places = [piece.strip() for piece in value.split(";") if not is_placeholder(piece)]
-        pieces = [citation for place in places if (citation := _CITED.fullmatch(place)) is not None]
-        own_names, names = _printed_names(spec, path)
-        for cited in pieces:
-            section = cited["section"]
-            if not _is_in_section(section, cited["page"], path, spans, names, report):
+    first_page_count = 0
+    later_pages: list[_LaterPage] = []
+    for path, source in sources(leaves_of(spec, report)):
+        own_names, enclosing_names = _printed_names(spec, path)
+        citations = _citations(source)
+        for citation in citations:
+            section = citation["section"]
+            if not _is_in_section(section, citation["page"], path, spans, enclosing_names, report):
                 continue
-            page, begin_pages = int(cited["page"]), _first_pages(spans[section], own_names)
-            pages = {int(citation["page"] or 0) for citation in pieces if citation["section"] == section}
-            if page in begin_pages:
-                first_pages += 1
-            elif begin_pages and not pages & begin_pages:
-                later_pages.append(
-                    (
-                        path,
-                        section,
-                        page,
-                        max((first_page for first_page in begin_pages if first_page < page), default=page),
-                    )
-                )
-    if first_pages >= max(_ENOUGH, _SHARE * (first_pages + len(later_pages))):
-        for path, section, page, first_page in later_pages:
-            problem = f"nothing in section {section} begins on page {page}, and other sources cite first pages"
-            report.add("cited-place", path, f"{problem}; cite p.{first_page}, or p.{first_page} and p.{page}")
+            page = int(citation["page"])
+            first_pages = _first_pages(spans[section], own_names)
+            cited_pages = {int(other["page"] or 0) for other in citations if other["section"] == section}
+            if page in first_pages:
+                first_page_count += 1
+            elif first_pages and cited_pages.isdisjoint(first_pages):
+                earlier_pages = [first_page for first_page in first_pages if first_page < page]
+                later_pages.append(_LaterPage(path, section, page, max(earlier_pages, default=page)))
+    enough = max(_ENOUGH, _SHARE * (first_page_count + len(later_pages)))
+    if first_page_count >= enough:
+        _report_later_pages(later_pages, report)
+
+
+def _report_later_pages(later_pages: list[_LaterPage], report: DocumentReport) -> None:
+    for later in later_pages:
+        problem = f"nothing in section {later.section} begins on page {later.page}, and other sources cite first pages"
+        remedy = f"cite p.{later.first_page}, or p.{later.first_page} and p.{later.page}"
+        report.add("cited-place", later.path, f"{problem}; {remedy}")
+
+
+def _citations(source: str) -> list[re.Match[str]]:
+    """Return the sections of the manual that a source cites, each perhaps with a page."""
+    places = [piece.strip() for piece in source.split(";") if not is_placeholder(piece)]
+    matches = [_CITED.fullmatch(place) for place in places]
+    return [match for match in matches if match is not None]
 
 
 def _first_pages(spans: Mapping[str, tuple[int, int]], own_names: list[str]) -> set[int]:
     """Return the first page of the entry of an item or, without one, those of its section and of all its entries."""
-    name = next((name for name in own_names if name in spans), "")
-    if name:
-        return {spans[name][0]}
-    if spans[""][0] <= _FIRST:
+    for name in own_names:
+        if name in spans:
+            first_page, _ = spans[name]
+            return {first_page}
+    section_start, _ = spans[_WHOLE_SECTION]
+    if section_start <= _FIRST:  # The contents do not say where it begins.
         return set()
     return {start for start, _ in spans.values()}
 
@@ -70,24 +97,27 @@ def _spans(contents: Mapping[str, Any]) -> dict[str, dict[str, tuple[int, int]]]
 
     The last page is the one on which the next section begins. A page that the contents omit is not checked.
     """
-    rows = [(name, section) for name, section in contents.items() if isinstance(section, dict)]
+    sections = [(name, section) for name, section in contents.items() if isinstance(section, dict)]
     page_spans: dict[str, dict[str, tuple[int, int]]] = {}
-    for at, (name, section) in enumerate(rows):
-        later_rows = [row for row in rows[at + 1 :] if not row[0].startswith(f"{name}.")]
-        end = _page(later_rows[0][1], _END) if later_rows else _END
-        inner_rows = [row for row in rows[at + 1 :] if row[0].startswith(f"{name}.")]
-        start = _page(section, _FIRST)
-        page_spans[name] = {"": (start, end)}
+    for index, (name, section) in enumerate(sections):
+        after = sections[index + 1 :]
+        subsections = [inner for inner_name, inner in after if inner_name.startswith(f"{name}.")]
+        later_sections = [later for later_name, later in after if not later_name.startswith(f"{name}.")]
+        end = _page(later_sections[0], _END) if later_sections else _END
+        page_spans[name] = {_WHOLE_SECTION: (_page(section, _FIRST), end)}
+        # The entries of a section come before its subsections.
+        end_of_entries = _page(subsections[0], end) if subsections else end
         entries = [(title, page) for title, page in mapping(section, "entries").items() if isinstance(page, int)]
-        after = _page(inner_rows[0][1], end) if inner_rows else end
-        for (title, page), (_, following) in pairwise([*entries, ("", after)]):
-            page_spans[name][title.casefold()] = (page, max(page, following))
+        starts_after = [*(page for _, page in entries[1:]), end_of_entries]
+        for (title, page), next_page in zip(entries, starts_after, strict=False):
+            page_spans[name][title.casefold()] = (page, max(page, next_page))
     return page_spans
 
 
-def _page(section: Mapping[str, Any], otherwise: int) -> int:
-    page = section.get("page", otherwise)
-    return page if isinstance(page, int) else otherwise
+def _page(section: Mapping[str, Any], default: int) -> int:
+    """Return the page of a section, or a default if the contents do not give it."""
+    page = section.get("page")
+    return page if isinstance(page, int) else default
 
 
 def _printed_names(spec: Spec, path: Path) -> tuple[list[str], list[str]]:
@@ -98,33 +128,29 @@ def _printed_names(spec: Spec, path: Path) -> tuple[list[str], list[str]]:
     for step in path[:-1]:
         node = node[step]
         if isinstance(node, dict):
-            printed = (node.get("printed_name"), *mapping(node, "names").values())
-            own_names = [name.casefold() for name in printed if isinstance(name, str)]
-            enclosing_names[:0] = own_names
+            printed_names = (node.get("printed_name"), *mapping(node, "names").values())
+            own_names = [name.casefold() for name in printed_names if isinstance(name, str)]
+            enclosing_names = own_names + enclosing_names
     return own_names, enclosing_names
 
 
 def _is_in_section(
-    section: str,
-    page: str | None,
-    path: Path,
-    spans: Mapping[str, Mapping[str, tuple[int, int]]],
-    names: list[str],
-    report: DocumentReport,
+    section: str, page: str | None, path: Path, spans: _Spans, names: list[str], report: DocumentReport
 ) -> bool:
     """Return whether a page is given and is in its section, and report a section or page that cannot be right."""
     if section not in spans:
         if _NUMBERED.fullmatch(section):
-            hint = suggestion(section, [name for name in spans if _NUMBERED.fullmatch(name)])
+            numbered_sections = [name for name in spans if _NUMBERED.fullmatch(name)]
+            hint = suggestion(section, numbered_sections)
             report.add("cited-place", path, f"the contents have no section {quoted(section)}{hint}")
         return False
     if page is None:
         return False
-    name = next((name for name in names if name in spans[section]), "")
-    start, end = spans[section][name]
+    entries = [name for name in names if name in spans[section]]
+    start, end = spans[section][entries[0] if entries else _WHOLE_SECTION]
     if start <= int(page) <= end:
         return True
-    cited_part = f"the entry {quoted(name)} of section {section}" if name else f"section {section}"
+    cited_part = f"the entry {quoted(entries[0])} of section {section}" if entries else f"section {section}"
     pages = _pages_text(start, end)
     report.add("cited-place", path, f"{cited_part} is {pages} according to the table of contents, not on page {page}")
     return False
@@ -136,8 +162,6 @@ def _pages_text(start: int, end: int) -> str:
     return f"on page {start}" if start == end else f"on pages {start} to {end}"
 
 
-#: Number of implementations that a grade needs.
-_IMPLEMENTATIONS = {"quoted": 1}
 _CORROBORATED = ("corroborated", "corroborated, no hardware frame seen")
 #: Grades that need data from real hardware, and the remedy if there are none.
 _WITH_FRAME = ("quoted", "corroborated")
@@ -149,44 +173,50 @@ _SOURCE = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?(.*?)\s*", re.DOTALL)
 
 def evidence(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the evidence supports the grade, and report what is missing."""
-    stated_evidence, examples = mapping(spec, "evidence"), by_name(raw, "examples")
-    grade, read = stated_evidence.get("grade"), mapping(stated_evidence, "documents")
-    agreeing, vectors = list(stated_evidence.get("implementations", ())), list(stated_evidence.get("vectors", ()))
-    for index, key in enumerate(agreeing):
-        if key in read or key in agreeing[:index]:
+    stated_evidence = mapping(spec, "evidence")
+    grade = stated_evidence.get("grade")
+    documents_read = mapping(stated_evidence, "documents")
+    implementations = list(stated_evidence.get("implementations", ()))
+    vectors = list(stated_evidence.get("vectors", ()))
+    for index, key in enumerate(implementations):
+        if key in documents_read or key in implementations[:index]:
             problem = f"{quoted(key)} is listed twice; list each source once, so that it counts once"
             report.add("evidence-grade", ("evidence", "implementations", index), problem)
+    _check_vectors(grade, vectors, by_name(raw, "examples"), report)
+    if not grade:
+        return
+    for problem in _missing(grade, documents_read, implementations, vectors):
+        report.add("evidence-grade", ("evidence", "grade"), f"the grade {quoted(grade)} {problem}")
+    if grade == "quoted" or grade in _CORROBORATED:
+        _check_sources(spec, grade, documents_read, implementations, report)
+
+
+def _check_vectors(grade: object, vectors: list[str], examples: Mapping[str, Spec], report: DocumentReport) -> None:
+    """Check that the examples from hardware can show an error, and that one of them is data from an encoder."""
     for index, name in enumerate(vectors):
         if name in examples and not _discriminates(examples[name]):
             problem = f"{quoted(name)} has the same bits throughout, so it cannot show an error; use another example"
             report.add("evidence-grade", ("evidence", "vectors", index), problem)
-    known_examples = [examples[name] for name in vectors if name in examples]
-    if (
-        grade in _WITH_FRAME
-        and known_examples
-        and len(known_examples) == len(vectors)
-        and not any(map(_is_reading, known_examples))
-    ):
+    are_known = bool(vectors) and all(name in examples for name in vectors)
+    if grade in _WITH_FRAME and are_known and not any(_is_reading(examples[name]) for name in vectors):
         problem = f"the grade {quoted(grade)} needs data from an encoder"
         remedy = "add a frame 'from: encoder' without 'refused', or a register reading"
         report.add("evidence-grade", ("evidence", "vectors", 0), f"{problem}: {remedy}, {_OR} without 'vectors'")
-    for problem in _missing(grade, read, agreeing, vectors) if grade else ():
-        report.add("evidence-grade", ("evidence", "grade"), f"the grade {quoted(grade)} {problem}")
-    if grade == "quoted" or grade in _CORROBORATED:
-        _sources(spec, grade, read, agreeing, report)
 
 
-def _missing(grade: str, read: Spec, agreeing: list[str], vectors: list[str]) -> Iterator[str]:
+def _missing(grade: str, documents_read: Spec, implementations: list[str], vectors: list[str]) -> Iterator[str]:
     """Yield what the grade needs and the evidence does not have."""
-    if grade == "manual" and read.get("manual") != _WHOLE:
+    has_source = bool(documents_read) or bool(implementations)
+    if grade == "manual" and documents_read.get("manual") != _WHOLE:
         yield f"needs the whole manual: write 'documents: {{manual: {_WHOLE}}}', or another grade"
-    if grade == "quoted" and not read:
+    if grade == "quoted" and not documents_read:
         yield "needs a document of the manufacturer: list it under 'documents', with the pages that were read"
-    if len(agreeing) < _IMPLEMENTATIONS.get(grade, 0):
+    if grade == "quoted" and not implementations:
         yield "needs an implementation: list it under 'implementations'"
-    if grade == "uncorroborated" and not (read or agreeing):
+    if grade == "uncorroborated" and not has_source:
         yield "needs a source: list it under 'documents', with the pages that were read, or under 'implementations'"
-    if grade in _CORROBORATED and len(agreeing) < (1 if read else 2):
+    needed_implementations = 1 if documents_read else 2
+    if grade in _CORROBORATED and len(implementations) < needed_implementations:
         yield "needs two sources that share no code: list them under 'implementations'"
     if grade in _WITH_FRAME and not vectors:
         yield f"needs an example from real hardware: list it under 'vectors', {_OR}"
@@ -194,23 +224,30 @@ def _missing(grade: str, read: Spec, agreeing: list[str], vectors: list[str]) ->
         yield "has no vectors: remove them, or write 'corroborated'"
 
 
-def _sources(spec: Spec, grade: str, read: Spec, agreeing: list[str], report: DocumentReport) -> None:
+def _check_sources(
+    spec: Spec, grade: str, documents_read: Spec, implementations: list[str], report: DocumentReport
+) -> None:
     """Check that each fact cites the manufacturer or, for a lower grade, two implementations."""
-    if not (read if grade == "quoted" else read or agreeing[1:]):
-        return
-    wanted = [f"a source in {listed(read, 'or')}"] if read else []
-    if grade in _CORROBORATED and len(agreeing) > 1:
-        wanted.append(f"two sources among {listed(agreeing)}")
-    for path, value in sources(leaves({**spec, "errata": [], "examples": []})):
-        if grade in _CORROBORATED and "clock" in path:
+    is_corroborated = grade in _CORROBORATED
+    can_cite_two_implementations = is_corroborated and len(implementations) > 1
+    if not documents_read and not can_cite_two_implementations:
+        return  # Reported as missing.
+    needed_sources = [f"a source in {listed(documents_read, 'or')}"] if documents_read else []
+    if can_cite_two_implementations:
+        needed_sources.append(f"two sources among {listed(implementations)}")
+    for path, source in sources(leaves({**spec, "errata": [], "examples": []})):
+        if is_corroborated and "clock" in path:
             continue  # One program is enough for its own clock. Limits have a rule of their own.
-        pieces = [(match[1], match[2]) for match in map(_SOURCE.fullmatch, value.split(";")) if match]
-        cited = {key or "manual" for key, _ in pieces}
-        agree = grade in _CORROBORATED and len(cited & {*agreeing}) > 1
-        if not agree and cited.isdisjoint(read):
-            problem = f"the grade {quoted(grade)} needs {', or '.join(wanted)} for each fact"
-            place = next((place for key, place in pieces if not key), "")
-            report.add("evidence-grade", path, problem + _remedy(place, mapping(spec, "documents")))
+        matches = [_SOURCE.fullmatch(piece) for piece in source.split(";")]
+        keys_and_places = [(match[1], match[2]) for match in matches if match is not None]
+        cited_keys = {key or "manual" for key, _ in keys_and_places}
+        cites_manufacturer = not cited_keys.isdisjoint(documents_read)
+        cites_two_implementations = is_corroborated and len(cited_keys.intersection(implementations)) > 1
+        if not cites_manufacturer and not cites_two_implementations:
+            problem = f"the grade {quoted(grade)} needs {', or '.join(needed_sources)} for each fact"
+            places_without_key = [place for key, place in keys_and_places if not key]
+            first_place = places_without_key[0] if places_without_key else ""
+            report.add("evidence-grade", path, problem + _remedy(first_place, mapping(spec, "documents")))
 
 
 def _remedy(place: str, documents: Spec) -> str:
@@ -225,7 +262,11 @@ def _remedy(place: str, documents: Spec) -> str:
 def _discriminates(example: Spec) -> bool:
     """Return whether the bits of an example differ from one another."""
     frame_text = example.get("bits") or example.get("bytes") or ""
-    return isinstance(frame_text, str) and len(set(frame_text.split() if " " in frame_text else frame_text)) > 1
+    if not isinstance(frame_text, str):
+        return False
+    is_bytes = " " in frame_text
+    bits_or_bytes = frame_text.split() if is_bytes else list(frame_text)
+    return len(set(bits_or_bytes)) > 1
 
 
 def _is_reading(example: Spec) -> bool:
@@ -239,12 +280,30 @@ _IN_THE_MANUFACTURERS_WORDS = ("manual", "quoted")
 #: The document that a source cites. Without a key, it is the manual.
 _DOCUMENT = re.compile(r"\s*(?:([a-z][a-z0-9_]*):\s)?")
 
-#: Keys with limits, and the alternative if no document of the manufacturer gives them.
-_CLOCK = (("min_hz", "max_hz"), "write 'used_hz' for a clock that a program or a master uses")
-_TIMING = (("at_least_us", "at_most_us"), "write 'typical_us', or describe the time in a 'note'")
-_TIMEOUT = (("at_most_ns",), "write 'typical_ns', or leave the time-out out")
-_CABLE = (("below_hz",), "leave the table out")
-_SUPPLY = (("min_mv", "max_mv"), "list the voltage in use under 'characteristics'")
+
+@dataclass(frozen=True, slots=True)
+class _LimitKeys:
+    """Keys of limits, and the alternative if no document of the manufacturer gives them."""
+
+    keys: tuple[str, ...]
+    alternative: str
+
+
+@dataclass(frozen=True, slots=True)
+class _Limited:
+    """A part of a spec that can have limits, with its place and its source."""
+
+    path: Path
+    part: Spec
+    source: str
+    kind: _LimitKeys
+
+
+_CLOCK = _LimitKeys(("min_hz", "max_hz"), "write 'used_hz' for a clock that a program or a master uses")
+_TIMING = _LimitKeys(("at_least_us", "at_most_us"), "write 'typical_us', or describe the time in a 'note'")
+_TIMEOUT = _LimitKeys(("at_most_ns",), "write 'typical_ns', or leave the time-out out")
+_CABLE = _LimitKeys(("below_hz",), "leave the table out")
+_SUPPLY = _LimitKeys(("min_mv", "max_mv"), "list the voltage in use under 'characteristics'")
 
 
 def limit_source(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -252,30 +311,38 @@ def limit_source(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     evidence = mapping(spec, "evidence")
     if evidence.get("grade", "manual") in _IN_THE_MANUFACTURERS_WORDS:
         return
-    read = mapping(evidence, "documents")
-    documents = f"a source in {listed(read, 'or')}" if read else "a document of the manufacturer under 'evidence'"
-    for path, limits, source, (keys, instead) in _limits(spec):
-        cited = {match[1] or "manual" for match in map(_DOCUMENT.match, source.split(";")) if match}
-        key = next((key for key in keys if key in limits), "")
-        if key and cited.isdisjoint(read):
-            problem = f"{quoted(key)} needs {documents}, because it is a limit"
-            report.add("limit-source", (*path, key), f"{problem}; without one, {instead}", at_key=True)
+    documents_read = mapping(evidence, "documents")
+    needed_source = "a document of the manufacturer under 'evidence'"
+    if documents_read:
+        needed_source = f"a source in {listed(documents_read, 'or')}"
+    for limited in _limits(spec):
+        cited_keys = set()
+        for piece in limited.source.split(";"):
+            document = _DOCUMENT.match(piece)
+            if document is not None:
+                cited_keys.add(document[1] or "manual")
+        limits = [key for key in limited.kind.keys if key in limited.part]
+        if limits and cited_keys.isdisjoint(documents_read):
+            problem = f"{quoted(limits[0])} needs {needed_source}, because it is a limit"
+            message = f"{problem}; without one, {limited.kind.alternative}"
+            report.add("limit-source", (*limited.path, limits[0]), message, at_key=True)
 
 
-def _limits(spec: Spec) -> Iterator[tuple[Path, Spec, str, tuple[tuple[str, ...], str]]]:
-    """Yield each part of a spec that can have limits: its path, its data, its source, and its keys."""
-    if supply := mapping(spec, "supply"):
-        yield ("supply",), supply, _source(supply), _SUPPLY
+def _limits(spec: Spec) -> Iterator[_Limited]:
+    """Yield each part of a spec that can have limits."""
+    supply = mapping(spec, "supply")
+    if supply:
+        yield _Limited(("supply",), supply, _source(supply), _SUPPLY)
     for path, timing in items(spec, "timings"):
-        yield path, timing, _source(timing), _TIMING
-    for name in mapping(spec, "interfaces"):
-        interface = mapping(spec, "interfaces", name)
+        yield _Limited(path, timing, _source(timing), _TIMING)
+    for name, interface in mapping(spec, "interfaces").items():
+        interface_path = ("interfaces", name)
         for key, kind in (("clock", _CLOCK), ("timeout", _TIMEOUT)):
             part = mapping(interface, key)
-            yield ("interfaces", name, key), part, _source(part, interface), kind
+            yield _Limited((*interface_path, key), part, _source(part, interface), kind)
         for key, kind in (("timings", _TIMING), ("cable_lengths", _CABLE)):
             for path, part in items(interface, key):
-                yield ("interfaces", name, *path), part, _source(part, interface), kind
+                yield _Limited((*interface_path, *path), part, _source(part, interface), kind)
 
 
 def _source(part: Spec, parent: Spec | None = None) -> str:

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import datetime
+import math
 import re
 from collections.abc import Iterator
+from fractions import Fraction
 from itertools import pairwise
 
 from ...model import INTERFACES, Biss
@@ -51,27 +53,20 @@ def field_count(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def crc_impossible(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the parameters of a CRC fit its width, and that its polynomial ends in + 1."""
     for path, crc in items(spec, "crcs"):
-        width = crc["width"]
-        if crc["poly"] >> width:
-            hint = f"; omit the top bit: {crc['poly'] ^ 1 << width:#x}" if crc["poly"] >> width == 1 else ""
-            report.add(
-                "crc-impossible",
-                (*path, "poly"),
-                f"the polynomial {crc['poly']:#x} does not fit into {width} bits{hint}",
-            )
-        elif crc["poly"] & 1 == 0:
-            report.add(
-                "crc-impossible",
-                (*path, "poly"),
-                f"the polynomial {crc['poly']:#x} is even; every generator polynomial ends in + 1",
-            )
+        width, poly = crc["width"], crc["poly"]
+        bits_above_width = poly >> width
+        if bits_above_width:
+            has_only_top_bit = bits_above_width == 1
+            hint = f"; omit the top bit: {poly ^ (1 << width):#x}" if has_only_top_bit else ""
+            message = f"the polynomial {poly:#x} does not fit into {width} bits{hint}"
+            report.add("crc-impossible", (*path, "poly"), message)
+        elif poly & 1 == 0:
+            message = f"the polynomial {poly:#x} is even; every generator polynomial ends in + 1"
+            report.add("crc-impossible", (*path, "poly"), message)
         for key in ("init", "xorout"):
             if crc[key] >> width:
-                report.add(
-                    "crc-impossible",
-                    (*path, key),
-                    f"{quoted(key)} is {crc[key]:#x}, which does not fit into {width} bits",
-                )
+                message = f"{quoted(key)} is {crc[key]:#x}, which does not fit into {width} bits"
+                report.add("crc-impossible", (*path, key), message)
 
 
 def _numbers_in(field: Spec) -> Iterator[tuple[Path, str, int]]:
@@ -91,8 +86,10 @@ def value_too_wide(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             if width is None:
                 continue
             for value_path, subject, number in _numbers_in(field):
-                stands_for_zero = number == field.get("zero_means") and value_path != ("constant",)
-                if (number < 0 or number >> width) and not stands_for_zero:
+                is_too_wide = number < 0 or number >> width > 0
+                # The number for which zero stands is sent as zero. A constant is sent as it is.
+                is_sent_as_zero = number == field.get("zero_means") and value_path != ("constant",)
+                if is_too_wide and not is_sent_as_zero:
                     message = f"{subject} {number:#x}, which does not fit into {counted(width, 'bit')}"
                     report.add("value-too-wide", (*path, *value_path), message)
 
@@ -100,19 +97,17 @@ def value_too_wide(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def register_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that a register is within the addresses of its interface."""
     for path, register in items(spec, "registers"):
-        last = last_address(register)
         interface = INTERFACES[interface_of(register)]
-        bus, highest = f"the address range of {interface.short}", interface.highest_address
         if "bank" in register and interface.highest_in_bank is not None:
-            bus, highest = f"a bank of {interface.short}", interface.highest_in_bank
-        if highest is None:
-            bus, highest = "the range of register addresses", 0xFFFF
+            area, highest = f"a bank of {interface.short}", interface.highest_in_bank
+        elif interface.highest_address is not None:
+            area, highest = f"the address range of {interface.short}", interface.highest_address
+        else:
+            area, highest = "the range of register addresses", 0xFFFF
+        last = last_address(register)
         if last > highest:
-            report.add(
-                "register-range",
-                (*path, "address"),
-                f"{quoted(register['name'])} extends to {last:#x}, but {bus} ends at {highest:#x}",
-            )
+            message = f"{quoted(register['name'])} extends to {last:#x}, but {area} ends at {highest:#x}"
+            report.add("register-range", (*path, "address"), message)
 
 
 def timing_bounds(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -123,11 +118,8 @@ def timing_bounds(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             report.add("timing-without-bound", path, "a timing needs 'at_least_us', 'typical_us' or 'at_most_us'")
         for (low_key, low), (high_key, high) in pairwise(bounds):
             if low > high:
-                report.add(
-                    "timing-order",
-                    (*path, high_key),
-                    f"{quoted(high_key)} ({high}) is less than {quoted(low_key)} ({low})",
-                )
+                message = f"{quoted(high_key)} ({high}) is less than {quoted(low_key)} ({low})"
+                report.add("timing-order", (*path, high_key), message)
 
 
 def clock_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -137,19 +129,21 @@ def clock_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         clock = mapping(spec, *map(str, path))
         if not clock:
             continue
-        if "used_hz" not in clock and clock.keys() == mapping(raw, *map(str, path)).keys():
+        # A key rejected by the schema was removed. It must not be reported as missing, too.
+        is_complete = clock.keys() == mapping(raw, *map(str, path)).keys()
+        if "used_hz" not in clock and is_complete:
             _report_missing_limit(clock, path, report)
         used_clocks = clock.get("used_hz", [])
-        used_clocks = used_clocks if isinstance(used_clocks, list) else [used_clocks]
+        if not isinstance(used_clocks, list):
+            used_clocks = [used_clocks]
         if used_clocks != sorted(set(used_clocks)):
             report.add("clock-range", (*path, "used_hz"), "list the clocks of 'used_hz' once each, in ascending order")
-        rising = [
-            ("min_hz", clock.get("min_hz")),
-            *(("used_hz", hz) for hz in used_clocks),
-            ("max_hz", clock.get("max_hz")),
-        ]
-        stated_clocks = [(key, hz) for key, hz in rising if hz is not None]
-        for (low_key, low), (high_key, high) in pairwise(stated_clocks):
+        clocks = [("used_hz", hz) for hz in used_clocks]
+        if "min_hz" in clock:
+            clocks.insert(0, ("min_hz", clock["min_hz"]))
+        if "max_hz" in clock:
+            clocks.append(("max_hz", clock["max_hz"]))
+        for (low_key, low), (high_key, high) in pairwise(clocks):
             if low > high and low_key != high_key:
                 problem = f"{quoted(low_key)} ({low}) is above {quoted(high_key)} ({high})"
                 report.add("clock-range", (*path, low_key), problem)
@@ -165,41 +159,40 @@ def _report_missing_limit(clock: Spec, path: Path, report: DocumentReport) -> No
 def cable_order(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that longer cables have slower clocks, and that no row of the table repeats another."""
     for interface in mapping(spec, "interfaces"):
-        rows = sorted(items(spec, "interfaces", interface, "cable_lengths"), key=lambda row: row[1]["shorter_than_m"])
         if explained(report.document, "interfaces", interface, "cable_lengths", "below_hz"):
             continue
-        for (_, short), (path, long) in pairwise(rows):
-            if short["below_hz"] <= long["below_hz"] or short["shorter_than_m"] == long["shorter_than_m"]:
+        rows = items(spec, "interfaces", interface, "cable_lengths")
+        by_length = sorted(rows, key=lambda path_and_row: path_and_row[1]["shorter_than_m"])
+        for (_, shorter), (path, longer) in pairwise(by_length):
+            is_slower = longer["below_hz"] < shorter["below_hz"]
+            if not is_slower or shorter["shorter_than_m"] == longer["shorter_than_m"]:
                 problem = (
-                    f"the clock must be below {long['below_hz']} Hz for cables shorter than {long['shorter_than_m']} m,"
-                    f" but below {short['below_hz']} Hz for cables shorter than {short['shorter_than_m']} m; a longer"
-                    f" cable needs a slower clock. If this is what the manual says, add an erratum that affects"
-                    f" interfaces.{interface}.cable_lengths.below_hz"
+                    f"the clock must be below {longer['below_hz']} Hz for cables shorter than"
+                    f" {longer['shorter_than_m']} m, but below {shorter['below_hz']} Hz for cables shorter than"
+                    f" {shorter['shorter_than_m']} m; a longer cable needs a slower clock. If this is what the manual"
+                    f" says, add an erratum that affects interfaces.{interface}.cable_lengths.below_hz"
                 )
-                report.add("cable-order", ("interfaces", interface, "cable_lengths", *path[3:], "below_hz"), problem)
+                report.add("cable-order", (*path, "below_hz"), problem)
 
 
 def dates(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that dates exist, and that revisions are in order, up to the transcribed one."""
     manual = mapping(spec, "manual")
-    places: list[tuple[Path, Spec]] = [(("manual",), manual)]
-    for key in ("editions", "history"):
-        places += ((("manual", *path), edition) for path, edition in items(manual, key))
-    for path, edition in places:
-        if "date" in edition and len(edition["date"]) > len("2024") and _date(edition["date"]) is None:
-            report.add("date", (*path, "date"), f"{quoted(edition['date'])} is not a valid date")
-    history = [(path, revision) for path, revision in places if "history" in path and _date(revision.get("date"))]
-    for (_, earlier), (path, later) in pairwise(history):
+    history = list(items(spec, "manual", "history"))
+    for path, edition in ((("manual",), manual), *items(spec, "manual", "editions"), *history):
+        date = edition.get("date", "")
+        is_only_a_year = len(date) <= len("2024")
+        if not is_only_a_year and _date(date) is None:
+            report.add("date", (*path, "date"), f"{quoted(date)} is not a valid date")
+    dated_history = [(path, revision) for path, revision in history if _date(revision.get("date"))]
+    for (_, earlier), (path, later) in pairwise(dated_history):
         if later["date"] < earlier["date"]:
             problem = f"revision {later['revision']} is dated {later['date']}, before revision {earlier['revision']}"
             report.add("date", (*path, "date"), f"{problem}, dated {earlier['date']}; list the oldest first")
-    current_revision = next(
-        (revision for _, revision in reversed(history) if revision["revision"] == manual.get("revision")), None
-    )
-    if current_revision is not None and _date(manual.get("date")) and current_revision["date"] != manual["date"]:
-        problem = (
-            f"revision {manual['revision']} is dated {manual['date']}, but {current_revision['date']} in 'history'"
-        )
+    own_revision = manual.get("revision")
+    own_dates = [revision["date"] for _, revision in dated_history if revision["revision"] == own_revision]
+    if own_dates and _date(manual.get("date")) and own_dates[-1] != manual["date"]:
+        problem = f"revision {own_revision} is dated {manual['date']}, but {own_dates[-1]} in 'history'"
         report.add("date", ("manual", "date"), problem)
 
 
@@ -212,16 +205,19 @@ def _date(text: object) -> datetime.date | None:
 
 def supply_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the lowest supply voltage of a device or order code value is not above the highest."""
-    device = mapping(spec, "supply")
-    supplies: list[tuple[Path, Spec]] = [(("supply",), device)] if device else []
+    supplies: list[tuple[Path, Spec]] = []
+    has_supply_of_device = bool(mapping(spec, "supply"))
+    if has_supply_of_device:
+        supplies.append((("supply",), mapping(spec, "supply")))
     for path, part in items(spec, "order_code", "parts"):
         for text, value in mapping(part, "values").items():
-            if value and "supply" in value:
-                supply_path = (*path, "values", text, "supply")
-                supplies.append((supply_path, value["supply"]))
-                if device:
-                    problem = "the device already has a 'supply'; keep only one of them"
-                    report.add("supply-range", supply_path, problem, at_key=True)
+            if not value or "supply" not in value:
+                continue
+            supply_path = (*path, "values", text, "supply")
+            supplies.append((supply_path, value["supply"]))
+            if has_supply_of_device:
+                problem = "the device already has a 'supply'; keep only one of them"
+                report.add("supply-range", supply_path, problem, at_key=True)
     for path, supply in supplies:
         if supply["min_mv"] > supply["max_mv"]:
             problem = f"'min_mv' ({supply['min_mv']}) is above 'max_mv' ({supply['max_mv']})"
@@ -236,12 +232,13 @@ def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         return
     _check_timeout_rule(path, timeout, report)
     clock = mapping(spec, "interfaces", Biss.name, "clock")
-    for below, printed in items(timeout, "printed") if "max_hz" in clock else ():
+    if "max_hz" in clock and not explained(report.document, *map(str, path)):
         low, high = clock.get("min_hz", 0), clock["max_hz"]
-        if not low <= printed["clock_hz"] <= high and not explained(report.document, *map(str, path)):
-            problem = f"the clock is {low} to {high} Hz, so there is no time-out at {printed['clock_hz']} Hz"
-            remedy = f"if the manual gives both, add an erratum that affects {'.'.join(map(str, path))}"
-            report.add("timeout-mismatch", (*path, *below, "clock_hz"), f"{problem}; {remedy}")
+        for printed_path, printed in items(timeout, "printed"):
+            if not low <= printed["clock_hz"] <= high:
+                problem = f"the clock is {low} to {high} Hz, so there is no time-out at {printed['clock_hz']} Hz"
+                remedy = f"if the manual gives both, add an erratum that affects {'.'.join(map(str, path))}"
+                report.add("timeout-mismatch", (*path, *printed_path, "clock_hz"), f"{problem}; {remedy}")
     if timeout["rule"] != "fixed" and timeout.get("half_clock_periods") is not None:
         _check_calculated_timeouts(path, timeout, report)
 
@@ -249,29 +246,31 @@ def timeout_mismatch(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def _check_timeout_rule(path: Path, timeout: Spec, report: DocumentReport) -> None:
     """Check that a time-out has the numbers for its rule."""
     has_half_periods = timeout.get("half_clock_periods") is not None
-    has_limit = not timeout.keys().isdisjoint({"at_most_ns", "typical_ns"})
-    if timeout["rule"] == "follows_clock" and not has_half_periods and not has_limit and "printed" not in timeout:
+    has_limit = "at_most_ns" in timeout or "typical_ns" in timeout
+    if timeout["rule"] == "fixed":
+        if has_half_periods:
+            message = "a fixed time-out does not depend on the clock; leave 'half_clock_periods' out"
+            report.add("timeout-mismatch", (*path, "half_clock_periods"), message, at_key=True)
+        if not has_limit:
+            report.add("timeout-mismatch", path, "a fixed time-out needs 'at_most_ns' or 'typical_ns'", at_key=True)
+    elif timeout["rule"] == "follows_clock" and not has_half_periods and not has_limit and "printed" not in timeout:
         message = (
             "a time-out that depends on the clock needs 'half_clock_periods', "
             "or 'typical_ns', 'at_most_ns' or 'printed' if there is no rule"
         )
         report.add("timeout-mismatch", path, message, at_key=True)
-    if timeout["rule"] == "fixed" and has_half_periods:
-        message = "a fixed time-out does not depend on the clock; leave 'half_clock_periods' out"
-        report.add("timeout-mismatch", (*path, "half_clock_periods"), message, at_key=True)
-    if timeout["rule"] == "fixed" and not has_limit:
-        report.add("timeout-mismatch", path, "a fixed time-out needs 'at_most_ns' or 'typical_ns'", at_key=True)
 
 
 def _check_calculated_timeouts(path: Path, timeout: Spec, report: DocumentReport) -> None:
     """Check that each printed time-out is the given number of half clock periods."""
-    halves: int = timeout["half_clock_periods"]
-    for below, printed in items(timeout, "printed"):
-        twice, hertz = halves * 10**9, printed["clock_hz"]
-        if abs(twice - 2 * hertz * printed["timeout_ns"]) > hertz:
-            expected = (twice + hertz) // (2 * hertz)
-            message = f"{halves} half periods at {hertz} Hz are {expected} ns, not {printed['timeout_ns']}"
-            report.add("timeout-mismatch", (*path, *below, "timeout_ns"), message)
+    half_periods: int = timeout["half_clock_periods"]
+    for printed_path, printed in items(timeout, "printed"):
+        clock_hz, printed_ns = printed["clock_hz"], printed["timeout_ns"]
+        exact_ns = Fraction(half_periods * 10**9, 2 * clock_hz)
+        if abs(exact_ns - printed_ns) > Fraction(1, 2):
+            rounded_ns = math.floor(exact_ns + Fraction(1, 2))
+            message = f"{half_periods} half periods at {clock_hz} Hz are {rounded_ns} ns, not {printed_ns}"
+            report.add("timeout-mismatch", (*path, *printed_path, "timeout_ns"), message)
 
 
 def bad_source(spec: Spec, raw: Spec, report: DocumentReport) -> None:
@@ -288,6 +287,7 @@ def bad_source(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def _check_piece(
     piece: str, path: Path, editions: list[str], documents: list[str], own_language: object, report: DocumentReport
 ) -> None:
+    """Check one of the places that a source cites, with the edition or document before its colon."""
     match = _PIECE.fullmatch(piece.replace("\n", " ").removeprefix("TODO "))
     key, place = (match["key"], match["place"].strip()) if match is not None else (None, piece)
     if key is not None and key == own_language:
@@ -319,15 +319,15 @@ def _timings(spec: Spec) -> Iterator[tuple[Path, Spec]]:
 
 def constant_width(field: Spec) -> int | None:
     """Return the width of a field if it is constant, or None if it depends on others or another rule reports it."""
-    if isinstance(field.get("bits"), int):
-        return int(field["bits"]) if field["bits"] > 0 else None
     if "bits" in field:
-        return None
-    match = _RANGE.fullmatch(str(field.get("at", "")))
-    if match is not None:
-        width = int(match[1]) - int(match[2]) + 1
+        bits = field["bits"]
+        return bits if isinstance(bits, int) and bits > 0 else None
+    bit_range = _RANGE.fullmatch(str(field.get("at", "")))
+    if bit_range is not None:
+        width = int(bit_range[1]) - int(bit_range[2]) + 1
         return width if width > 0 else None
-    return 1 if "active" in field or isinstance(field.get("at"), int) else None
+    is_one_bit = "active" in field or isinstance(field.get("at"), int)
+    return 1 if is_one_bit else None
 
 
 #: No encoder has such a low limit in Hz. The highest limits in kHz, of SPI, are still below.
@@ -349,21 +349,25 @@ def plausible_rate(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for kind, interface in mapping(spec, "interfaces").items():
         if "note" in interface:
             continue
-        clock, path = mapping(interface, "clock"), ("interfaces", kind, "clock")
-        highest_hz = clock.get("max_hz", _LOWEST_MAXIMUM_HZ)
-        if highest_hz < _LOWEST_MAXIMUM_HZ:
-            _report_rate(highest_hz, "max_hz", "Hz", (*path, "max_hz"), report)
-        elif 0 < clock.get("min_hz", 0) < _LOWEST_MINIMUM_HZ:
-            _report_rate(clock["min_hz"], "min_hz", "Hz", (*path, "min_hz"), report)
-        baud = mapping(interface, "port").get("baud", _LOWEST_BAUD)
-        if baud < _LOWEST_BAUD:
-            _report_rate(baud, "baud", "baud", ("interfaces", kind, "port", "baud"), report)
+        clock_path = ("interfaces", kind, "clock")
+        clock, port = mapping(interface, "clock"), mapping(interface, "port")
+        highest_hz, lowest_hz = clock.get("max_hz"), clock.get("min_hz")
+        if highest_hz is not None and highest_hz < _LOWEST_MAXIMUM_HZ:
+            _report_rate(highest_hz, "max_hz", "Hz", (*clock_path, "max_hz"), report)
+        elif lowest_hz is not None and 0 < lowest_hz < _LOWEST_MINIMUM_HZ:
+            _report_rate(lowest_hz, "min_hz", "Hz", (*clock_path, "min_hz"), report)
+        if "baud" in port and port["baud"] < _LOWEST_BAUD:
+            _report_rate(port["baud"], "baud", "baud", ("interfaces", kind, "port", "baud"), report)
 
 
 def _report_rate(rate: int, key: str, unit: str, path: tuple[str, ...], report: DocumentReport) -> None:
+    """Report a rate that is too low, with the number to write if the manual gives it in a larger unit."""
     prefix, factor = ("M", 1_000_000) if rate < _LIKELY_MEGA else ("k", 1000)
-    standard_rates = (standard for standard in _STANDARD_BAUDS if unit == "baud" and standard // 1000 == rate)
-    likely_rate = next(standard_rates, rate * factor)
+    likely_rate = rate * factor
+    if unit == "baud":
+        # Manuals round standard rates: 115 kbaud is 115200 baud.
+        standard_rates = [standard for standard in _STANDARD_BAUDS if standard // 1000 == rate]
+        likely_rate = standard_rates[0] if standard_rates else likely_rate
     problem = f"'{key}' is {rate} {unit}, which is implausible; if the manual means {rate} {prefix}{unit}"
     remedy = f"write {likely_rate}. If the number is right, say so in a 'note' of the interface"
     report.add("implausible-rate", path, f"{problem}, {remedy}")
@@ -384,13 +388,13 @@ def number_base(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
     A JSON file may use decimal numbers, because JSON has no others.
     """
-    in_json = report.document.line(1).startswith("{")
+    is_json = report.document.line(1).startswith("{")
     for path, number in leaves_of(spec, report):
         if not isinstance(number, int) or isinstance(number, bool):
             continue
         spelling = report.document.spelling_at(path)
         hexadecimal = f"0x{spelling.lstrip('+-0'):0>2}"
-        if not in_json and _is_hexadecimal(path) and _DECIMAL.fullmatch(spelling):
+        if not is_json and _is_hexadecimal(path) and _DECIMAL.fullmatch(spelling):
             decimal_hint = f", or {number:#04x} for decimal {number}" if number > 9 else ""
             message = (
                 f"{quoted(path[-1])} is {spelling}, which is decimal, but manuals print it in hexadecimal; "
@@ -417,6 +421,8 @@ def typographic_quotes(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 
 def _is_hexadecimal(path: Path) -> bool:
+    """Return True for a number that manuals print in hexadecimal."""
     if path[-1] == "value":
         return "writes" in path
-    return path[-1] in HEXADECIMAL and _OWN_NAMES.isdisjoint(path[-2:-1])
+    is_name_in_spec = len(path) > 1 and path[-2] in _OWN_NAMES
+    return path[-1] in HEXADECIMAL and not is_name_in_spec

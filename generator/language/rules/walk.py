@@ -53,6 +53,13 @@ def by_name(data: Any, *keys: str) -> dict[str, Spec]:
     return named_items
 
 
+def owner_of_alarm(spec: Spec, alarm: Spec) -> Spec:
+    """Return the field group or register that contains the flag of an alarm, or an empty map if it does not exist."""
+    if "group" in alarm:
+        return by_name(spec, "field_groups").get(alarm["group"], {})
+    return by_name(spec, "registers").get(alarm.get("register", ""), {})
+
+
 class Has(Enum):
     """Owners of a list of fields, by their key."""
 
@@ -105,8 +112,11 @@ def interface_of(register: Mapping[str, Any]) -> str:
 
 def last_address(register: Mapping[str, Any]) -> int:
     """Return the last address of a register. Not every interface has an address for each byte."""
-    kind = INTERFACES.get(interface_of(register))
-    last: int = register["address"] + (0 if kind is not None and not kind.byte_addresses else register["length"] - 1)
+    first: int = register["address"]
+    interface = INTERFACES.get(interface_of(register))
+    if interface is not None and not interface.byte_addresses:
+        return first
+    last: int = first + register["length"] - 1
     return last
 
 
@@ -137,19 +147,22 @@ def readable_names(fields: Fields, groups: Mapping[str, Spec]) -> list[str]:
 
     A register without fields is one number.
     """
-    inner = field_names(fields, groups)
-    names_of_runs = (run.get("name") for field in inner.values() for _, run in items(field, "digits"))
-    digits = [name for name in names_of_runs if isinstance(name, str)]
     if fields.kind is Has.REGISTER and "fields" not in fields.owner:
         return [str(fields.owner.get("name"))]
-    return [*inner, *mapping(fields.owner, "join"), *digits]
+    fields_by_name = field_names(fields, groups)
+    names = [*fields_by_name, *mapping(fields.owner, "join")]
+    for field in fields_by_name.values():
+        names += [run["name"] for _, run in items(field, "digits") if isinstance(run.get("name"), str)]
+    return names
 
 
-def named_values(register: Spec, groups: Mapping[str, Spec], only: str | None = None) -> list[str]:
-    """Return the names of values of all fields of a register, or of the field called ``only``."""
-    fields = Fields(Has.REGISTER, register, (), "")
-    own_fields = (field for _, field in expanded(fields, groups) if only in (None, field.get("name")))
-    return [name for field in own_fields for name in mapping(field, "values")]
+def named_values(register: Spec, groups: Mapping[str, Spec], field_name: str | None = None) -> list[str]:
+    """Return the names of values of all fields of a register, or of the field of this name."""
+    names: list[str] = []
+    for _, field in expanded(Fields(Has.REGISTER, register, (), ""), groups):
+        if field_name is None or field.get("name") == field_name:
+            names += mapping(field, "values")
+    return names
 
 
 def measurements(spec: Spec) -> Iterator[tuple[Path, Spec]]:
@@ -190,13 +203,14 @@ def explained(document: Document, *keys: str) -> bool:
 
     A second reading has no errata. It repeats the printed values, and its spec must agree or explain the difference.
     """
-    place, errata = ".".join(keys), items(document.data, "errata")
-    listed = any(place in erratum["affects"] for _, erratum in errata if _is_list(erratum.get("affects")))
-    return listed or is_second(document.file)
-
-
-def _is_list(value: object) -> bool:
-    return isinstance(value, list)
+    if is_second(document.file):
+        return True
+    place = ".".join(keys)
+    for _, erratum in items(document.data, "errata"):
+        affects = erratum.get("affects")
+        if isinstance(affects, list) and place in affects:
+            return True
+    return False
 
 
 def leaves_of(spec: Spec, report: DocumentReport) -> Sequence[tuple[Path, Any]]:
@@ -214,9 +228,12 @@ def leaves(data: Any) -> list[tuple[Path, Any]]:
 
 
 def _add_leaves(node: Any, path: Path, located_values: list[tuple[Path, Any]]) -> None:
-    if isinstance(node, (dict, list)):
-        for step, child in node.items() if isinstance(node, dict) else enumerate(node):
-            _add_leaves(child, (*path, step), located_values)
+    if isinstance(node, dict):
+        for key, child in node.items():
+            _add_leaves(child, (*path, key), located_values)
+    elif isinstance(node, list):
+        for index, child in enumerate(node):
+            _add_leaves(child, (*path, index), located_values)
     else:
         located_values.append((path, node))
 

@@ -1,0 +1,83 @@
+"""The names defined in a spec, and the report of a reference to a name that does not exist."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Collection, Mapping
+
+from ...model import INTERFACES
+from ..document import Path
+from ..problems import DocumentReport, nearest_choice, quoted, suggestion
+from ..schema_check import value_at
+from .walk import Spec, bits_of, by_name, mapping, named_values
+
+_NAME = re.compile("[a-z][a-z0-9]*(_[a-z0-9]+)*")
+
+
+class NameResolver:
+    """Names defined in a spec as read, by kind, and the report for undefined ones."""
+
+    def __init__(self, raw: Spec, report: DocumentReport) -> None:
+        self._report = report
+        self._broken = {name for name in mapping(raw, "interfaces") if name not in INTERFACES}
+        for path in report.faults():
+            name = value_at(raw, path) if path[-1] == "name" else path[-1]
+            if isinstance(name, str) and not _NAME.fullmatch(name):
+                self._broken.add(name)
+        self.groups, self.registers = by_name(raw, "field_groups"), by_name(raw, "registers")
+        self.procedures, self.parameters = by_name(raw, "procedures"), mapping(raw, "parameters")
+        self._known: Mapping[str, Collection[str]] = {
+            "CRC": by_name(raw, "crcs"),
+            "erratum": by_name(raw, "errata"),
+            "field group": self.groups,
+            "interface": mapping(raw, "interfaces"),
+            "parameter": self.parameters,
+            "procedure": self.procedures,
+            "register": self.registers,
+        }
+
+    def refer(self, path: Path, kind: str, name: str, known_names: Collection[str] | None = None) -> None:
+        """Report ``name`` at ``path`` unless it is in ``known_names``, by default all names of its kind.
+
+        If one of the known names is itself broken, it is reported already, and ``name`` may be the correct spelling.
+        """
+        choices = self._known[kind] if known_names is None else known_names
+        if name in choices:
+            return
+        has_broken_choice = not self._broken.isdisjoint(choices)
+        intact_choices = [choice for choice in choices if choice not in self._broken]
+        if has_broken_choice and not nearest_choice(name, intact_choices):
+            self._report.mark(path)
+            return
+        problem = f"there is no {kind} {quoted(name)}{suggestion(name, choices)}"
+        self._report.add("undefined-reference", path, problem)
+
+    def report_problem(self, path: Path, problem: str) -> None:
+        """Report a name that exists but is not sufficient."""
+        self._report.add("undefined-reference", path, problem)
+
+    def refer_by(
+        self, key: str, path: Path, owner: Spec, kind: str, known_names: Collection[str] | None = None
+    ) -> None:
+        """Call ``refer`` for the value of a key: one name, several names, or none."""
+        names = owner.get(key, ())
+        if isinstance(names, str):
+            self.refer((*path, key), kind, names, known_names)
+            return
+        for index, name in enumerate(names):
+            self.refer((*path, key, index), kind, name, known_names)
+
+    def refer_to_bit(self, path: Path, text: str) -> None:
+        """Report ``text``, written as ``register.field``, unless both exist."""
+        name, _, field = text.partition(".")
+        self.refer(path, "register", name)
+        if name in self.registers:
+            self.refer(path, f"field of {quoted(name)} called", field, self.bits(name))
+
+    def bits(self, register: str) -> list[str]:
+        """Return the names allowed after the dot that follows a register."""
+        return bits_of(self.registers[register], self.groups)
+
+    def values(self, register: str, field: str | None) -> list[str]:
+        """Return the names of values of a register, or of one of its fields."""
+        return named_values(self.registers[register], self.groups, field)

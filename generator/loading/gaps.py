@@ -1,0 +1,134 @@
+"""Bits of a layout without a field: their content, zeros in their place, and the order of fields by place."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from typing import NamedTuple
+
+from ..model import Constant, Field
+from ..model.expressions import Expression
+from .fields import Context, Site, zero_field
+from .from_mapping import Raw
+
+ZERO = Expression(0)
+
+
+def bits_text(high: int, low: int) -> str:
+    return f"bits {high}:{low}" if high != low else f"bit {low}"
+
+
+def values_text(parameters: Mapping[str, int], *expressions: Expression) -> str:
+    """Return text such as `` with singleturn_bits = 17`` for the relevant parameters."""
+    names = dict.fromkeys(name for expression in expressions for name in expression.parameters)
+    values = ", ".join(f"{name} = {parameters[name]}" for name in names)
+    return f" with {values}" if values else ""
+
+
+def with_places(fields: Sequence[Field], site: Site) -> list[Field]:
+    """Return the fields from the lowest up, over all order codes. A field without bits is placed at its neighbour."""
+
+    def place_over_all_codes(field: Field) -> tuple[int, int]:
+        sum_of_lows = sum(field.low.value(parameters) for parameters in site.sets)
+        sum_of_widths = sum(field.width.value(parameters) for parameters in site.sets)
+        return sum_of_lows, sum_of_widths
+
+    return sorted(fields, key=place_over_all_codes)
+
+
+def content_of_gaps(raw: Raw, context: Context) -> str:
+    """Return the content of bits without a field. In a frame, only a group can have such bits and define them."""
+    owners = [raw]
+    for field in raw.get("fields", ()):
+        if field.get("use") in context.groups:
+            group, _ = context.groups[field["use"]]
+            owners.append(group)
+    for owner in owners:
+        content = owner.get("other_bits")
+        if content:
+            return str(content)
+    return ""
+
+
+class _Gap(NamedTuple):
+    """Bits without a field, with the fields below and above."""
+
+    below: Field | None
+    above: Field | None
+    low: Expression
+    width: Expression
+
+
+def _gaps(fields: Sequence[Field], bits: Expression) -> Iterable[_Gap]:
+    """Yield each gap between fields, from the lowest up."""
+    end_of_last, last_field = ZERO, None
+    for field in fields:
+        width = field.low - end_of_last
+        if width != ZERO:
+            yield _Gap(last_field, field, end_of_last, width)
+        end_of_last, last_field = field.low + field.width, field
+    width_above = bits - end_of_last
+    if width_above != ZERO:
+        yield _Gap(last_field, None, end_of_last, width_above)
+
+
+def check_all_bits_covered(fields: Sequence[Field], bits: Expression, gaps: str, site: Site) -> bool:
+    """Return True if every bit has a field, or the spec defines the others."""
+    if gaps:
+        return True
+    for parameters in site.sets:
+        present_fields = [field for field in fields if field.width.value(parameters)]
+        present_fields.sort(key=lambda field: field.low.value(parameters))
+        starts = [*(field.low for field in present_fields), bits]
+        ends_below = [ZERO, *(field.low + field.width for field in present_fields)]
+        for end_below, start in zip(ends_below, starts, strict=True):
+            first_uncovered, next_covered = end_below.value(parameters), start.value(parameters)
+            if next_covered > first_uncovered:
+                place = bits_text(next_covered - 1, first_uncovered) + values_text(parameters, start, end_below)
+                remedy = "add one, or write 'other_bits: zero' or 'other_bits: unspecified'"
+                site.report("bits-without-field", f"no field covers {place}; {remedy}")
+                return False
+    return True
+
+
+def in_whole_bytes(fields: list[Field], bits: Expression) -> tuple[list[Field], Expression]:
+    """Return the fields of a frame of bits with zeros above them that fill the first byte, and the new width."""
+    missing_bits = -bits.constant % 8 if bits.is_constant else 0
+    if not missing_bits or not fields:
+        return fields, bits
+    first_sent = fields[-1]
+    width = Expression(missing_bits)
+    zeros = Field(
+        name=f"zero_before_{first_sent.name}",
+        kind=Constant(fills_byte=True),
+        low=bits,
+        width=width,
+        widest=missing_bits,
+        meaning="Zeros that fill the first byte. They are not sent",
+        source=first_sent.source,
+    )
+    return [*fields, zeros], bits + width
+
+
+def _zero_name(below: Field | None, above: Field | None) -> str:
+    """Return the name of the zeros between two fields."""
+    if above is not None:
+        return f"zero_below_{above.name}"
+    return f"zero_above_{below.name}" if below is not None else "zero"
+
+
+def with_zeros(fields: Sequence[Field], bits: Expression, site: Site) -> list[Field] | None:
+    """Return the fields with a constant zero field in every gap, or None if the order of fields changes."""
+    zero = Constant(fills_gap=True)
+    zero_fields = []
+    for gap in _gaps(fields, bits):
+        for parameters in site.sets:
+            is_reversed = gap.width.value(parameters) < 0
+            if is_reversed and gap.below is not None and gap.above is not None:
+                condition = values_text(parameters, gap.low, gap.width)
+                problem = f"'{gap.above.name}' is not above '{gap.below.name}'{condition}"
+                site.report("bit-overlap", f"{problem}; with 'other_bits: zero' the order of fields must not change")
+                return None
+        neighbour = gap.above or gap.below or fields[0]
+        name = _zero_name(gap.below, gap.above)
+        zero_fields.append(zero_field(name, zero, gap.low, gap.width, site, neighbour.source))
+    return with_places([*fields, *zero_fields], site)
