@@ -381,32 +381,63 @@ def vcd_signals(file: BinaryIO, path: str, names: Names) -> Signals:
 
 def _changes(file: BinaryIO, path: str, codes: Sequence[bytes]) -> Generator[Edges, None, None]:
     """Yield the edges of the signals with these codes."""
-    tokens = {level + code: (place, int(level)) for place, code in enumerate(codes) for level in (b"0", b"1")}
-    levels: list[int | None] = [None for _ in codes]
-    now = begin = -1
+    changes = _ValueChanges(path, codes)
     for block, done in _blocks(file, path, "VCD"):
-        before = tuple(level or 0 for level in levels)
-        times: list[list[int]] = [[] for _ in codes]
-        is_code = False
-        for token in block.split():
-            if is_code:
-                # The code of a vector or a real number, whose value came before.
-                is_code = False
-            elif token in tokens:
-                place, level = tokens[token]
-                if levels[place] is None:
-                    before = (*before[:place], level, *before[place + 1 :])
-                elif levels[place] != level:
-                    times[place].append(now)
-                levels[place] = level
+        yield changes.edges_in(block, done)
+
+
+#: Time before the first time stamp of a value change dump.
+_NO_TIME: Final = -1
+#: Most digits of a time.
+_MAX_TIME_DIGITS: Final = 18
+
+
+class _ValueChanges:
+    """Reader of value changes, block by block. It keeps the level of each signal, None while it is unknown."""
+
+    def __init__(self, path: str, codes: Sequence[bytes]) -> None:
+        self._path = path
+        self._changes: dict[bytes, tuple[int, int]] = {}
+        for signal, code in enumerate(codes):
+            self._changes |= {b"0" + code: (signal, 0), b"1" + code: (signal, 1)}
+        self._levels: list[int | None] = [None for _ in codes]
+        self._begin = self._now = _NO_TIME
+
+    def edges_in(self, block: bytes, done: int) -> Edges:
+        """Return the edges in a block of whole lines."""
+        changes, levels = self._changes, self._levels
+        first_levels = [level or 0 for level in levels]
+        times: list[list[int]] = [[] for _ in levels]
+        self._begin = self._now
+        tokens = iter(block.split())
+        for token in tokens:
+            if token in changes:
+                signal, level = changes[token]
+                last_level = levels[signal]
+                if last_level is None:
+                    first_levels[signal] = level
+                elif last_level != level:
+                    times[signal].append(self._now)
+                levels[signal] = level
             elif token[:1] in b"bBrR":
-                is_code = True
+                # The value of a vector or a real number. Its code is the next token of the same line.
+                next(tokens, None)
             elif token[:1] == b"#":
-                later = int(token[1:]) if token[1:].isdigit() and len(token) < 20 else -1
-                if later < now:
-                    raise InputError(path, "", f"the time {short(token.decode('ascii', 'replace'))} is out of order")
-                begin, now = (later if begin < 0 else begin), later
-        yield Edges(
-            before, tuple(np.array(signal_times, np.float64) for signal_times in times), float(begin), float(now), done
-        )
-        begin = now
+                self._advance(token)
+        edge_times = tuple(np.array(signal_times, np.float64) for signal_times in times)
+        return Edges(tuple(first_levels), edge_times, float(self._begin), float(self._now), done)
+
+    def _advance(self, token: bytes) -> None:
+        """Set the time to the one in ``token``, such as ``#1200``."""
+        digits = token[1:]
+        if not digits.isdigit() or len(digits) > _MAX_TIME_DIGITS:
+            raise InputError(self._path, "", f"the time {_shown(token)} is not a number of at most 18 digits")
+        if int(digits) < self._now:
+            raise InputError(self._path, "", f"the time {_shown(token)} is out of order")
+        self._now = int(digits)
+        if self._begin == _NO_TIME:
+            self._begin = self._now
+
+
+def _shown(token: bytes) -> str:
+    return short(token.decode("ascii", "replace"))
