@@ -160,7 +160,7 @@ def _changed_files(olds: Sequence[Device], news: Sequence[Device], cache: Cache)
 
 def _refuse_unproved(families: Sequence[Family], cache: Cache) -> None:
     """Raise ``Stop`` if families must not be released."""
-    import_module(f"{__package__}.check.coverage").refuse_unproved(families, "recorded", cache)
+    import_module(f"{__package__}.check.specs").refuse_unproved(families, "recorded", cache)
 
 
 def _without_accepted(changes: Sequence[Change], chosen: argparse.Namespace) -> tuple[Sequence[Change], Sequence[str]]:
