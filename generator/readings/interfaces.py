@@ -30,7 +30,6 @@ from ..model import (
 from ..model.registers import bounded
 from ..say.names_and_places import bits
 from ..say.names_and_places import bits as bit_text
-from .compare import numbers_in
 from .frame_bits import word
 from .reading import (
     NOTHING,
@@ -46,6 +45,7 @@ from .reading import (
     register_text,
 )
 from .stated import Subject
+from .texts import numbers_in
 
 
 def add_registers(reading: Reading, facts: Facts) -> None:

@@ -9,7 +9,7 @@ from ..language.problems import Path
 from ..model import Interface, Layout, Parameter
 from ..order_codes.labels import spelled
 from ..say.names_and_places import bits
-from .reading import Case, Fact, Facts, Reading, Sort, short
+from .reading import FACTORY_DEFAULTS, Case, Fact, Facts, Reading, Sort, short
 from .stated import Subject
 
 
@@ -51,7 +51,7 @@ def _supplies(reading: Reading) -> Iterator[Fact]:
     for variant in reading.device.variants:
         supply = reading.device.supply_of(variant)
         if supply is not None:
-            supplies[variant.code, ""] = f"{supply.min_mv} to {supply.max_mv} mV"
+            supplies[Case(variant.code, FACTORY_DEFAULTS)] = f"{supply.min_mv} to {supply.max_mv} mV"
     if supplies:
         yield Fact(
             Sort.SUPPLY, ("supply",), supplies, "supply", reading.first_existing(("supply",), ("order_code", "parts"))
