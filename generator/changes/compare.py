@@ -59,20 +59,28 @@ def compare_members(family_pair: FamilyPair, subject: Subject, old: Any, new: An
     members_by_name = {"source": _SOURCE, **PARTS_BY_CLASS[type(new).__name__].by_attribute}
     for attribute in fields(new):
         member = members_by_name.get(attribute.name) or Member(attribute.name, rule="unforeseen")
+        # A member without a rule is compared elsewhere, or by its order code.
         if member.rule:
-            values = getattr(old, attribute.name), getattr(new, attribute.name)
-            yield from _compare_member(family_pair, subject.inside(attribute.name, subject.label), member, *values)
+            old_value, new_value = getattr(old, attribute.name), getattr(new, attribute.name)
+            member_subject = subject.inside(attribute.name, subject.label)
+            yield from _compare_member(family_pair, member_subject, member, old_value, new_value)
 
 
 def _compare_member(family_pair: FamilyPair, subject: Subject, member: Member, old: Any, new: Any) -> Iterator[Change]:
-    kinds = {type(old), type(new)}
-    if member.is_limit or (Expression in kinds and str not in kinds):
+    types = {type(old), type(new)}
+    # Either side may be a number or missing, but a text has no value for each order code.
+    is_expression = Expression in types and str not in types
+    if member.is_limit or is_expression:
         yield from _compare_number(family_pair, subject, member, old, new)
         return
     if old == new:
         return
-    rule = "source" if plain(old) == plain(new) else "words"
-    rule = member.rule if without_words(old) != without_words(new) else rule
+    if without_words(old) != without_words(new):
+        rule = member.rule
+    elif plain(old) == plain(new):
+        rule = "source"
+    else:
+        rule = "words"
     if rule in _IN_WORDS:
         description = f": {member.attribute.replace('_', ' ')}"
     else:
@@ -86,11 +94,12 @@ def _compare_number(family_pair: FamilyPair, subject: Subject, member: Member, o
     difference = family_pair.differing(subject.interface, old_expression, new_expression)
     if difference is None:
         return
+    # Without a common order code, only a limit that is gone is certain to allow more.
+    allows_less = new is not None
     if difference.values:
         allows_less = any(_allows_less(member, *pair) for pair in difference.values)
-    else:
-        allows_less = new is not None
-    rule = WIDER[member.rule] if member.is_limit and not allows_less else member.rule
+    is_wider = member.is_limit and not allows_less
+    rule = WIDER[member.rule] if is_wider else member.rule
     description = f": {member.words} {numbers(difference, old_expression, new_expression, member.notation)}"
     yield family_pair.change(rule, subject, description, old, new, difference.codes or None)
 
@@ -100,8 +109,11 @@ def _as_expression(number: Any) -> Any:
 
 
 def _allows_less(member: Member, old: int | None, new: int | None) -> bool:
-    if old is None or new is None:
-        return new is not None
+    """Return whether a new limit allows less than the old one. Without a number, there is no limit."""
+    if new is None:
+        return False
+    if old is None:
+        return True
     return new < old if member.is_upper else new > old
 
 
@@ -109,9 +121,10 @@ def numbers(difference: NumberDifferences, old: Expression | None, new: Expressi
     """Return the differing values of two expressions: one pair of numbers, else the expressions, else some pairs."""
     if len(difference.values) == 1 and difference.everywhere:
         return arrow(*difference.values[0], notation)
-    texts = short_value(old, notation), short_value(new, notation)
-    if texts[0] != texts[1]:
-        return " → ".join(texts)
+    old_text, new_text = short_value(old, notation), short_value(new, notation)
+    if old_text != new_text:
+        return f"{old_text} → {new_text}"
+    # The same expression has other values if a parameter in it has.
     return first_of([arrow(*pair, notation) for pair in difference.values], 2)
 
 
@@ -134,9 +147,8 @@ def compare_parts(
         compare_content: Compare the content of a thing that the table of members does not compare.
     """
     for pair in recognised(family_pair, old_parts, new_parts, section_subject.interface, section_subject.scope):
-        yield from compare_pair(
-            family_pair, kind, _named_in_code(family_pair, pair, section_subject), pair, compare_content
-        )
+        subject = _named_in_code(family_pair, pair, section_subject)
+        yield from compare_pair(family_pair, kind, subject, pair, compare_content)
 
 
 def compare_pair(
@@ -156,28 +168,38 @@ def compare_section(family_pair: FamilyPair, kind: str, compare_content: Inside 
     path, label = _SECTIONS[kind]
     for pair in in_section(family_pair, path):
         label_words = label if isinstance(label, str) else label(pair)
-        is_old = pair.new is None or (kind in _OF_OLD and pair.old is not None)
-        interface = _interface_of(*((family_pair.old, pair.old) if is_old else (family_pair.new, pair.new)))
+        concerns_old_interface = kind in _OF_OLD and pair.old is not None
+        if pair.new is None or concerns_old_interface:
+            interface = _interface_of(family_pair.old, pair.old)
+        else:
+            interface = _interface_of(family_pair.new, pair.new)
         subject = _named_in_code(family_pair, pair, Subject(path, label_words, interface))
         yield from compare_pair(family_pair, kind, subject, pair, compare_content)
 
 
 def _interface_of(device: Device, part: Any) -> str:
     """Return the only interface that a thing concerns, or "" if it concerns several or all."""
+    interfaces = _interfaces_of(device, part)
+    return interfaces.pop() if len(interfaces) == 1 else ""
+
+
+def _interfaces_of(device: Device, part: Any) -> set[str]:
     match part:
         case Alternative(name):
-            interfaces = {parameter.interface for parameter in device.parameters if parameter.alternative == name}
+            return {parameter.interface for parameter in device.parameters if parameter.alternative == name}
         case Alarm():
             interfaces = {register.interface for register in device.registers if register.name == part.register}
-            layouts = device.layouts() if part.group else ()
-            interfaces |= {interface.name for interface, layout in layouts if _has_group(layout, part.group)}
+            if part.group:
+                for interface, layout in device.layouts():
+                    if _has_group(layout, part.group):
+                        interfaces.add(interface.name)
+            return interfaces
         case Connector():
-            interfaces = set(part.interfaces)
+            return set(part.interfaces)
         case Crc(name):
-            interfaces = {interface.name for interface in device.interfaces if name in sent_crcs((interface,))}
+            return {interface.name for interface in device.interfaces if name in sent_crcs((interface,))}
         case _:
-            interfaces = {getattr(part, "interface", "")}
-    return interfaces.pop() if len(interfaces) == 1 else ""
+            return {getattr(part, "interface", "")}
 
 
 def _has_group(layout: Layout, group: str) -> bool:
@@ -186,28 +208,41 @@ def _has_group(layout: Layout, group: str) -> bool:
 
 def _named_in_code(family_pair: FamilyPair, pair: Pair[Any], section_subject: Subject) -> Subject:
     """Return a thing in a section, with its names in code if users already know it by them."""
-    kind, interface, name = section_subject.path.rpartition(".")[2], section_subject.interface, pair.item.name
+    section = section_subject.path.rpartition(".")[2]
+    name = pair.item.name
     subject = Subject(
-        f"{section_subject.path}.{name}",
-        f"{section_subject.label} {name}",
-        interface,
+        path=f"{section_subject.path}.{name}",
+        label=f"{section_subject.label} {name}",
+        interface=section_subject.interface,
         scope=section_subject.scope or name,
     )
     # A new data ID is a new member of an enumeration that users already have.
-    if kind not in _NAMES or (pair.old is None and kind != "data_ids"):
+    is_known_to_users = pair.old is not None or section == "data_ids"
+    if section not in _NAMES or not is_known_to_users:
         return subject
     device = family_pair.new if pair.old is None else family_pair.old
-    words = {"manufacturer": device.manufacturer.name, "family": device.name, "name": pair.old_or_new.name}
-    # Of a faulty spec, there may be no interface.
-    names = (interface, getattr(pair.old_or_new, "interface", ""), *(candidate.name for candidate in device.interfaces))
-    words["interface"] = next(filter(None, names), "")
+    return replace(subject, names=_names_in_code(device, section, pair.old_or_new, section_subject.interface))
+
+
+def _names_in_code(device: Device, section: str, part: Any, section_interface: str) -> dict[str, str]:
+    """Return the names of a thing of a section in C and in Python."""
+    interface = section_interface or getattr(part, "interface", "")
+    if not interface and device.interfaces:
+        interface = device.interfaces[0].name
+    words = {
+        "manufacturer": device.manufacturer.name,
+        "family": device.name,
+        "name": part.name,
+        "interface": interface,
+    }
     words |= {key.upper(): text.upper() for key, text in words.items()}
-    words["Name"] = "".join(part[:1].upper() + part[1:] for part in pair.old_or_new.name.split("_"))
-    c, python = (text.format(**words) for text in _NAMES[kind])
-    if kind == "layouts" and len(device.interface(words["interface"]).layouts) == 1:
+    words["Name"] = "".join(word[:1].upper() + word[1:] for word in part.name.split("_"))
+    c_pattern, python_pattern = _NAMES[section]
+    c = c_pattern.format(**words)
+    if section == "layouts" and len(device.interface(interface).layouts) == 1:
         # The only frame of an interface needs no further name.
-        c = c.replace(f"_{pair.old_or_new.name}_…", "_…")
-    if kind == "crcs" and not interface:
+        c = c.replace(f"_{part.name}_…", "_…")
+    if section == "crcs" and not section_interface:
         # C has no function for a CRC that no frame uses.
         c = "{manufacturer}_{family}_…".format(**words)
-    return replace(subject, names={"c": c, "python": python})
+    return {"c": c, "python": python_pattern.format(**words)}

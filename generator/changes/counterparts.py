@@ -32,14 +32,17 @@ def _names_in_frames(device: Device) -> frozenset[str]:
 
 def _shared_codes(old: Device, new: Device) -> dict[str, str]:
     """Return the new order code by the old one, for those with the same code or else the same parts."""
-    old_codes, new_codes = (_codes_of(device) for device in (old, new))
-    new_by_parts = {_parts_key(variant): variant.code for variant in new.variants}
+    old_codes, new_codes = _codes_of(old), _codes_of(new)
+    new_code_by_parts = {_parts_key(variant): variant.code for variant in new.variants}
     shared: dict[str, str] = {}
     for variant in old.variants:
-        code = variant.code
-        new_code = code if code in new_codes else new_by_parts.get(_parts_key(variant), "")
-        if new_code and (new_code == code or new_code not in old_codes):
-            shared[code] = new_code
+        if variant.code in new_codes:
+            shared[variant.code] = variant.code
+            continue
+        renamed_code = new_code_by_parts.get(_parts_key(variant))
+        # A code that also the old family has belongs to that order code.
+        if renamed_code is not None and renamed_code not in old_codes:
+            shared[variant.code] = renamed_code
     return shared
 
 
@@ -84,90 +87,102 @@ class FamilyPair:
 
         ``scope`` is the frame or register in which to look up the names of fields.
         """
-        rules = PARTS_BY_CLASS[type(part).__name__].by_attribute
-        kinds = {
-            member.name: rules[member.name].refers_to for member in dataclasses.fields(part) if member.name in rules
-        }
-        renamed = {name: self.to_new(kind, getattr(part, name), scope) for name, kind in kinds.items() if kind}
+        members = PARTS_BY_CLASS[type(part).__name__].by_attribute
+        renamed: dict[str, Any] = {}
+        for attribute in dataclasses.fields(part):
+            member = members.get(attribute.name)
+            if member is not None and member.refers_to:
+                renamed[attribute.name] = self.to_new(member.refers_to, getattr(part, attribute.name), scope)
         return replace(part, **renamed) if renamed else part
 
     def to_new(self, kind: str, value: Any, scope: str = "") -> Any:
-        """Return an old value with the new names of the things in it."""
+        """Return an old value with the new names of the things in it: a name, names, or numbers by parameter names."""
+        if isinstance(value, str):
+            return self._text_to_new(kind, value, scope)
         if isinstance(value, tuple):
             return tuple(self.to_new(kind.removesuffix("s"), member, scope) for member in value)
-        if not isinstance(value, str):
-            if not value:
-                return value
-            return {self.to_new("parameter", key): member for key, member in value.items()}
-        return self._text_to_new(kind, value, scope)
+        if not value:
+            return value
+        return {self.to_new("parameter", parameter): number for parameter, number in value.items()}
 
     def _text_to_new(self, kind: str, value: str, scope: str) -> str:
         """Return a text that is or contains old names, with the new ones."""
-        if kind == "pattern":
-            for old_name, new_name in self.names.get("part", {}).items():
-                value = value.replace(f"{{{old_name}}}", f"{{{new_name}}}")
-            return value
-        if kind == "dotted":
-            head, dot, tail = value.partition(".")
-            register = self.to_new("register", head)
-            return f"{register}{dot}{self.to_new('field', tail, register)}"
-        if kind == "condition":
-            field, _, value_name = value.partition(".")
-            return f"{self.to_new('field', field, scope)}.{self.to_new('any-value', value_name)}"
-        if kind == "limits":
-            new_field: str = self.to_new("field", value, scope)
-            return self._text_to_new("register", new_field, "")
-        if kind == "any-field" and value in self.frame_names:
-            return value
-        if kind == "field":
-            return self.names.get(f"field {scope}", {}).get(value, value)
-        return self.names.get(kind, {}).get(value, value)
+        match kind:
+            case "pattern":
+                for old_name, new_name in self.names.get("part", {}).items():
+                    value = value.replace(f"{{{old_name}}}", f"{{{new_name}}}")
+                return value
+            case "dotted":
+                register_name, dot, field_name = value.partition(".")
+                new_register = self.to_new("register", register_name)
+                return f"{new_register}{dot}{self.to_new('field', field_name, new_register)}"
+            case "condition":
+                field_name, _, value_name = value.partition(".")
+                return f"{self.to_new('field', field_name, scope)}.{self.to_new('any-value', value_name)}"
+            case "limits":
+                # The limits of a register apply to a field, or to the register itself.
+                new_field: str = self.to_new("field", value, scope)
+                return self._text_to_new("register", new_field, "")
+            case "any-field" if value in self.frame_names:
+                return value
+            case "field":
+                return self.names.get(f"field {scope}", {}).get(value, value)
+            case _:
+                return self.names.get(kind, {}).get(value, value)
 
     @cached_property
     def _points(self) -> dict[str, list[Point]]:
         """The points for comparing expressions of each interface, and under an empty name those of all interfaces."""
-        variants = {variant.code: variant for variant in self.new.variants}
-        old_names = {new_name: old_name for old_name, new_name in self.names.get("parameter", {}).items()}
+        new_variants = {variant.code: variant for variant in self.new.variants}
         points: dict[str, list[Point]] = {}
-        for variant in (candidate for candidate in self.old.variants if candidate.code in self.shared):
-            new_variant = variants[self.shared[variant.code]]
+        for variant in self.old.variants:
+            if variant.code not in self.shared:
+                continue
+            new_variant = new_variants[self.shared[variant.code]]
             for setting in settings_of(self.new):
-                old_setting = {old_names.get(name, name): value for name, value in setting.items()}
-                old_parameters, new_parameters = (
-                    with_setting(self.old, variant, old_setting),
-                    with_setting(self.new, new_variant, setting),
-                )
-                point = Point(
-                    new_variant.code,
-                    old_parameters,
-                    new_parameters,
-                    {name: new_parameters.get(name, number) for name, number in old_parameters.items()},
-                )
-                for name in ("", new_variant.interface):
-                    points.setdefault(name, []).append(point)
+                point = self._point(variant, new_variant, setting)
+                points.setdefault("", []).append(point)
+                points.setdefault(new_variant.interface, []).append(point)
         return points
+
+    def _point(self, old_variant: Variant, new_variant: Variant, setting: Mapping[str, int]) -> Point:
+        """Return the point of a common order code under a setting of the new family."""
+        old_names = {new_name: old_name for old_name, new_name in self.names.get("parameter", {}).items()}
+        old_setting = {old_names.get(name, name): value for name, value in setting.items()}
+        old_parameters = with_setting(self.old, old_variant, old_setting)
+        new_parameters = with_setting(self.new, new_variant, setting)
+        return Point(
+            code=new_variant.code,
+            old=old_parameters,
+            new=new_parameters,
+            compared={name: new_parameters.get(name, value) for name, value in old_parameters.items()},
+        )
 
     def differing(self, interface: str, old: Expression | None, new: Expression | None) -> NumberDifferences | None:
         """Return the differences of two expressions for an interface, or for all, or None if they are equal."""
         return differing(old, new, self._points.get(interface, ()))
 
     def place(self, field: Field, interface: str, is_old: bool) -> tuple[int | str, ...]:
-        """Return the bits of a field at every point of an interface."""
+        """Return the low bit and the width of a field at every point of an interface, one after the other."""
         points = self._points.get(interface, ())
         if not points:
             return field.low.render(), field.width.render()
-        bits: list[int] = []
+        places: list[int] = []
         for point in points:
             parameters = point.old if is_old else point.new
-            bits += (field.low.value(parameters), field.width.value(parameters))
-        return tuple(bits)
+            places += (field.low.value(parameters), field.width.value(parameters))
+        return tuple(places)
 
     def codes(self, interface: str, side: str = "shared") -> tuple[str, ...]:
-        """Return the order codes of an interface, or all: of the ``old`` or ``new`` family, or the common ones."""
+        """Return the order codes of an interface, or all: of the ``old`` or ``new`` family, or the common ones.
+
+        If no order code is common, those of the new family count as common.
+        """
         device = self.old if side == "old" else self.new
-        shared_codes = self.kept if side == "shared" else ()
-        variants = (variant for variant in device.variants if interface in ("", variant.interface))
-        return tuple(variant.code for variant in variants if not shared_codes or variant.code in shared_codes)
+        codes = [variant.code for variant in device.variants if interface in ("", variant.interface)]
+        if side == "shared" and self.kept:
+            codes = [code for code in codes if code in self.kept]
+        return tuple(codes)
 
     def change(
         self, rule: str, subject: Subject, description: str, old: Any, new: Any, codes: Iterable[str] | None = None
@@ -176,7 +191,10 @@ class FamilyPair:
         side = _side_of(rule)
         affected = tuple(codes) if codes is not None else self.codes(subject.interface, side)
         if rule in _MOVES:
-            affected = (*affected, *(code for code in self.codes(old) if code not in affected))
+            old_interface = old
+            affected = (*affected, *(code for code in self.codes(old_interface) if code not in affected))
+        # The text of a change of order codes already lists them.
+        reach = "" if rule.startswith("order-code-") else self._reach(side, affected)
         return Change(
             family=self.new.name,
             rule=RULES[rule],
@@ -185,7 +203,7 @@ class FamilyPair:
             old=plain(old),
             new=plain(new),
             codes=affected,
-            reach="" if rule.startswith("order-code-") else self._reach(side, affected),
+            reach=reach,
             names=subject.names,
         )
 
@@ -193,13 +211,14 @@ class FamilyPair:
         """Describe order codes of the old family, of the new one, or of those that both have."""
         if side == "old":
             return describe_codes(self.old, codes)
-        shared_variants = tuple(variant for variant in self.new.variants if variant.code in self.kept)
         text = describe_codes(self.new, codes)
-        none_or_all_stay = len(shared_variants) in (0, len(self.new.variants))
-        if side == "new" or none_or_all_stay or text.startswith("all "):
+        common_variants = tuple(variant for variant in self.new.variants if variant.code in self.kept)
+        have_same_codes = len(common_variants) in (0, len(self.new.variants))
+        if side == "new" or have_same_codes or text.startswith("all "):
             return text
-        shared_text = describe_codes(replace(self.new, variants=shared_variants), codes)
-        return f"{shared_text} that stay" if shared_text.startswith("all ") else text
+        # All common codes of an interface are not all of the new family.
+        text_in_common = describe_codes(replace(self.new, variants=common_variants), codes)
+        return f"{text_in_common} that stay" if text_in_common.startswith("all ") else text
 
     def presence(self, kind: str, subject: Subject, old: Any, new: Any) -> Iterator[Change]:
         """Yield a change if a thing is gone, new or renamed. ``subject.label`` ends with its present name."""
@@ -274,7 +293,8 @@ def recognised(
         interface: The interface of frames and fields.
         scope: The frame or register in which to look up the names of fields.
     """
-    old_key, new_key = (partial(_identity, family_pair, is_old, interface, scope) for is_old in (True, False))
+    old_key = partial(_identity, family_pair, True, interface, scope)
+    new_key = partial(_identity, family_pair, False, interface, scope)
     return paired(old_parts, new_parts, old_key, new_key)
 
 
@@ -291,25 +311,34 @@ def _identity(family_pair: FamilyPair, is_old: bool, interface: str, scope: str,
             in_new_names: Callable[[Step], Step] = partial(step_in_new, family_pair) if is_old else without_words
             return part.interface, len(part.arguments), tuple(map(in_new_names, part.steps))
         case Parameter():
-            device, codes = (
-                (family_pair.old, frozenset(family_pair.shared)) if is_old else (family_pair.new, family_pair.kept)
-            )
-            numbers = tuple(variant.parameters[part.name] for variant in device.variants if variant.code in codes)
-            return (part.unit, bool(part.read_from), part.alternative, numbers) if numbers else None
-
-    def value(member_value: Any) -> Any:
-        if isinstance(member_value, Mapping):
-            return tuple(sorted(member_value.values()))
-        if isinstance(member_value, tuple) and any(map(is_dataclass, member_value)):
-            return tuple(_identity(family_pair, is_old, interface, scope, inner_part) for inner_part in member_value)
-        return member_value
-
-    part = family_pair.in_new(part, scope) if is_old else part
-    values = [value(getattr(part, name)) for name in PARTS_BY_CLASS[type(part).__name__].identity]
+            return _parameter_identity(family_pair, is_old, part)
+    identity_of_inner = partial(_identity, family_pair, is_old, interface, scope)
+    if is_old:
+        part = family_pair.in_new(part, scope)
+    members = PARTS_BY_CLASS[type(part).__name__].identity
+    values = [_identifying_value(getattr(part, name), identity_of_inner) for name in members]
     layout = part.layout if isinstance(part, Register) else part
     if isinstance(layout, Layout):
-        values.append(tuple(family_pair.place(field, interface or part.interface, is_old) for field in layout.fields))
+        places = [family_pair.place(field, interface or part.interface, is_old) for field in layout.fields]
+        values.append(tuple(places))
     return tuple(values) if any(values) else None
+
+
+def _parameter_identity(family_pair: FamilyPair, is_old: bool, parameter: Parameter) -> Hashable | None:
+    """Return the unit and the origin of a parameter, and its numbers for the common order codes, if there are any."""
+    device = family_pair.old if is_old else family_pair.new
+    common_codes = family_pair.shared.keys() if is_old else family_pair.kept
+    numbers = tuple(variant.parameters[parameter.name] for variant in device.variants if variant.code in common_codes)
+    return (parameter.unit, bool(parameter.read_from), parameter.alternative, numbers) if numbers else None
+
+
+def _identifying_value(member_value: Any, identity_of_inner: Callable[[Any], Hashable | None]) -> Any:
+    """Return the value of a member without names: the values of a map, or the identities of parts."""
+    if isinstance(member_value, Mapping):
+        return tuple(sorted(member_value.values()))
+    if isinstance(member_value, tuple) and any(map(is_dataclass, member_value)):
+        return tuple(identity_of_inner(inner_part) for inner_part in member_value)
+    return member_value
 
 
 def without_words(step: Step) -> Step:
@@ -319,13 +348,10 @@ def without_words(step: Step) -> Step:
 
 def step_in_new(family_pair: FamilyPair, step: Step) -> Step:
     """Return an old step without its words and with the new names of the things that it uses."""
-    renamed_step = family_pair.in_new(
-        without_words(step), family_pair.to_new("register", getattr(step, "register", ""))
-    )
-    if (
-        isinstance(step, (WriteStep, ModifyStep))
-        and isinstance(renamed_step, (WriteStep, ModifyStep))
-        and step.value is None
-    ):
-        return replace(renamed_step, value_name=step.value_name)  # the name of an argument, not of a value
+    new_register = family_pair.to_new("register", getattr(step, "register", ""))
+    renamed_step = family_pair.in_new(without_words(step), new_register)
+    if isinstance(renamed_step, (WriteStep, ModifyStep)) and renamed_step.value is None:
+        # Without a value, the name is that of an argument, which is not renamed with values.
+        assert isinstance(step, (WriteStep, ModifyStep))
+        return replace(renamed_step, value_name=step.value_name)
     return renamed_step

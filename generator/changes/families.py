@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Iterable, Iterator, Sequence
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import chain
 from operator import attrgetter
@@ -13,7 +13,7 @@ from .compare import compare_members, compare_parts, compare_section
 from .counterparts import FamilyPair, in_section, note_all
 from .interfaces import contacts, displayed, interfaces, procedure, register, timings
 from .pairs import Pair, both_of, paired
-from .rules import Change, Subject
+from .rules import Change, Impact, Subject
 from .values import arrow, pattern
 
 
@@ -46,64 +46,77 @@ def _edition(manual: Manual) -> str:
 
 
 def order_codes(family_pair: FamilyPair) -> Iterator[Change]:
+    """Compare the order codes, the values of their parts, and their additional notations."""
     old, new = family_pair.old, family_pair.new
-    yield from _report_codes(
-        family_pair, "gone", [variant for variant in old.variants if variant.code not in family_pair.shared]
-    )
-    yield from _report_codes(
-        family_pair, "new", [variant for variant in new.variants if variant.code not in family_pair.kept]
-    )
+    gone_codes = [variant.code for variant in old.variants if variant.code not in family_pair.shared]
+    new_codes = [variant.code for variant in new.variants if variant.code not in family_pair.kept]
+    if gone_codes:
+        label = _codes_label(old, gone_codes, "gone")
+        yield family_pair.change("order-code-gone", Subject("order_codes", label), "", gone_codes, None, gone_codes)
+    if new_codes:
+        label = _codes_label(new, new_codes, "new")
+        yield family_pair.change("order-code-new", Subject("order_codes", label), "", None, new_codes, new_codes)
     renamed = {old_code: new_code for old_code, new_code in family_pair.shared.items() if old_code != new_code}
+    old_order_code = old.order_code
     if renamed:
-        renamings = first_of([" → ".join(names) for names in renamed.items()], 1)
-        label = f"order code{'s' * (len(renamed) > 1)} {renamings} (the same parts)"
-        yield family_pair.change(
-            "order-code-renamed", Subject("order_codes", label), "", list(renamed), list(renamed.values())
-        )
+        yield _renamed_codes(family_pair, renamed)
+        # A different pattern is the reason for the renaming, which is reported.
+        old_order_code = replace(old_order_code, pattern=new.order_code.pattern)
     yield from _compare_codes(family_pair)
-    old_order_code = replace(old.order_code, pattern=new.order_code.pattern) if renamed else old.order_code
     yield from compare_members(family_pair, Subject("order_code", "order codes"), old_order_code, new.order_code)
     yield from compare_section(family_pair, "part", _compare_part_values)
     yield from _compare_spellings(family_pair)
 
 
-def _report_codes(family_pair: FamilyPair, state: str, variants: list[Variant]) -> Iterator[Change]:
-    if not variants:
-        return
-    codes = [variant.code for variant in variants]
-    is_gone = state == "gone"
-    codes_text = pattern(family_pair.old if is_gone else family_pair.new, codes) or first_of(codes)
-    label = (
-        f"order codes {codes_text}: {len(codes)} {state}" if len(codes) > 1 else f"order code {codes_text} is {state}"
-    )
-    old, new = (codes, None) if is_gone else (None, codes)
-    yield family_pair.change(f"order-code-{state}", Subject("order_codes", label), "", old, new, codes)
+def _codes_label(device: Device, codes: list[str], state: str) -> str:
+    """Return a sentence on order codes that are gone or new."""
+    codes_text = pattern(device, codes) or first_of(codes)
+    if len(codes) > 1:
+        return f"order codes {codes_text}: {len(codes)} {state}"
+    return f"order code {codes_text} is {state}"
+
+
+def _renamed_codes(family_pair: FamilyPair, renamed: Mapping[str, str]) -> Change:
+    """Return the change of order codes with a different text, given by the old ones."""
+    renamings = first_of([f"{old_code} → {new_code}" for old_code, new_code in renamed.items()], 1)
+    noun = "order codes" if len(renamed) > 1 else "order code"
+    subject = Subject("order_codes", f"{noun} {renamings} (the same parts)")
+    return family_pair.change("order-code-renamed", subject, "", list(renamed), list(renamed.values()))
 
 
 def _compare_codes(family_pair: FamilyPair) -> Iterator[Change]:
     """Compare the interface and the numbers of order codes that both versions have."""
     new_by_code = {variant.code: variant for variant in family_pair.new.variants}
     shared = family_pair.shared
-    old_variants = [variant for variant in family_pair.old.variants if variant.code in shared]
-    pairs = [(variant, new_by_code[shared[variant.code]]) for variant in old_variants]
-    moved: dict[tuple[str, str], list[str]] = {}
-    for old, new in pairs:
+    variant_pairs = [
+        (variant, new_by_code[shared[variant.code]]) for variant in family_pair.old.variants if variant.code in shared
+    ]
+    codes_by_interfaces: dict[tuple[str, str], list[str]] = {}
+    for old, new in variant_pairs:
         if old.interface != new.interface:
-            moved.setdefault((old.interface, new.interface), []).append(new.code)
-    for names, codes in moved.items():
-        description = f": interface {arrow(*names)}"
-        yield family_pair.change(
-            "interface-of-code", Subject("order_codes.interface", "order codes"), description, *names, codes
-        )
+            codes_by_interfaces.setdefault((old.interface, new.interface), []).append(new.code)
+    subject = Subject("order_codes.interface", "order codes")
+    for (old_interface, new_interface), codes in codes_by_interfaces.items():
+        description = f": interface {arrow(old_interface, new_interface)}"
+        yield family_pair.change("interface-of-code", subject, description, old_interface, new_interface, codes)
     for old_parameter, new_parameter in both_of(in_section(family_pair, "parameters")):
-        codes_by_numbers: dict[tuple[int, int], list[str]] = {}
-        for old, new in pairs if _is_of_code(old_parameter) and _is_of_code(new_parameter) else ():
-            numbers = old.parameters[old_parameter.name], new.parameters[new_parameter.name]
-            if numbers[0] != numbers[1]:
-                codes_by_numbers.setdefault(numbers, []).append(new.code)
-        for numbers, codes in codes_by_numbers.items():
-            subject = Subject(f"order_codes.parameters.{new_parameter.name}", new_parameter.name)
-            yield family_pair.change("parameter-of-code", subject, f" {arrow(*numbers)}", *numbers, codes)
+        if _is_of_code(old_parameter) and _is_of_code(new_parameter):
+            yield from _compare_numbers(family_pair, variant_pairs, old_parameter.name, new_parameter.name)
+
+
+def _compare_numbers(
+    family_pair: FamilyPair, variant_pairs: Iterable[tuple[Variant, Variant]], old_name: str, new_name: str
+) -> Iterator[Change]:
+    """Compare the numbers that a parameter has for order codes that both versions have."""
+    codes_by_numbers: dict[tuple[int, int], list[str]] = {}
+    for old, new in variant_pairs:
+        old_number, new_number = old.parameters[old_name], new.parameters[new_name]
+        if old_number != new_number:
+            codes_by_numbers.setdefault((old_number, new_number), []).append(new.code)
+    subject = Subject(f"order_codes.parameters.{new_name}", new_name)
+    for (old_number, new_number), codes in codes_by_numbers.items():
+        description = f" {arrow(old_number, new_number)}"
+        yield family_pair.change("parameter-of-code", subject, description, old_number, new_number, codes)
 
 
 def _is_of_code(parameter: Parameter) -> bool:
@@ -122,21 +135,22 @@ def _compare_part_values(family_pair: FamilyPair, subject: Subject, old: CodePar
 
 
 def _compare_spellings(family_pair: FamilyPair) -> Iterator[Change]:
-    def same(spelling: Spelling) -> Hashable:
+    """Compare the additional notations for labels. One is recognised by its texts, apart from where it is used."""
+
+    def texts_of(spelling: Spelling) -> Hashable:
         return replace(family_pair.in_new(spelling), where="", source=())
 
-    old_parts, new_parts = family_pair.old.order_code.also_written, family_pair.new.order_code.also_written
-    for pair in paired(old_parts, new_parts, same, name=attrgetter("where")):
+    old_spellings, new_spellings = family_pair.old.order_code.also_written, family_pair.new.order_code.also_written
+    for pair in paired(old_spellings, new_spellings, texts_of, name=attrgetter("where")):
         subject = Subject("order_code.also_written", f"spelling by {pair.item.where}")
-        if pair.old is None or pair.new is None:
-            yield from family_pair.presence("spelling", subject, pair.old, pair.new)
-        elif pair.old.where != pair.new.where:
-            label = f"spelling by {pair.old.where} → {pair.new.where} (the same texts)"
-            yield family_pair.change(
-                "spelling-renamed", Subject(subject.path, label), "", pair.old.where, pair.new.where
-            )
+        old, new = pair.old, pair.new
+        if old is None or new is None:
+            yield from family_pair.presence("spelling", subject, old, new)
+        elif old.where != new.where:
+            renamed = Subject(subject.path, f"spelling by {old.where} → {new.where} (the same texts)")
+            yield family_pair.change("spelling-renamed", renamed, "", old.where, new.where)
         else:
-            yield from compare_members(family_pair, subject, pair.old, pair.new)
+            yield from compare_members(family_pair, subject, old, new)
 
 
 def supply(
@@ -190,9 +204,10 @@ def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
         pairs = [Pair(old[0], new[0])]
     for pair in sorted(pairs, key=lambda pair: pair.item.name):
         if pair.old is None or pair.new is None:
-            names = (device and device.name for device in (pair.old, pair.new))
+            old_name = pair.old.name if pair.old is not None else None
+            new_name = pair.new.name if pair.new is not None else None
             subject = Subject("", f"family {pair.item.name}")
-            changes += FamilyPair(pair.item, pair.item).presence("family", subject, *names)
+            changes += FamilyPair(pair.item, pair.item).presence("family", subject, old_name, new_name)
         elif pair.old is not pair.new:
             changes += compare_family(pair.old, pair.new)
     return changes
@@ -237,10 +252,14 @@ def _merge_repeated(changes: Iterable[Change]) -> Iterator[Change]:
     """Return each change once. Changes of a field group in many frames are reported for the group."""
     merged: dict[tuple[str, str], Change] = {}
     for change in changes:
-        key = (change.rule.name, change.text if change.impact > 1 else change.path)
-        earlier_change = merged.setdefault(key, change)
-        if earlier_change is not change:
-            codes = tuple(dict.fromkeys((*earlier_change.codes, *change.codes)))
-            if codes != earlier_change.codes:
-                merged[key] = replace(earlier_change, codes=codes, reach=f"{earlier_change.reach}; {change.reach}")
+        # Documentation of one place is one change, even if its text names different frames.
+        identity = change.text if change.impact > Impact.DOCUMENTATION else change.path
+        key = change.rule.name, identity
+        if key not in merged:
+            merged[key] = change
+            continue
+        earlier_change = merged[key]
+        codes = tuple(dict.fromkeys((*earlier_change.codes, *change.codes)))
+        if codes != earlier_change.codes:
+            merged[key] = replace(earlier_change, codes=codes, reach=f"{earlier_change.reach}; {change.reach}")
     yield from merged.values()

@@ -47,40 +47,41 @@ def layout(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) 
     """Yield the differences in the fields of a frame or register."""
     for pair in fields(family_pair, old, new, subject.interface):
         yield from _compare_field(family_pair, subject, pair)
-    yield from compare_parts(
-        family_pair, "joined", old.joins, new.joins, replace(subject, label=f"{subject.scope}: number")
-    )
-    part_subject = replace(subject, label=f"{subject.scope}: combination")
-    yield from compare_parts(family_pair, "combination", old.combinations, new.combinations, part_subject)
-    joined = {join.name: _type_of_parts(old, join) for join in old.joins}
+    join_subject = replace(subject, label=f"{subject.scope}: number")
+    yield from compare_parts(family_pair, "joined", old.joins, new.joins, join_subject)
+    combination_subject = replace(subject, label=f"{subject.scope}: combination")
+    yield from compare_parts(family_pair, "combination", old.combinations, new.combinations, combination_subject)
+    old_types = {join.name: _type_of_parts(old, join) for join in old.joins}
     for join in new.joins:
-        part_subject = replace(
-            subject, path=f"{subject.path}.{join.name}", label=f"{subject.scope}: number {join.name}"
-        )
-        yield from _compare_type(family_pair, part_subject, joined.get(join.name, ""), _type_of_parts(new, join))
+        path, label = f"{subject.path}.{join.name}", f"{subject.scope}: number {join.name}"
+        type_subject = replace(subject, path=path, label=label)
+        yield from _compare_type(family_pair, type_subject, old_types.get(join.name, ""), _type_of_parts(new, join))
 
 
 def _compare_field(family_pair: FamilyPair, subject: Subject, pair: Pair[Field]) -> Iterator[Change]:
+    """Compare a field of a frame or register: its name, its members, its kind, its type and its values."""
     field = pair.item
     # A field of a group is in many frames, but its change is reported once, for the group.
     path = f"field_groups.{field.group}.{field.name}" if field.group else f"{subject.path}.{field.name}"
-    part_subject = replace(subject, path=path, label=f"{field.group or subject.scope}: field {field.name}")
-    # The only field of a plain register has the register's name.
-    if not (
-        field.name == subject.scope and pair.old and family_pair.to_new("register", pair.old.name) == subject.scope
-    ):
-        yield from family_pair.presence("field", part_subject, pair.old, pair.new)
+    field_subject = replace(subject, path=path, label=f"{field.group or subject.scope}: field {field.name}")
+    # The only field of a plain register has the register's name, and is renamed with it.
+    is_named_as_register = (
+        field.name == subject.scope
+        and pair.old is not None
+        and family_pair.to_new("register", pair.old.name) == subject.scope
+    )
+    if not is_named_as_register:
+        yield from family_pair.presence("field", field_subject, pair.old, pair.new)
     if pair.old is None or pair.new is None:
         return
     old, new = pair.old, pair.new
-    yield from compare_members(family_pair, part_subject, old, new)
-    yield from _compare_kind(family_pair, part_subject, old, new)
-    yield from _compare_type(family_pair, part_subject, _type_of(old), _type_of(new))
+    yield from compare_members(family_pair, field_subject, old, new)
+    yield from _compare_kind(family_pair, field_subject, old, new)
+    yield from _compare_type(family_pair, field_subject, _type_of(old), _type_of(new))
     if isinstance(old.kind, Choice) and isinstance(new.kind, Choice) and not _of_data_ids(family_pair.new, new):
-        label = part_subject.label.replace(": field ", ".")
-        yield from compare_parts(
-            family_pair, "value", old.values, new.values, replace(part_subject, label=f"{label}: value")
-        )
+        owner = field_subject.label.replace(": field ", ".")
+        value_subject = replace(field_subject, label=f"{owner}: value")
+        yield from compare_parts(family_pair, "value", old.values, new.values, value_subject)
 
 
 def _compare_type(family_pair: FamilyPair, subject: Subject, old: str, new: str) -> Iterator[Change]:
@@ -93,7 +94,9 @@ def _type_of(field: Field) -> str:
     """Return the type of a number in C, or an empty string for another kind of field."""
     if not isinstance(field.kind, (Number, Decimal)):
         return ""
-    return _integer(max(field.widest, field.number.zero_means.bit_length()), "int" if field.number.signed else "uint")
+    # The number that zero stands for may need one bit more than the field has.
+    bits = max(field.widest, field.number.zero_means.bit_length())
+    return _integer(bits, "int" if field.number.signed else "uint")
 
 
 def _type_of_parts(layout: Layout, join: Join) -> str:
@@ -102,7 +105,9 @@ def _type_of_parts(layout: Layout, join: Join) -> str:
 
 
 def _integer(bits: int, kind: str) -> str:
-    return f"{kind}{next((size for size in (8, 16, 32) if bits <= size), 64)}_t"
+    """Return the smallest integer type of C with this number of bits."""
+    fitting_sizes = [size for size in (8, 16, 32, 64) if bits <= size]
+    return f"{kind}{fitting_sizes[0] if fitting_sizes else 64}_t"
 
 
 def _of_data_ids(device: Device, field: Field) -> bool:
@@ -156,15 +161,19 @@ _CAN_READ, _CAN_WRITE = ("read_only", "read_write"), ("write_only", "read_write"
 
 
 def register(family_pair: FamilyPair, subject: Subject, old: Register, new: Register) -> Iterator[Change]:
+    """Compare the access, the meanings and the bits of a register."""
     unnamed = subject.unnamed
     if old.access != new.access:
-        is_lost = any(old.access in accesses and new.access not in accesses for accesses in (_CAN_READ, _CAN_WRITE))
+        is_read_lost = old.access in _CAN_READ and new.access not in _CAN_READ
+        is_write_lost = old.access in _CAN_WRITE and new.access not in _CAN_WRITE
+        is_lost = is_read_lost or is_write_lost
+        if not is_lost:
+            subject = unnamed
+        rule = "access-lost" if is_lost else "access-gained"
         description = f": {access(old)} → {access(new)}"
-        rule, subject = ("access-lost", subject) if is_lost else ("access-gained", unnamed)
         yield family_pair.change(rule, subject.inside("access", subject.label), description, old.access, new.access)
-    yield from compare_parts(
-        family_pair, "meaning", old.meanings, new.meanings, replace(subject, label=f"{subject.label}: meaning")
-    )
+    meaning_subject = replace(subject, label=f"{subject.label}: meaning")
+    yield from compare_parts(family_pair, "meaning", old.meanings, new.meanings, meaning_subject)
     # Everything else in the layout of a register follows from the register, which is compared separately.
     compared = {name: getattr(old.layout, name) for name in ("fields", "joins", "gaps")}
     old_layout = replace(new.layout, **compared)
@@ -173,25 +182,29 @@ def register(family_pair: FamilyPair, subject: Subject, old: Register, new: Regi
 
 
 def procedure(family_pair: FamilyPair, subject: Subject, old: Procedure, new: Procedure) -> Iterator[Change]:
-    old_arguments, new_arguments = _signature(map(family_pair.in_new, old.arguments)), _signature(new.arguments)
-    inner = subject.inside("arguments", subject.label)
-    if old_arguments != new_arguments:
-        old_texts, new_texts = map(_argument_names, (old, new))
-        if old_texts == new_texts:  # Then the register that takes an argument differs, or its meaning.
-            old_texts, new_texts = map(_argument_texts, (old_arguments, new_arguments))
-        description = f": arguments {arrow(old_texts, new_texts)}"
-        yield family_pair.change("procedure-arguments", inner, description, old_arguments, new_arguments)
-    elif _meanings(old.arguments) != _meanings(new.arguments):
-        yield family_pair.change("words", inner.unnamed, ": arguments", old.arguments, new.arguments)
-    inner = subject.unnamed.inside("steps", subject.label)
+    """Compare the arguments and the steps of a procedure."""
+    yield from _compare_arguments(family_pair, subject.inside("arguments", subject.label), old, new)
+    steps_subject = subject.unnamed.inside("steps", subject.label)
     old_steps = [step_in_new(family_pair, step) for step in old.steps]
     new_steps = [without_words(step) for step in new.steps]
     if old_steps != new_steps:
-        yield family_pair.change("procedure-steps", inner, _steps(old_steps, new_steps), old_steps, new_steps)
+        yield family_pair.change("procedure-steps", steps_subject, _steps(old_steps, new_steps), old_steps, new_steps)
     elif _meanings(old.steps) != _meanings(new.steps):
-        yield family_pair.change("words", inner, ": steps", old.steps, new.steps)
+        yield family_pair.change("words", steps_subject, ": steps", old.steps, new.steps)
     elif old.steps != new.steps and _sources(old.steps) != _sources(new.steps):
-        yield family_pair.change("source", inner, ": steps", None, None)
+        yield family_pair.change("source", steps_subject, ": steps", None, None)
+
+
+def _compare_arguments(family_pair: FamilyPair, subject: Subject, old: Procedure, new: Procedure) -> Iterator[Change]:
+    old_arguments, new_arguments = _signature(map(family_pair.in_new, old.arguments)), _signature(new.arguments)
+    if old_arguments != new_arguments:
+        old_texts, new_texts = _argument_names(old), _argument_names(new)
+        if old_texts == new_texts:  # Then the register that takes an argument differs, or its meaning.
+            old_texts, new_texts = _argument_texts(old_arguments), _argument_texts(new_arguments)
+        description = f": arguments {arrow(old_texts, new_texts)}"
+        yield family_pair.change("procedure-arguments", subject, description, old_arguments, new_arguments)
+    elif _meanings(old.arguments) != _meanings(new.arguments):
+        yield family_pair.change("words", subject.unnamed, ": arguments", old.arguments, new.arguments)
 
 
 def _argument_names(procedure: Procedure) -> list[str]:
@@ -220,13 +233,18 @@ def _sources(steps: Sequence[Step]) -> list[Sources]:
 
 
 def _steps(old_steps: list[Step], new_steps: list[Step]) -> str:
+    """Describe the steps that differ, by their numbers. If they differ in the same way, say how."""
     if len(old_steps) != len(new_steps):
         return f": {len(old_steps)} steps → {len(new_steps)} steps"
-    numbered = enumerate(zip(old_steps, new_steps, strict=True), 1)
-    differing = {number: pair for number, pair in numbered if pair[0] != pair[1]}
-    steps = f": step{'s' * (len(differing) > 1)} {', '.join(map(str, differing))}"
-    details = {_step(old, new) for old, new in differing.values()}
-    return f"{steps}: {details.pop()}" if len(details) == 1 else f"{steps} differ"
+    numbers: list[str] = []
+    differences: set[str] = set()
+    for number, (old, new) in enumerate(zip(old_steps, new_steps, strict=True), 1):
+        if old != new:
+            numbers.append(str(number))
+            differences.add(_step(old, new))
+    noun = "steps" if len(numbers) > 1 else "step"
+    steps_text = f": {noun} {', '.join(numbers)}"
+    return f"{steps_text}: {differences.pop()}" if len(differences) == 1 else f"{steps_text} differ"
 
 
 def _step(old: Step, new: Step) -> str:

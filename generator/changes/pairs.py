@@ -60,13 +60,17 @@ def paired(
             only if it is unique on its side.
         name: Return the name of an item.
     """
-    old_by_name = {name(part): part for part in old_parts}
+    counterparts = {name(part): part for part in old_parts}
+    old_names = set(counterparts)
     new_names = {name(part) for part in new_parts}
-    unmatched_old = _unique([part for part in old_parts if name(part) not in new_names], identity)
-    unmatched_new = _unique([part for part in new_parts if name(part) not in old_by_name], new_identity or identity)
-    renamed = {name(part): unmatched_old[key] for key, part in unmatched_new.items() if key in unmatched_old}
-    matched_names = {name(part) for part in renamed.values()} | new_names
-    pairs = [Pair(old_by_name.get(name(part), renamed.get(name(part))), part) for part in new_parts]
+    old_by_identity = _unique([part for part in old_parts if name(part) not in new_names], identity)
+    new_by_identity = _unique([part for part in new_parts if name(part) not in old_names], new_identity or identity)
+    matched_names = set(new_names)
+    for key, new_part in new_by_identity.items():
+        if key in old_by_identity:
+            counterparts[name(new_part)] = old_by_identity[key]
+            matched_names.add(name(old_by_identity[key]))
+    pairs = [Pair(counterparts.get(name(part)), part) for part in new_parts]
     return pairs + [Pair(part, None) for part in old_parts if name(part) not in matched_names]
 
 

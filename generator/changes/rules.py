@@ -142,17 +142,20 @@ class Package:
 
 
 def due_version(version: str, impact: Impact) -> str:
-    """Return the lowest version after ``version`` for changes of at most this impact."""
+    """Return the lowest version after ``version`` for changes of at most this impact.
+
+    As in semantic versioning, the second number of versions before 1.0.0 counts as the first one.
+    """
     numbers = _numbers(version)
     if not impact or not numbers:
         return version
-    is_stable = numbers[0] > 0
-    if impact >= Impact.BEHAVIOUR:
-        index = 0 if is_stable else 1
-    else:
-        index = 1 if is_stable and impact is Impact.COMPATIBLE else 2
-    raised = [*numbers[:index], numbers[index] + 1, 0, 0][:3]
-    return ".".join(map(str, raised))
+    major, minor, patch = numbers
+    is_incompatible, adds_something = impact >= Impact.BEHAVIOUR, impact is Impact.COMPATIBLE
+    if major > 0 and is_incompatible:
+        return f"{major + 1}.0.0"
+    if is_incompatible or (major > 0 and adds_something):
+        return f"{major}.{minor + 1}.0"
+    return f"{major}.{minor}.{patch + 1}"
 
 
 def packages(old: Sequence[Device], new: Sequence[Device], changes: Collection[Change]) -> list[Package]:
@@ -160,13 +163,19 @@ def packages(old: Sequence[Device], new: Sequence[Device], changes: Collection[C
     old_makers, new_makers = _makers(old), _makers(new)
     compared_packages = []
     for name, maker in new_makers.items():
-        if name in old_makers:
-            families = {device.name for device in (*old, *new) if device.manufacturer.name == name}
-            impact = max((change.impact for change in changes if change.family in families), default=Impact.NONE)
-            version = old_makers[name].version
-            compared_packages.append(
-                Package(name, maker.python_package, version, maker.version, due_version(version, impact))
-            )
+        if name not in old_makers:
+            continue
+        families = {device.name for device in (*old, *new) if device.manufacturer.name == name}
+        highest_impact = max((change.impact for change in changes if change.family in families), default=Impact.NONE)
+        old_version = old_makers[name].version
+        package = Package(
+            maker=name,
+            name=maker.python_package,
+            old=old_version,
+            stated=maker.version,
+            due=due_version(old_version, highest_impact),
+        )
+        compared_packages.append(package)
     return compared_packages
 
 
@@ -326,17 +335,21 @@ _CHANGES = (
 )
 
 
+_ONE_MORE_VALUE = "Code that encodes the frame or register must give one more value, and decoders return one more."
+#: Reasons why a new part of these kinds has its impact.
+_REASONS_OF_NEW = {
+    "decision": "Callers must give an answer.",
+    "field": _ONE_MORE_VALUE,
+    "joined": _ONE_MORE_VALUE,
+    "combination": _USABLE,
+    "measurement": "In C, each measured quantity, such as the counts per turn, is named after its role.",
+}
+
+
 def _all_rules() -> Iterator[Rule]:
     for kind, phrase, gone, new, renamed, common in _NAMED_KINDS:
         yield Rule(f"{kind}-gone", _impacts(gone), f"{phrase} was removed", _GONE)
-        why = "Callers must give an answer." if kind == "decision" else _NEW
-        if kind in ("field", "joined"):
-            why = "Code that encodes the frame or register must give one more value, and decoders return one more."
-        if kind == "combination":
-            why = _USABLE
-        if kind == "measurement":
-            why = "In C, each measured quantity, such as the counts per turn, is named after its role."
-        yield Rule(f"{kind}-new", _impacts(new), f"{phrase} was added", why)
+        yield Rule(f"{kind}-new", _impacts(new), f"{phrase} was added", _REASONS_OF_NEW.get(kind, _NEW))
         if common:
             yield Rule(f"{kind}-renamed", _impacts(renamed), f"{phrase} has a different name but {common}", _RENAMED)
     for name, impacts, when, why in _CHANGES:

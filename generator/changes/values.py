@@ -48,10 +48,11 @@ def settings_of(device: Device) -> Iterator[Parameters]:
     """Yield settings of registers and answers: the defaults, then each at the ends of its range, one by one."""
     yield {}
     for parameter in device.run_time_parameters:
-        highest = parameter.max if parameter.max is not None else parameter.largest
-        yield from ({parameter.name: value} for value in (parameter.min or 0, highest))
+        yield {parameter.name: parameter.min or 0}
+        yield {parameter.name: parameter.max if parameter.max is not None else parameter.largest}
     for alternative in device.alternatives:
-        yield from (answer.sets for answer in alternative.answers)
+        for answer in alternative.answers:
+            yield answer.sets
 
 
 def with_setting(device: Device, variant: Variant, setting: Parameters) -> Parameters:
@@ -70,19 +71,22 @@ def differing(old: Expression | None, new: Expression | None, points: Sequence[P
     if old == new:
         return None
     if not points:
-        is_same = old is not None and new is not None and old.render() == new.render()
-        return None if is_same else NumberDifferences((), _constants(old, new))
-    pairs_by_code: dict[str, list[tuple[int | None, int | None]]] = {}
+        has_same_text = old is not None and new is not None and old.render() == new.render()
+        return None if has_same_text else NumberDifferences((), _constants(old, new))
+    codes: list[str] = []
+    number_pairs: list[tuple[int | None, int | None]] = []
     for point in points:
-        values = _number(old, point.compared), _number(new, point.new)
-        if values[0] != values[1]:
-            pairs_by_code.setdefault(point.code, []).append(values)
-    pairs = dict.fromkeys(pair for code_pairs in pairs_by_code.values() for pair in code_pairs)
-    differing_points = sum(point.code in pairs_by_code for point in points)
-    return (
-        NumberDifferences(tuple(pairs_by_code), tuple(pairs), differing_points == sum(map(len, pairs_by_code.values())))
-        if pairs_by_code
-        else None
+        old_number, new_number = _number(old, point.compared), _number(new, point.new)
+        if old_number != new_number:
+            codes.append(point.code)
+            number_pairs.append((old_number, new_number))
+    if not codes:
+        return None
+    points_of_codes = [point for point in points if point.code in codes]
+    return NumberDifferences(
+        codes=tuple(dict.fromkeys(codes)),
+        values=tuple(dict.fromkeys(number_pairs)),
+        everywhere=len(points_of_codes) == len(codes),
     )
 
 
@@ -131,8 +135,11 @@ def pattern(device: Device, codes: Collection[str]) -> str:
     texts = _BRACES.split(device.order_code.pattern)  # Text and names of parts in turn.
     texts[1::2] = [_part_pattern(used_texts[name], all_texts[name]) for name in texts[1::2]]
     # If everything up to the end is open, one mark stands for the rest.
-    last = max((index for index in range(1, len(texts), 2) if texts[index] != _ALL), default=0)
-    return "".join([*texts[: last + 1], texts[last + 1] if last + 2 >= len(texts) else _ALL])
+    closed_parts = [index for index in range(1, len(texts), 2) if texts[index] != _ALL]
+    last_closed = closed_parts[-1] if closed_parts else 0
+    text_at_end = texts[last_closed + 1]
+    is_open_to_end = last_closed + 2 < len(texts)
+    return "".join([*texts[: last_closed + 1], _ALL if is_open_to_end else text_at_end])
 
 
 def _fits(variant: Variant, texts: Mapping[str, tuple[str, ...]]) -> bool:
@@ -147,7 +154,9 @@ def _used_values(variants: Sequence[Variant], part: str) -> tuple[str, ...]:
 def _part_pattern(used_texts: tuple[str, ...], all_texts: tuple[str, ...]) -> str:
     if len(used_texts) == 1:
         return used_texts[0]
-    return _ALL if len(used_texts) == len(all_texts) else f"{{{','.join(used_texts)}}}"
+    if len(used_texts) == len(all_texts):
+        return _ALL
+    return f"{{{','.join(used_texts)}}}"
 
 
 _LONGEST = 60
@@ -236,10 +245,14 @@ def without_words(value: Any) -> Any:
 
 def differing_items(old: Any, new: Any) -> tuple[Any, Any]:
     """Return two values, reduced to the items that differ if both are sequences of parts."""
-    if isinstance(old, tuple) and isinstance(new, tuple) and any(map(is_dataclass, (*old, *new))):
-        old_only, new_only = _items_not_in(old, new), _items_not_in(new, old)
-        return (old_only, new_only) if old_only or new_only else (old, new)
-    return old, new
+    are_parts = isinstance(old, tuple) and isinstance(new, tuple) and any(map(is_dataclass, (*old, *new)))
+    if not are_parts:
+        return old, new
+    old_only, new_only = _items_not_in(old, new), _items_not_in(new, old)
+    # Only the order of the items differs.
+    if not old_only and not new_only:
+        return old, new
+    return old_only, new_only
 
 
 def _items_not_in(items: tuple[Any, ...], other_items: tuple[Any, ...]) -> tuple[Any, ...]:

@@ -49,24 +49,31 @@ def edition_entries(olds: Sequence[Family], news: Sequence[Family], changes: Seq
         if old is None or old.device.manual.revision == new.device.manual.revision:
             continue
         renamed = {str(change.old) for change in renamings if change.family == new.device.name}
-        if edition_changes := list(_edition_changes(old, new, renamed)):
+        edition_changes = list(_edition_changes(old, new, renamed))
+        if edition_changes:
             yield "\n".join([*_missing_history(old, new), *_entry(old, new, edition_changes)])
 
 
 def _missing_history(old: Family, new: Family) -> Iterator[str]:
     """Yield the rows that the history of the new manual lacks, with an introduction."""
     name, revision = new.device.name, new.device.manual.revision
-    history = [history_row["revision"] for history_row in new.document.data["manual"].get("history", ())]
-    if revision in history[1:]:
+    listed_revisions = [row["revision"] for row in new.document.data["manual"].get("history", ())]
+    # An edition describes encoders before a revision, so an older revision must be listed in front of it.
+    if revision in listed_revisions[1:]:
         return
-    yield f"{name}: give the revisions in the history of the manual, under '{'history' if history else 'manual'}':"
+    place = "history" if listed_revisions else "manual"
+    yield f"{name}: give the revisions in the history of the manual, under '{place}':"
     yield ""
-    if not history:
+    if not listed_revisions:
         yield "  history:"
     for manual in (old.device.manual, new.device.manual):
-        if manual.revision not in history:
-            date = {"date": manual.date} if manual.date else {}
-            yield f"    - {_in_one_line({'revision': manual.revision, **date, 'changes': 'Not listed'})}"
+        if manual.revision in listed_revisions:
+            continue
+        row = {"revision": manual.revision}
+        if manual.date:
+            row["date"] = manual.date
+        row["changes"] = "Not listed"
+        yield f"    - {_in_one_line(row)}"
     yield ""
 
 
@@ -127,16 +134,20 @@ def _order_code_changes(
 
 def _source(data: Any, place: str, removed_node: Any) -> str:
     """Return the source of a removed node if that is a document other than the manual, else the table of revisions."""
-    source, node = "", data
+    nodes_on_path = []
+    node = data
     for step in steps_of(place):
         if isinstance(node, list):
             node = {label_of(child): child for child in node}
         node = node.get(step, {}) if isinstance(node, dict) else {}
-        if isinstance(node, dict):
-            source = node.get("source", source)
-    if isinstance(removed_node, dict):
-        source = removed_node.get("source", source)
-    return source if ":" in source else "Document release"
+        nodes_on_path.append(node)
+    # A node without a source has that of the nearest node around it.
+    source = ""
+    for enclosing_node in (*nodes_on_path, removed_node):
+        if isinstance(enclosing_node, dict):
+            source = enclosing_node.get("source", source)
+    cites_other_document = ":" in source
+    return source if cites_other_document else "Document release"
 
 
 def _new_labels(place: str, removed_option: Any, old_data: Any, new_data: Any) -> Iterator[str]:
@@ -158,8 +169,11 @@ def _selection(option: Mapping[str, Any]) -> Mapping[str, Any]:
 
 def _selects_any(variant: Variant, option_places: Iterable[str]) -> bool:
     """Return True if an order code has one of these options."""
-    options = [option for place in option_places if (option := _OPTION.fullmatch(place))]
-    return any(variant.parts.get(option["part"]) == option["label"] for option in options)
+    for place in option_places:
+        option = _OPTION.fullmatch(place)
+        if option is not None and variant.parts.get(option["part"]) == option["label"]:
+            return True
+    return False
 
 
 def _changed_references(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:
@@ -167,19 +181,26 @@ def _changed_references(old: Any, new: Any, place: str) -> Iterator[tuple[str, A
     if isinstance(old, dict) and isinstance(new, dict):
         for key in [key for key in old if key in new]:
             child_place = f"{place}.{key}".removeprefix(".")
-            if place and (key in _REFERENCES or (key == "values" and "also_written" in place)):
+            if _is_reference(place, key):
                 if old[key] != new[key]:
                     yield child_place, old[key]
-            elif place or key not in _NOT_IN_EDITIONS - {"examples"}:
+            elif place or key == "examples" or key not in _NOT_IN_EDITIONS:
                 yield from _changed_references(old[key], new[key], child_place)
     elif isinstance(old, list) and isinstance(new, list):
-        children_by_label = {label_of(child): child for child in old}
-        children_by_index = dict(enumerate(old))
+        old_children = {label_of(child): child for child in old}
         for index, child in enumerate(new):
             label = label_of(child)
-            step = f"[{index + 1}]" if label is None else f".{label}"
-            old_child = children_by_index.get(index) if label is None else children_by_label.get(label)
-            yield from _changed_references(old_child, child, f"{place}{step}")
+            if label is not None:
+                yield from _changed_references(old_children.get(label), child, f"{place}.{label}")
+            elif index < len(old):
+                # Items without names are compared by their order.
+                yield from _changed_references(old[index], child, f"{place}[{index + 1}]")
+
+
+def _is_reference(place: str, key: str) -> bool:
+    """Return whether the value of a key at a place names order codes or their options."""
+    is_spelling = key == "values" and "also_written" in place
+    return bool(place) and (key in _REFERENCES or is_spelling)
 
 
 def _removed_nodes(old: Any, new: Any, place: str) -> Iterator[tuple[str, Any]]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import argparse
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .arguments import (
     Parser,
@@ -161,7 +161,26 @@ def _file(chosen: argparse.Namespace, device: Device, masters: Sequence[Master],
     from ..masters.sheet import sheet
     from ..targets.masters.files import file_text
 
-    master = next(master for master in masters if master.name == chosen.master)
+    master = next(candidate for candidate in masters if candidate.name == chosen.master)
+    file_format = _chosen_format(chosen, master, masters)
+    master_sheet = sheet(master, encoder_record)
+    if master_sheet.refusals:
+        raise Stop(_cannot_use(master_sheet, masters, encoder_record), 2)
+    devices = master_sheet.devices_with(file_format)
+    master_device = devices[0] if chosen.device is None else chosen.device
+    if master_device not in devices:
+        raise Stop(f"'{master_device}' is not a device with this format; use --device {listed(devices, 'or')}", 2)
+    return file_text(device, [encoder_record.code], master_sheet, file_format, master_device).rstrip("\n")
+
+
+def _chosen_format(chosen: argparse.Namespace, master: Master, masters: Sequence[Master]) -> Any:
+    """Return the file format of the master that the user chose.
+
+    Raises:
+        Stop: The master has no such format. The exit code is 2.
+    """
+    from ..language.problems import listed
+
     formats = {file_format["format"]: file_format for file_format in master.files}
     if not formats:
         masters_with_files = listed(other_master.name for other_master in masters if other_master.files)
@@ -171,15 +190,7 @@ def _file(chosen: argparse.Namespace, device: Device, masters: Sequence[Master],
         raise Stop(f"{problem}; the formats of {master.name} are {listed(formats)}", 2)
     if chosen.json:
         raise Stop("--format prints a file; leave out --json", 2)
-    master_sheet = sheet(master, encoder_record)
-    if master_sheet.refusals:
-        raise Stop(_cannot_use(master_sheet, masters, encoder_record), 2)
-    file_format = formats[chosen.format]
-    devices = master_sheet.devices_with(file_format)
-    master_device = devices[0] if chosen.device is None else chosen.device
-    if master_device not in devices:
-        raise Stop(f"'{master_device}' is not a device with this format; use --device {listed(devices, 'or')}", 2)
-    return file_text(device, [encoder_record.code], master_sheet, file_format, master_device).rstrip("\n")
+    return formats[chosen.format]
 
 
 def _cannot_use(master_sheet: Sheet, masters: Sequence[Master], encoder_record: Record) -> str:

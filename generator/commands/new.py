@@ -132,9 +132,11 @@ def _manufacturer(path: Path) -> str:
     from ..language.read import read_document
 
     document = read_document(path, Report()) if path.is_file() else None
-    manufacturer = document.data.get("manufacturer") if document is not None else None
-    is_name = isinstance(manufacturer, str) and re.fullmatch(r"[a-z][a-z0-9]*", manufacturer)
-    return str(manufacturer) if is_name else _MANUFACTURER
+    if document is None:
+        return _MANUFACTURER
+    name = document.data.get("manufacturer")
+    is_name = isinstance(name, str) and re.fullmatch(r"[a-z][a-z0-9]*", name)
+    return str(name) if is_name else _MANUFACTURER
 
 
 def _schema(kind: str) -> Path:

@@ -98,15 +98,16 @@ def options_named(settings: Iterable[str], targets: Sequence[Target]) -> dict[st
     targets_by_name = {target.name: target for target in targets}
     options = {target.name: dict(target.defaults) for target in targets}
     for setting in settings:
-        place, equals, value = setting.partition("=")
-        name, dot, option = place.partition(".")
+        path, equals, value = setting.partition("=")
+        target_name, dot, option = path.partition(".")
         if not equals or not dot:
             raise Stop(f"'{setting}' is not a setting; write it like TARGET.OPTION=VALUE", 2)
-        if name not in targets_by_name:
-            problem = f"'{place}' is for a target that does not run; add --target {name}"
-            raise Stop(problem if name in target_names() else _no_target(name), 2)
-        _refuse_setting(targets_by_name[name], option, value)
-        options[name][option] = value
+        if target_name not in targets_by_name:
+            if target_name not in target_names():
+                raise Stop(_no_target(target_name), 2)
+            raise Stop(f"'{path}' is for a target that does not run; add --target {target_name}", 2)
+        _refuse_setting(targets_by_name[target_name], option, value)
+        options[target_name][option] = value
     return dict(options)
 
 
@@ -209,16 +210,21 @@ def listing() -> str:
     targets = {name: _or_fault(name) for name in target_names()}
     indent = " " * (max(map(len, targets)) + 4)
     lines = [f"targets ({listed(BUILT_IN)} run by default):"]
-    for name, loaded in targets.items():
+    for name, target in targets.items():
         lead = f"  {name}".ljust(len(indent))
-        lines += _filled(loaded.summary if isinstance(loaded, Target) else loaded, lead, indent)
-        for option in loaded.options if isinstance(loaded, Target) else ():
-            text = f"--option {name}.{option.name}={'|'.join(option.values) or 'VALUE'}: {option.summary}"
-            lines += _filled(f"{text} (default: {option.default})", indent, indent + "  ")
+        if isinstance(target, str):
+            lines += _filled(target, lead, indent)
+            continue
+        lines += _filled(target.summary, lead, indent)
+        for option in target.options:
+            values = "|".join(option.values) or "VALUE"
+            text = f"--option {name}.{option.name}={values}: {option.summary} (default: {option.default})"
+            lines += _filled(text, indent, indent + "  ")
     return "\n".join(lines)
 
 
 def _or_fault(name: str) -> Target | str:
+    """Return a target, or the reason why it cannot be loaded."""
     try:
         return load_target(name)
     except TargetError as error:

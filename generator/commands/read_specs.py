@@ -263,13 +263,15 @@ def _below(folder: Path, outputs: Sequence[str]) -> Specs:
 
 def _packaged_beside(paths: Sequence[Path]) -> Iterator[Path]:
     """Yield the packaged specs without those among ``paths``, which may be the same files."""
-    own = [os.path.realpath(path) for path in paths]
+    user_paths = [os.path.realpath(path) for path in paths]
     for folder in packaged_families():
-        real = os.path.realpath(folder)
-        if any(os.path.join(real, "").startswith(os.path.join(path, "")) for path in own):
+        packaged_folder = _real_folder(folder)
+        is_inside_user_folder = any(packaged_folder.startswith(os.path.join(path, "")) for path in user_paths)
+        has_user_files = any(path.startswith(packaged_folder) for path in user_paths)
+        if is_inside_user_folder:
             continue
-        if any(path.startswith(os.path.join(real, "")) for path in own):
-            yield from (path for path in find_files(folder).specs if os.path.realpath(path) not in own)
+        if has_user_files:
+            yield from (path for path in find_files(folder).specs if os.path.realpath(path) not in user_paths)
         else:
             yield folder
 
@@ -363,15 +365,26 @@ def read_line(
     ``packaged`` are the names given with ``--packaged``, and ``packaged_files`` the specs of these names.
     """
     skipped_files = [file for file in report.passed_over if file not in report.files]
-    skipped = f"; skipped: {first_of(skipped_files, _MOST_FILES)}" if skipped_files else ""
-    if not packaged:
-        return f"read {counted(len(report.files), 'spec')}: {first_of(report.files, _MOST_FILES)}{skipped}"
-    packaged_names = {path.stem for path in packaged_files}
+    skipped_text = f"; skipped: {first_of(skipped_files, _MOST_FILES)}" if skipped_files else ""
+    if packaged:
+        return f"{_packaged_text(families, report, packaged, packaged_files)}{skipped_text}"
+    return f"read {_files_text(report.files, 'spec')}{skipped_text}"
+
+
+def _files_text(files: Sequence[str], noun: str, of_whom: str = "") -> str:
+    return f"{counted(len(files), noun)}{of_whom}: {first_of(files, _MOST_FILES)}"
+
+
+def _packaged_text(
+    families: Iterable[str], report: Report, packaged: Sequence[str], packaged_files: Sequence[Path]
+) -> str:
+    """Return the names of the packaged families that were read, and the specs of the user next to them."""
+    family_names = {path.stem for path in packaged_files}
+    families_read = ", ".join(name for name in families if name in family_names)
+    text = f"read the packaged specs of {', '.join(packaged)}: {families_read}"
     packaged_folders = {os.path.realpath(path.parent) for path in packaged_files}
-    own_files = [file for file in report.files if os.path.dirname(os.path.realpath(file)) not in packaged_folders]
-    own = f", and {counted(len(own_files), 'spec')} of yours: {first_of(own_files, _MOST_FILES)}" if own_files else ""
-    read_names = ", ".join(name for name in families if name in packaged_names)
-    return f"read the packaged specs of {', '.join(packaged)}: {read_names}{own}{skipped}"
+    user_files = [file for file in report.files if os.path.dirname(os.path.realpath(file)) not in packaged_folders]
+    return f"{text}, and {_files_text(user_files, 'spec', ' of yours')}" if user_files else text
 
 
 # -- values that are still those of the template of ``new``
@@ -416,8 +429,10 @@ def placeholders_data(files: Iterable[str]) -> list[dict[str, Any]]:
 
 def placeholder_lines(files: Iterable[str]) -> list[str]:
     """Return a line with the number of placeholders, and one for each. Empty if there are none."""
-    places = [f"  {placeholder.file}:{placeholder.line}: {placeholder.name}" for placeholder in placeholders_in(files)]
-    return [f"{_counted_placeholders(len(places))} (each has the word TODO):", *places] if places else []
+    lines = [f"  {placeholder.file}:{placeholder.line}: {placeholder.name}" for placeholder in placeholders_in(files)]
+    if not lines:
+        return []
+    return [f"{_counted_placeholders(len(lines))} (each has the word TODO):", *lines]
 
 
 def placeholder_line(files: Iterable[str]) -> str:

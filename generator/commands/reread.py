@@ -148,19 +148,20 @@ def _as_text(
             yield f"\n{heading}"
         yield from _passage_lines(changed_passage)
     sections = {changed_passage.passage.section.number for changed_passage in changed_passages}
-    citing_facts = sum(1 for fact in facts if fact.sections & sections)
+    citing_facts = [fact for fact in facts if not fact.sections.isdisjoint(sections)]
     yield ""
     places = f"{counted(len(changed_passages), 'passage')} in {counted(len(sections), 'section')}"
-    yield f"{places}, cited by {citing_facts:,} of {len(facts):,} facts"
+    yield f"{places}, cited by {len(citing_facts):,} of {len(facts):,} facts"
     yield _LIMITS
 
 
 def _passage_lines(changed_passage: _ChangedPassage) -> Iterator[str]:
     """Yield the old and the new text, and the facts that cite the place."""
     yield ""
-    for name, text in zip(("old", "new"), changed_passage.passage.shown, strict=True):
+    old_text, new_text = changed_passage.passage.shown
+    for name, text in (("old", old_text), ("new", new_text)):
         if text:
-            yield f"  {name}: {text if len(text) <= _LONGEST else text[: _LONGEST - 3] + '...'}"
+            yield f"  {name}: {_shortened(text)}"
     if not changed_passage.facts_of_section:
         yield "  no fact in the spec cites this place"
         return
@@ -170,6 +171,10 @@ def _passage_lines(changed_passage: _ChangedPassage) -> Iterator[str]:
     if unlisted:
         noun = "other fact" if listed_facts else "fact"
         yield f"  and {counted(unlisted, noun)} from this section"
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
 
 
 def _as_data(family: Family, changed_passages: Sequence[_ChangedPassage], by_words: bool) -> Mapping[str, Any]:

@@ -103,29 +103,35 @@ def _command_with(families: Sequence[str], given: argparse.Namespace, settings: 
     """
     packaged = [name for name in families if _is_packaged(name)]
     needs_folder = not packaged or len(packaged) < len(families)
-    more = ["FOLDER"] if needs_folder else []
+    folders = ["FOLDER"] if needs_folder else []
     if given.specs or given.more_specs:
-        has_listed = settings is not None and bool(settings.specs)
-        if has_listed and not packaged:
+        # The user named some of the specs in the settings. Without names, all of them are read.
+        if settings is not None and settings.specs and not packaged:
             return "codewheel generate"
     elif not given.packaged:
-        more = [*_own_specs(settings), *more]
+        # Without names, the command reads the user's own specs, which a name would exclude.
+        folders = [*_own_specs(settings), *folders]
     elif needs_folder:
-        more = _own_specs(settings) or more
+        folders = _own_specs(settings) or folders
     every = argparse.Namespace(**vars(given))
     every.packaged = [*given.packaged, *(name.partition("/")[2] for name in packaged)]
-    return command_again(every, *more)
+    return command_again(every, *folders)
 
 
 def command_again(chosen: argparse.Namespace, *more: str) -> str:
     """Return the command line that writes the outputs with the arguments that the user gave, and with ``more``."""
-    again = ["codewheel", "generate", *map(str, [*chosen.specs, *chosen.more_specs]), *more]
-    again += [word for name in chosen.packaged for word in ("--packaged", name)]
-    again += [] if chosen.output is None else ["-o", str(chosen.output)]
-    again += [word for name in chosen.target or () for word in ("--target", name)]
-    again += [word for setting in chosen.option for word in ("--option", setting)]
-    again += [] if chosen.templates is None else ["--templates", str(chosen.templates)]
-    return shlex.join(again)
+    words = ["codewheel", "generate", *map(str, [*chosen.specs, *chosen.more_specs]), *more]
+    for name in chosen.packaged:
+        words += ["--packaged", name]
+    if chosen.output is not None:
+        words += ["-o", str(chosen.output)]
+    for name in chosen.target or ():
+        words += ["--target", name]
+    for setting in chosen.option:
+        words += ["--option", setting]
+    if chosen.templates is not None:
+        words += ["--templates", str(chosen.templates)]
+    return shlex.join(words)
 
 
 def _is_packaged(family: str) -> bool:
@@ -151,12 +157,15 @@ def _refuse_missing(named: Sequence[Path], cache: Cache) -> None:
     try:
         refuse_missing(named)
     except Stop as stop:
+        command_words = ["codewheel", "generate"]
         missing = [path.as_posix() for path in named if not path.exists()]
-        names = [word for name in missing if _names_packaged(name, cache) for word in ("--packaged", name)]
-        if not names:
+        packaged_names = [name for name in missing if _names_packaged(name, cache)]
+        if not packaged_names:
             raise
-        command = shlex.join(["codewheel", "generate", *names])
-        raise Stop(f"{stop}; to generate a packaged encoder: {command}", stop.code) from None
+        for name in packaged_names:
+            command_words += ["--packaged", name]
+        message = f"{stop}; to generate a packaged encoder: {shlex.join(command_words)}"
+        raise Stop(message, stop.code) from None
 
 
 def _names_packaged(name: str, cache: Cache) -> bool:
@@ -171,7 +180,9 @@ def _names_packaged(name: str, cache: Cache) -> bool:
 def _fill_in(chosen: argparse.Namespace, settings: Configuration | None) -> None:
     """Set the output folder and the targets that the user did not name."""
     if chosen.output is None:
-        chosen.output = (settings.output if settings is not None else None) or OUTPUT
+        chosen.output = OUTPUT
+        if settings is not None and settings.output is not None:
+            chosen.output = settings.output
     if not chosen.target and settings is not None and settings.targets:
         chosen.target = list(settings.targets)
 

@@ -1,27 +1,24 @@
 """Compare two readings fact by fact, also the numbers and sources of their texts.
 
-They are compared by their places in the file, because two readers use different words for them.
+Texts are compared by their places in the file, because two readers use different words for them.
 """
 
 from __future__ import annotations
 
-import re
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import IntEnum
 from functools import partial
 from itertools import chain
-from typing import Any
 
 from ..changes.pairs import by_key
-from ..language.document import Path, label_of
-from ..language.schema_files import PROSE
-from ..loading.from_mapping import parse_sources
+from ..language.document import Path
 from ..say.names_and_places import bits
 from ..say.plain_text import first_of
 from .frame_bits import continues_item, describe_bits
 from .reading import (
+    FACTORY_DEFAULTS,
     NOTHING,
     Bit,
     Case,
@@ -29,7 +26,6 @@ from .reading import (
     Facts,
     Key,
     Names,
-    Reading,
     Sort,
     Value,
     Word,
@@ -38,89 +34,7 @@ from .reading import (
     mistaken_pairs,
     same_name,
 )
-
-#: First part of the keys of numbers in texts, and of cited sections.
-NUMBERS, CITED = "numbers", "cited"
-_UNITS = (
-    r"(?:[mµ]?[VA](?:pp)?|[km]?Nm|[mckµ]?m(?:²|/s)?|[mµn]?s|min(?:ute)?s?|[kMG]?Hz|°[CF]?|%|[kM]?Ω(?:/km)?|AWG|k?g)"
-)
-_NUMBER = re.compile(rf"[±−+-]?(?:[^\W\d_][\w-]*)?\d[\w.,-]*(?:/s|/km|²| ?{_UNITS}(?!\w))?")
-#: Maps of a second reading by path, which are not texts.
-_WITHOUT = frozenset((("found",), ("sections",)))
-_TEXTS = PROSE | {"printed", "used"}
-_COMMA = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
-
-
-def numbers_in(text: str) -> str:
-    """Return the numbers in a text, each with its unit, in their order. Empty if there is none."""
-    numbers = (match.rstrip(".,-").replace(" ", "").lstrip("+") for match in _NUMBER.findall(_COMMA.sub("", text)))
-    return " ".join(numbers).replace("−", "-")
-
-
-def contents(reading: Reading) -> Iterator[Fact]:
-    """Yield the page of every section and entry in the table of contents."""
-    for section, section_contents in reading.document.data["manual"].get("contents", {}).items():
-        place: Path = ("manual", "contents", section)
-        pages = {(*place, "page"): section_contents.get("page")}
-        pages |= {(*place, "entries", name): page for name, page in section_contents.get("entries", {}).items()}
-        for path, page in pages.items():
-            if page is not None:
-                description = f"page of {'.'.join(map(str, path[2:]))} in the contents"
-                yield Fact(Sort.CONTENTS, ("contents", *path), str(page), description, path)
-
-
-def texts(reading: Reading) -> Iterator[Fact]:
-    """Yield the numbers in every text, and the sections that every source cites."""
-    for place, text in _texts((), reading.document.data):
-        if value := _compared_text(place[-1], text):
-            is_source, path_text = _is_source(place[-1]), ".".join(map(str, place))
-            key, description = (CITED, "section cited at") if is_source else (NUMBERS, "numbers in")
-            yield Fact(
-                Sort.SECTION if is_source else Sort.TEXT, (key, *place), value, f"{description} {path_text}", place
-            )
-
-
-def _is_source(key: str | int) -> bool:
-    return key == "source" or str(key).endswith("_source")
-
-
-def _compared_text(key: str | int, text: str) -> str:
-    """Return what is compared of a text: its numbers, or the sections of the manual itself that a source cites."""
-    if not _is_source(key):
-        return numbers_in(text)
-    return ", ".join(sorted({cited.section for cited in parse_sources(text) if not cited.document and cited.section}))
-
-
-def by_path(reading: Reading) -> dict[str, tuple[str, Path]]:
-    """Return what a second reading gives for texts and sources by their paths, with the places there."""
-    numbers_and_places: dict[str, tuple[str, Path]] = {}
-    for path, text in reading.document.data.get("found", {}).items():
-        key = path.rpartition(".")[2]
-        numbers_and_places[path] = (_compared_text(key, text), ("found", path))
-    return numbers_and_places
-
-
-def sections_by_path(reading: Reading) -> dict[str, list[str]]:
-    """Return the sections that a second reading gives for everything under a path."""
-    cited_sections: dict[str, list[str]] = {}
-    for section, paths in reading.document.data.get("sections", {}).items():
-        for path in paths:
-            cited_sections.setdefault(path, []).append(section)
-    return cited_sections
-
-
-def _texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
-    """Yield every text and source, with its place by names."""
-    if isinstance(node, dict):
-        for key, value in node.items():
-            if (*place, key) not in _WITHOUT:
-                yield from _texts((*place, key), value)
-    elif isinstance(node, list):
-        for index, value in enumerate(node):
-            yield from _texts((*place, label_of(value) or index), value)
-    elif isinstance(node, str) and (place[-1] in _TEXTS or (place[0], place[-1]) == ("characteristics", "value")):
-        yield place, node
-
+from .texts import NUMBERS, dotted
 
 #: Items that each reader defines as needed, so that none is missing if the other has a different set.
 _OWN = frozenset(("parameter",))
@@ -181,17 +95,20 @@ class Comparison:
 def compare(spec: Facts, second: Facts) -> Comparison:
     """Compare the facts of a spec with those of its second reading."""
     comparison = Comparison(settled=are_settled(spec, second))
-    near = partial(_nearest_place, comparison, spec, second)
-    differences = _compare_facts(comparison, spec.facts, second.facts | dict(_by_path(spec, second)), near)
-    for disagreement in chain(
-        differences, _codes_differ(spec, second), _compare_names(comparison, spec.names, second.names)
-    ):
+    place_in_spec = partial(_nearest_place, comparison, spec, second)
+    second_facts = second.facts | dict(_facts_by_path(spec, second))
+    disagreements = chain(
+        _compare_facts(comparison, spec.facts, second_facts, place_in_spec),
+        _codes_differ(spec, second),
+        _compare_names(comparison, spec.names, second.names),
+    )
+    for disagreement in disagreements:
         comparison.differ(disagreement)
     for key, word in spec.words.items():
         facts_on_order = [facts.get((*key, "order")) for facts in (spec.facts, second.facts)]
-        orders = {str(fact.value) for fact in facts_on_order if fact is not None}
-        # Of frames with different byte orders, only that is reported.
-        if len(orders) < 2:
+        byte_orders = {str(fact.value) for fact in facts_on_order if fact is not None}
+        # Different byte orders are reported alone: all bits would differ, too.
+        if len(byte_orders) < 2:
             _compare_words(comparison, word, second.words.get(key))
     _count_decided(comparison, spec, second)
     return comparison
@@ -202,16 +119,21 @@ def _nearest_place(comparison: Comparison, spec: Facts, second: Facts, fact: Fac
 
     This is its subject, or the only item of the same kind that the second reading lacks, or the list of such items.
     """
-    # Missing order codes are reported together.
-    if fact.key[0] == "code" or (fact.mild and not (comparison.settled and fact.key[0] in _OWN)):
+    if fact.key[0] == "code":
+        return None  # Missing order codes are reported together.
+    is_needed_name = comparison.settled and fact.key[0] in _OWN
+    if fact.mild and not is_needed_name:
         return None
     if fact.under:
         # If the subject is missing, only that is reported.
         return spec.facts[fact.under].place if fact.under in spec.facts else None
-    same_kind = (candidate for key, candidate in spec.facts.items() if key[:2] == fact.key[:2])
-    similar = (candidate for candidate in same_kind if candidate.sort is fact.sort)
-    candidates = [candidate for candidate in similar if not candidate.under and candidate.key not in second.facts]
-    return candidates[0].place if len(candidates) == 1 else _container(fact.place)
+    candidates = [
+        candidate
+        for key, candidate in spec.facts.items()
+        if key[:2] == fact.key[:2] and candidate.sort is fact.sort and not candidate.under
+    ]
+    unmatched = [candidate for candidate in candidates if candidate.key not in second.facts]
+    return unmatched[0].place if len(unmatched) == 1 else _container(fact.place)
 
 
 def _container(place: Path) -> Path:
@@ -221,31 +143,39 @@ def _container(place: Path) -> Path:
     return place[:1]
 
 
-def _by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
+def _facts_by_path(spec: Facts, second: Facts) -> Iterator[tuple[Key, Fact]]:
     """Yield the facts that the second reading gives by paths: numbers in texts, and sections."""
-    paths = {_dotted(fact.place): fact for fact in spec.facts.values() if fact.sort in _WORDS}
+    spec_facts = {dotted(fact.place): fact for fact in spec.facts.values() if fact.sort in _WORDS}
     for path, (value, place) in second.printed_numbers.items():
-        spec_fact = paths.get(path) or Fact(Sort.TEXT, (NUMBERS, path), "", f"numbers in {path}", ())
+        spec_fact = spec_facts.get(path)
+        if spec_fact is None:
+            spec_fact = Fact(Sort.TEXT, (NUMBERS, path), "", f"numbers in {path}", place=())
         yield spec_fact.key, replace(spec_fact, value=value, place=place)
     for key, fact in spec.facts.items():
-        if fact.sort is Sort.SECTION and _dotted(fact.place) not in second.printed_numbers:
-            enclosing_paths = (_dotted(fact.place[:end]) for end in range(len(fact.place), 0, -1))
-            if sections := next((second.sections[path] for path in enclosing_paths if path in second.sections), None):
+        if fact.sort is Sort.SECTION and dotted(fact.place) not in second.printed_numbers:
+            sections = _sections_at(fact.place, second)
+            if sections:
                 yield key, replace(fact, value=", ".join(sorted(sections)), place=("sections", sections[0]))
 
 
-def _dotted(place: Path) -> str:
-    return ".".join(map(str, place))
+def _sections_at(place: Path, second: Facts) -> Sequence[str]:
+    """Return the sections that the second reading gives for a place, or for the nearest place around it."""
+    for end in range(len(place), 0, -1):
+        path = dotted(place[:end])
+        if path in second.sections:
+            return second.sections[path]
+    return ()
 
 
 def _count_decided(comparison: Comparison, spec: Facts, second: Facts) -> None:
     """Count facts that no manual prints as decided, and texts of which only a name was compared as read once."""
     for (sort, place), read in comparison.read.items():
-        path = _dotted(place)
+        path = dotted(place)
         if read is not Read.TWICE:
             continue
-        is_name = sort is Sort.CHARACTERISTIC and len(place) == 2 and (NUMBERS, *place, "value") not in spec.facts
-        if is_name or (sort in _WORDS and path in second.printed_numbers):
+        is_characteristic = sort is Sort.CHARACTERISTIC and len(place) == 2
+        is_name_only = is_characteristic and (NUMBERS, *place, "value") not in spec.facts
+        if is_name_only or (sort in _WORDS and path in second.printed_numbers):
             comparison.read[sort, place] = Read.ONCE
         elif sort not in _WORDS and _is_decided(sort, path, second.decided):
             comparison.read[sort, place] = Read.DECIDED
@@ -261,19 +191,34 @@ def _codes_of(facts: Facts) -> dict[Key, Fact]:
 
 
 def _codes_differ(spec: Facts, second: Facts) -> Iterator[Disagreement]:
-    """Yield one disagreement for all order codes that only the spec has, and one for those that it lacks."""
+    """Yield one disagreement for all order codes that only the spec has, and one for those that it lacks.
+
+    A reading without any order code is not compared.
+    """
     spec_codes, second_codes = _codes_of(spec), _codes_of(second)
-    for codes, other_codes in ((spec_codes, second_codes), (second_codes, spec_codes)):
-        missing = [fact for key, fact in codes.items() if key not in other_codes]
-        if missing and other_codes:
-            fact, known_fact = missing[0], next(iter(other_codes.values()))
-            description = fact.description + (f" and of {len(missing) - 1} more" if len(missing) > 1 else "")
-            if codes is spec_codes:
-                yield Disagreement(
-                    fact.sort, description, _value_text(fact.value), NOTHING, fact.place, known_fact.place
-                )
-            else:
-                yield _missing_in_spec(replace(fact, description=description), known_fact.place)
+    if not spec_codes or not second_codes:
+        return
+    only_in_spec = [fact for key, fact in spec_codes.items() if key not in second_codes]
+    if only_in_spec:
+        fact, second_place = only_in_spec[0], next(iter(second_codes.values())).place
+        yield Disagreement(
+            sort=fact.sort,
+            description=_with_count(only_in_spec),
+            used=_value_text(fact.value),
+            other=NOTHING,
+            place=fact.place,
+            second=second_place,
+        )
+    only_in_second = [fact for key, fact in second_codes.items() if key not in spec_codes]
+    if only_in_second:
+        spec_place = next(iter(spec_codes.values())).place
+        yield _missing_in_spec(replace(only_in_second[0], description=_with_count(only_in_second)), spec_place)
+
+
+def _with_count(facts: Sequence[Fact]) -> str:
+    """Return the description of the first of several facts, and how many more there are."""
+    description = facts[0].description
+    return f"{description} and of {len(facts) - 1} more" if len(facts) > 1 else description
 
 
 def _missing_in_spec(fact: Fact, near: Path) -> Disagreement:
@@ -308,87 +253,134 @@ def _common_value(value: Value) -> Value:
 
 def _compare_facts(
     comparison: Comparison,
-    own_facts: Mapping[Key, Fact],
-    other_facts: Mapping[Key, Fact],
-    near: Callable[[Fact], Path | None],
+    spec_facts: Mapping[Key, Fact],
+    second_facts: Mapping[Key, Fact],
+    place_in_spec: Callable[[Fact], Path | None],
 ) -> Iterator[Disagreement]:
-    """Compare facts by their keys. ``near`` returns the place of one that the spec lacks, or None if it may do so."""
-    for key, other_fact, fact in by_key(other_facts, own_facts):
-        if fact is not None and not fact.implied:
-            if other_fact is not None:
-                yield from _compare_values(comparison, fact, other_fact)
+    """Compare facts by their keys.
+
+    ``place_in_spec`` returns the place of a fact that the spec lacks, or None if the spec may lack it.
+    """
+    for key, second_fact, spec_fact in by_key(second_facts, spec_facts):
+        if spec_fact is not None and not spec_fact.implied:
+            if second_fact is not None:
+                yield from _compare_values(comparison, spec_fact, second_fact)
             elif key[0] not in _OWN:
-                comparison.note(fact.sort, fact.place, Read.ONCE)
-        elif other_fact is not None and not other_fact.implied:
-            place = near(other_fact) if fact is None else fact.place
+                comparison.note(spec_fact.sort, spec_fact.place, Read.ONCE)
+        elif second_fact is not None and not second_fact.implied:
+            # An implied fact of the spec has a place, but the spec must state it if the second reading does.
+            place = spec_fact.place if spec_fact is not None else place_in_spec(second_fact)
             if place is not None:
-                yield _missing_in_spec(other_fact, place)
+                yield _missing_in_spec(second_fact, place)
 
 
-def _compare_values(comparison: Comparison, fact: Fact, other_fact: Fact) -> Iterator[Disagreement]:
-    own_value, other_value = _common_value(fact.value), _common_value(other_fact.value)
-    places = fact.place, other_fact.place
-    if isinstance(own_value, str) or isinstance(other_value, str):
-        values = _value_text(own_value), _value_text(other_value)
-        if own_value == other_value or (fact.sort is Sort.PRINTED and same_name(*values)):
-            comparison.note(fact.sort, fact.place, Read.TWICE)
-        else:
-            yield Disagreement(fact.sort, fact.description, *values, *places)
+def _compare_values(comparison: Comparison, spec_fact: Fact, second_fact: Fact) -> Iterator[Disagreement]:
+    """Compare the values of a fact: one value, or one for each case. Of several differences, yield the first."""
+    spec_value, second_value = _common_value(spec_fact.value), _common_value(second_fact.value)
+    if not isinstance(spec_value, str) and not isinstance(second_value, str):
+        yield from _compare_cases(comparison, spec_fact, spec_value, second_fact, second_value)
         return
-    common = [case for case in own_value if case in other_value]
-    missing = [case for case in own_value if case not in other_value and not _is_default(own_value, case)]
-    differing = [case for case in common if own_value[case] != other_value[case]]
+    spec_text, second_text = _value_text(spec_value), _value_text(second_value)
+    is_same_name = spec_fact.sort is Sort.PRINTED and same_name(spec_text, second_text)
+    if spec_value == second_value or is_same_name:
+        comparison.note(spec_fact.sort, spec_fact.place, Read.TWICE)
+    else:
+        yield _different_values(spec_fact, spec_text, second_fact, second_text)
+
+
+def _compare_cases(
+    comparison: Comparison,
+    spec_fact: Fact,
+    spec_values: Mapping[Case, str],
+    second_fact: Fact,
+    second_values: Mapping[Case, str],
+) -> Iterator[Disagreement]:
+    """Compare the values that a fact has in each case."""
+    common = [case for case in spec_values if case in second_values]
+    differing = [case for case in common if spec_values[case] != second_values[case]]
     if differing:
-        values = own_value[differing[0]], other_value[differing[0]]
-        yield Disagreement(fact.sort, fact.description + _cases_text(differing), *values, *places)
-    comparison.note(fact.sort, fact.place, Read.ONCE if missing else Read.TWICE)
+        first = differing[0]
+        spec_fact_there = replace(spec_fact, description=spec_fact.description + _cases_text(differing))
+        yield _different_values(spec_fact_there, spec_values[first], second_fact, second_values[first])
+    # A state that changes nothing is known from the factory defaults.
+    is_incomplete = any(case not in second_values and not _is_default(spec_values, case) for case in spec_values)
+    comparison.note(spec_fact.sort, spec_fact.place, Read.ONCE if is_incomplete else Read.TWICE)
+
+
+def _different_values(spec_fact: Fact, spec_text: str, second_fact: Fact, second_text: str) -> Disagreement:
+    return Disagreement(
+        sort=spec_fact.sort,
+        description=spec_fact.description,
+        used=spec_text,
+        other=second_text,
+        place=spec_fact.place,
+        second=second_fact.place,
+    )
 
 
 def _is_default(value: Mapping[Case, str], case: Case) -> bool:
     """Return True if a fact has the same value in a state of the registers as with the factory defaults."""
-    code, state = case
-    return state != "" and value[case] == value.get((code, ""))
+    return case.state != FACTORY_DEFAULTS and value[case] == value.get(case.by_default)
 
 
 def _cases_text(cases: list[Case]) -> str:
     """Return the text on the order codes and the state of the registers."""
-    state = cases[0][1]
-    while_text = f" while {state}" if state else ""
-    codes = dict.fromkeys(code for code, _ in cases)
+    state = cases[0].state
+    while_text = f" while {state}" if state != FACTORY_DEFAULTS else ""
+    codes = dict.fromkeys(case.code for case in cases)
     return f", for {first_of([*codes], 1)}{while_text}"
 
 
-def _compare_words(comparison: Comparison, word: Word, other_word: Word | None) -> None:
+def _compare_words(comparison: Comparison, word: Word, second_word: Word | None) -> None:
     """Compare a frame or register in every case. Each difference is reported for the first case that shows it."""
-    other_cases = other_word.cases if other_word is not None else {}
-    placed_everywhere = other_word.everywhere if other_word is not None and word.everywhere is not None else None
-    disagreements_by_pair: dict[tuple[int, int], list[Disagreement]] = {}
-    # A disagreement is the same in other cases if it has the same places, class, and number among those with these.
-    first_cases: dict[tuple[Path, Path, Sort, int], tuple[Disagreement, list[Case]]] = {}
+    if second_word is None:
+        second_cases: Mapping[Case, WordCase] = {}
+    elif word.everywhere is not None and second_word.everywhere is not None:
+        # Words that are the same in every case are compared even if the readings have no order code in common.
+        second_cases = dict.fromkeys(word.cases, second_word.everywhere)
+    else:
+        second_cases = second_word.cases
     for case, placed in word.cases.items():
-        other_placed = placed_everywhere or other_cases.get(case)
-        if other_placed is None:
-            if not case[1] or placed is not word.cases.get((case[0], "")):
-                _note_all(comparison, placed)
+        # A state that changes nothing is noted with its factory defaults.
+        is_repetition = case.state != FACTORY_DEFAULTS and placed is word.cases.get(case.by_default)
+        if case not in second_cases and not is_repetition:
+            _note_all(comparison, placed)
+    for disagreement, cases in _disagreements_with_cases(comparison, word, second_cases):
+        if len(cases) == len(word.cases):
+            comparison.differ(disagreement)
+        else:
+            description = disagreement.description + _cases_text(cases)
+            comparison.differ(replace(disagreement, description=description))
+
+
+#: Identity of a disagreement in all cases: its places, its class, and its number among those of a case with these.
+_SameDisagreement = tuple[Path, Path, Sort, int]
+
+
+def _disagreements_with_cases(
+    comparison: Comparison, word: Word, second_cases: Mapping[Case, WordCase]
+) -> Iterable[tuple[Disagreement, list[Case]]]:
+    """Return each disagreement as it is in the first case that shows it, with all cases that do."""
+    disagreements_by_pair: dict[tuple[int, int], list[Disagreement]] = {}
+    cases_by_disagreement: dict[_SameDisagreement, tuple[Disagreement, list[Case]]] = {}
+    for case, placed in word.cases.items():
+        second_placed = second_cases.get(case)
+        if second_placed is None:
             continue
-        pair = id(placed), id(other_placed)
+        pair = id(placed), id(second_placed)
         if pair not in disagreements_by_pair:
-            disagreements_by_pair[pair] = list(_in_case(comparison, word, placed, other_placed))
+            disagreements_by_pair[pair] = list(_in_case(comparison, word, placed, second_placed))
         counts: Counter[tuple[Path, Path, Sort]] = Counter()
         for disagreement in disagreements_by_pair[pair]:
             kind = disagreement.place, disagreement.second, disagreement.sort
             counts[kind] += 1
-            first_cases.setdefault((*kind, counts[kind]), (disagreement, []))[1].append(case)
-    for disagreement, cases in first_cases.values():
-        is_everywhere = len(cases) == len(word.cases)
-        comparison.differ(
-            disagreement
-            if is_everywhere
-            else replace(disagreement, description=disagreement.description + _cases_text(cases))
-        )
+            _, cases = cases_by_disagreement.setdefault((*kind, counts[kind]), (disagreement, []))
+            cases.append(case)
+    return cases_by_disagreement.values()
 
 
 def _note_all(comparison: Comparison, placed: WordCase) -> None:
+    """Count all facts of a word in a case that only the spec has."""
     for bit in placed.bits:
         comparison.note(Sort.POSITION, bit.place, Read.ONCE)
     for properties in placed.fields.values():
@@ -397,31 +389,31 @@ def _note_all(comparison: Comparison, placed: WordCase) -> None:
 
 
 def _in_case(
-    comparison: Comparison, word: Word, own_placed: WordCase, other_placed: WordCase
+    comparison: Comparison, word: Word, spec_placed: WordCase, second_placed: WordCase
 ) -> Iterator[Disagreement]:
     """Yield the differences in one case. Different lengths are reported with the other facts."""
-    if len(own_placed.bits) != len(other_placed.bits):
+    if len(spec_placed.bits) != len(second_placed.bits):
         return
-    for high, low in _different_ranges(own_placed.bits, other_placed.bits):
-        own_bits, other_bits = own_placed.bits[low : high + 1][::-1], other_placed.bits[low : high + 1][::-1]
-        description = f"{bits(high, low)} of {word.description}"
+    for high, low in _different_ranges(spec_placed.bits, second_placed.bits):
+        # Descriptions begin with the highest bit.
+        spec_bits, second_bits = spec_placed.bits[low : high + 1][::-1], second_placed.bits[low : high + 1][::-1]
         yield Disagreement(
-            Sort.POSITION,
-            description,
-            describe_bits(own_bits),
-            describe_bits(other_bits),
-            own_bits[0].place,
-            other_bits[0].place,
+            sort=Sort.POSITION,
+            description=f"{bits(high, low)} of {word.description}",
+            used=describe_bits(spec_bits),
+            other=describe_bits(second_bits),
+            place=spec_bits[0].place,
+            second=second_bits[0].place,
         )
-    for own_bit, other_bit in zip(own_placed.bits, other_placed.bits, strict=True):
-        if _have_same_value(own_bit, other_bit):
-            comparison.note(Sort.POSITION, own_bit.place, Read.TWICE)
-    for span, properties in own_placed.fields.items():
-        near = next((fact.place for fact in properties.values()), word.place)
-        yield from _compare_facts(
-            comparison, properties, other_placed.fields.get(span, {}), partial(_unless_mild, near)
-        )
-    yield from _compare_names(comparison, own_placed.names, other_placed.names)
+    for spec_bit, second_bit in zip(spec_placed.bits, second_placed.bits, strict=True):
+        if _have_same_value(spec_bit, second_bit):
+            comparison.note(Sort.POSITION, spec_bit.place, Read.TWICE)
+    for span, properties in spec_placed.fields.items():
+        fact_places = [fact.place for fact in properties.values()]
+        field_place = fact_places[0] if fact_places else word.place
+        second_properties = second_placed.fields.get(span, {})
+        yield from _compare_facts(comparison, properties, second_properties, partial(_unless_mild, field_place))
+    yield from _compare_names(comparison, spec_placed.names, second_placed.names)
 
 
 def _unless_mild(near: Path, fact: Fact) -> Path | None:
@@ -433,17 +425,19 @@ def _have_same_value(bit: Bit, other_bit: Bit) -> bool:
 
 
 def _different_ranges(own_bits: tuple[Bit, ...], other_bits: tuple[Bit, ...]) -> list[tuple[int, int]]:
-    """Return ranges of different bits, grouped if they differ in the same way."""
+    """Return ranges of different bits, highest first, grouped if they differ in the same way."""
     ranges: list[tuple[int, int]] = []
     for index in range(len(own_bits) - 1, -1, -1):
         if _have_same_value(own_bits[index], other_bits[index]):
             continue
+        is_below_last = bool(ranges) and ranges[-1][1] == index + 1
         if (
-            ranges
-            and ranges[-1][1] == index + 1
-            and all(continues_item(*side[index : index + 2]) for side in (own_bits, other_bits))
+            is_below_last
+            and continues_item(own_bits[index], own_bits[index + 1])
+            and continues_item(other_bits[index], other_bits[index + 1])
         ):
-            ranges[-1] = ranges[-1][0], index
+            high, _ = ranges[-1]
+            ranges[-1] = high, index
         else:
             ranges.append((index, index))
     return ranges

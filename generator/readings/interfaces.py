@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from itertools import accumulate
 
 from ..language.document import Path
 from ..model import (
-    Alarm,
     Biss,
-    Connector,
     Constant,
     ControlField,
-    Edition,
+    Field,
     Flag,
     Interface,
     Layout,
-    Manual,
     PlacedField,
     Register,
     RegisterMeaning,
@@ -29,8 +24,6 @@ from ..model import (
 )
 from ..model.registers import bounded
 from ..say.names_and_places import bits
-from ..say.names_and_places import bits as bit_text
-from .compare import numbers_in
 from .frame_bits import word
 from .reading import (
     NOTHING,
@@ -83,13 +76,17 @@ def _facts(subject: Subject, register: Register) -> Iterator[Fact]:
 
 
 def _opened_by(reading: Reading, register: Register) -> str:
+    """Return the value that opens a register, and its bits, or the register that must be written for it."""
     opener = reading.register(register.opened_by)
     if opener is None:
         return register.opened_by
     for field in opener.layout.fields:
-        value = next((value for value in field.values if value.name == register.opened_by_value), None)
-        if value is not None and register.opened_by_field in ("", field.name):
-            return f"{in_hex(value.value)} in {register_text(opener)} {reading.bits_of(opener.interface, field)}"
+        if register.opened_by_field and field.name != register.opened_by_field:
+            continue
+        for value in field.values:
+            if value.name == register.opened_by_value:
+                bits_text = reading.bits_of(opener.interface, field)
+                return f"{in_hex(value.value)} in {register_text(opener)} {bits_text}"
     return register_text(opener)
 
 
@@ -97,11 +94,16 @@ def _limits(subject: Subject, register: Register) -> Iterator[Fact]:
     """Yield the limits of each meaning, and the bits that they apply to."""
     reading = subject.reading
     limited_parts: list[Register | RegisterMeaning] = [register, *register.meanings]
-    if any(limited_part.min is not None or limited_part.max is not None for limited_part in limited_parts):
-        place = reading.first_existing((*subject.place, "limits_of"), subject.place)
-        description = f"bits that the limits of {subject.description} apply to"
-        value = {case: _bounded(register, parameters) for case, parameters in reading.cases(register.interface).items()}
-        yield Fact(Sort.LIMIT, (*subject.key, "bounded"), value, description, place, subject.key)
+    if any(part.min is not None or part.max is not None for part in limited_parts):
+        cases = reading.cases(register.interface)
+        yield Fact(
+            sort=Sort.LIMIT,
+            key=(*subject.key, "bounded"),
+            value={case: _bounded(register, parameters) for case, parameters in cases.items()},
+            description=f"bits that the limits of {subject.description} apply to",
+            place=reading.first_existing((*subject.place, "limits_of"), subject.place),
+            under=subject.key,
+        )
     for meaning in register.meanings:
         description = f"{subject.description} while {reading.state(meaning.when, meaning.value)}"
         yield from subject.inside((description,), ("meanings", meaning.name), description).stated_facts(meaning)
@@ -114,8 +116,8 @@ def _bounded(register: Register, parameters: Mapping[str, int]) -> str:
     return " and ".join(bits(field.high, field.low) for field in fields) or "all bits"
 
 
-#: Width of a frame without byte order, even if a reader states one.
-_BYTE = 8
+#: Identity of a frame without a selector that belongs to no exchange.
+_NOT_EXCHANGED = -1
 #: Parts of interfaces, with the words between a fact about them and the name of the interface.
 _PARTS = {
     "clock": " over ",
@@ -128,108 +130,157 @@ _PARTS = {
 def add_interfaces(reading: Reading, facts: Facts) -> None:
     """Add the facts of all interfaces, and the timings of the device."""
     for interface in reading.device.interfaces:
-        request_constants = _marks(interface)
+        constants_by_frame = _exchange_constants(interface)
         for layout in interface.layouts:
-            _add_frames(reading, interface, layout, request_constants.get(layout.name, -1), facts)
+            identity = constants_by_frame.get(layout.name, _NOT_EXCHANGED)
+            _add_frames(reading, interface, layout, identity, facts)
             facts.derived[Sort.POSITION] += len(layout.joins)
         facts.add(_of_interface(reading, interface))
         facts.add(timings(interface.timings, interface.name, ("interfaces", interface.name, "timings")))
     facts.add(timings(reading.device.timings, "", ("timings",)))
 
 
-def _marks(interface: Interface) -> dict[str, str]:
-    """Return what identifies the frames of exchanges, by their names: the constants of the request."""
-    request_constants: dict[str, str] = {}
+def _exchange_constants(interface: Interface) -> dict[str, str]:
+    """Return the constants of the request of each exchange, which identify it, by the names of its frames."""
+    constants_by_frame: dict[str, str] = {}
+    if not isinstance(interface, (Rs485, Spi)):
+        return constants_by_frame
     layouts = {layout.name: layout for layout in interface.layouts}
-    for exchange in interface.exchanges if isinstance(interface, (Rs485, Spi)) else ():
+    for exchange in interface.exchanges:
         fields = layouts[exchange.request].fields
         constants = [(field.low, field.kind.value) for field in fields if isinstance(field.kind, Constant)]
         constants_text = ", ".join(f"{in_hex(value)} from bit {low.render()}" for low, value in constants)
-        request_constants[exchange.request] = constants_text
-        request_constants.setdefault(exchange.reply, constants_text)
-    return request_constants
+        constants_by_frame[exchange.request] = constants_text
+        # A reply to several requests is identified by the first one.
+        constants_by_frame.setdefault(exchange.reply, constants_text)
+    return constants_by_frame
 
 
 def _add_frames(reading: Reading, interface: Interface, layout: Layout, identity: str | int, facts: Facts) -> None:
     """Add each frame with this layout. ``identity`` identifies it if it has no selector."""
-    owner: Path = ("interfaces", interface.name, "layouts", layout.name)
-    for value in layout.selects or (identity,):
-        key: Key = ("frame", interface.name, layout.sender, layout.channel or 0, value)
-        frame = Subject(reading, key, owner, f"'{layout.name}'", interface.name)
+    place: Path = ("interfaces", interface.name, "layouts", layout.name)
+    for frame_identity in layout.selects or (identity,):
+        key: Key = ("frame", interface.name, layout.sender, layout.channel or 0, frame_identity)
+        frame = Subject(reading, key, place, f"'{layout.name}'", interface.name)
         facts.add(_of_frame(frame, layout))
         facts.words[key] = word(frame, layout)
         for field in layout.fields:
             if field.group:
-                bits = reading.bits_of(interface.name, field)
-                description, place = f"group of {bits} of {frame.description}", reading.field_place(owner, field)
-                facts.call(
-                    ("group", interface.name), Fact(Sort.POSITION, (*key, bits), field.group, description, place)
-                )
+                facts.call(("group", interface.name), _group_name(frame, field))
+
+
+def _group_name(frame: Subject, field: Field) -> Fact:
+    """Return the name of the group that a field of a frame belongs to."""
+    bits_text = frame.reading.bits_of(frame.interface, field)
+    return Fact(
+        sort=Sort.POSITION,
+        key=(*frame.key, bits_text),
+        value=field.group,
+        description=f"group of {bits_text} of {frame.description}",
+        place=frame.reading.field_place(frame.place, field),
+    )
 
 
 def _of_frame(frame: Subject, layout: Layout) -> Iterator[Fact]:
-    reading, owner = frame.reading, frame.place
+    """Yield the facts about a frame as a whole: its sender, its units, its byte order and its length."""
+    reading = frame.reading
     yield from frame.present(Sort.POSITION, layout, f"sent by the {layout.sender}", at="name")
-    place = reading.first_existing((*owner, "carried_as"), owner)
-    yield frame.fact(Sort.POSITION, "carried", layout.carried_as, "units", place)
-    has_several_bytes, is_stated = layout.widest > _BYTE, reading.document.has((*owner, "byte_order"))
+    carried_place = reading.first_existing((*frame.place, "carried_as"), frame.place)
+    yield frame.fact(Sort.POSITION, "carried", layout.carried_as, "units", carried_place)
+    # A frame of one byte needs no byte order, but a reader may state one.
+    has_several_bytes = layout.widest > 8
+    is_stated = reading.document.has((*frame.place, "byte_order"))
     if layout.in_bytes and (has_several_bytes or is_stated):
-        place = (*owner, "byte_order") if is_stated else owner
-        yield frame.fact(Sort.BYTE_ORDER, "order", layout.byte_order, "byte order", place, mild=not has_several_bytes)
+        order_place = (*frame.place, "byte_order") if is_stated else frame.place
+        is_mild = not has_several_bytes
+        yield frame.fact(Sort.BYTE_ORDER, "order", layout.byte_order, "byte order", order_place, mild=is_mild)
     lengths = {case: str(layout.bits.value(parameters)) for case, parameters in reading.cases(frame.interface).items()}
-    yield frame.fact(Sort.POSITION, "length", lengths, "bits", owner)
+    yield frame.fact(Sort.POSITION, "length", lengths, "bits", frame.place)
     yield from _combinations(frame, layout)
 
 
 def _combinations(frame: Subject, layout: Layout) -> Iterator[Fact]:
-    """Yield the verdicts of combinations of values, which are identified by their bits."""
+    """Yield the verdicts of combinations of values, which are identified by their bits for the first order code."""
     if not layout.combinations:
         return
     signs = {sign.flag.name: sign for sign in layout.signs}
-    parameters = next(iter(frame.reading.cases(frame.interface).values()), {})
-    placed = {placed_field.name: placed_field for placed_field in layout.place(parameters).fields}
+    first_parameters = next(iter(frame.reading.cases(frame.interface).values()), {})
+    placed_fields = {placed_field.name: placed_field for placed_field in layout.place(first_parameters).fields}
     for combination in layout.combinations:
-        conditions = ((placed[name], value) for name, value in signs[combination.name].conditions)
-        values = ", ".join(sorted(_condition(field, value) for field, value in conditions))
-        path = ("combinations", combination.name)
-        subject = frame.inside(("combination", values), path, f"the combination of {values} in {frame.description}")
+        conditions = [_condition(placed_fields[name], value) for name, value in signs[combination.name].conditions]
+        values = ", ".join(sorted(conditions))
+        subject = frame.inside(
+            key=("combination", values),
+            place=("combinations", combination.name),
+            description=f"the combination of {values} in {frame.description}",
+        )
         yield subject.existence(Sort.VERDICT, combination.makes_position.value, "makes_position")
         yield from subject.stated_facts(combination)
 
 
 def _condition(field: PlacedField, value: int) -> str:
     """Return the bits of a field, and their value in a combination."""
-    is_low = isinstance(field.field.kind, Flag) and field.field.kind.active_low
-    return f"{bit_text(field.high, field.low)} = {value ^ is_low}"
+    is_active_low = isinstance(field.field.kind, Flag) and field.field.kind.active_low
+    bit_value = 1 - value if is_active_low else value
+    return f"{bits(field.high, field.low)} = {bit_value}"
 
 
 def _of_interface(reading: Reading, interface: Interface) -> Iterator[Fact]:
-    owner: Path = ("interfaces", interface.name)
-    whole = Subject(reading, ("interface", interface.name), owner, interface.short, interface.name, (), " over ")
+    """Yield the facts about an interface other than its frames."""
+    place: Path = ("interfaces", interface.name)
+    whole = Subject(
+        reading,
+        key=("interface", interface.name),
+        place=place,
+        description=interface.short,
+        interface=interface.name,
+        under=(),
+        joint=" over ",
+    )
     yield from whole.stated_facts(interface)
     for name, joint in _PARTS.items():
-        if part := getattr(interface, name, None):
-            yield from replace(whole, key=(name, interface.name), place=(*owner, name), joint=joint).stated_facts(part)
+        part = getattr(interface, name, None)
+        if part:
+            yield from replace(whole, key=(name, interface.name), place=(*place, name), joint=joint).stated_facts(part)
     match interface:
         case Ssi():
-            for index, cable in enumerate(interface.cable_lengths):
-                description = f"clock for a cable shorter than {cable.shorter_than_m} m"
-                place, key = (*owner, "cable_lengths", index, "below_hz"), ("cable", "ssi", cable.shorter_than_m)
-                yield Fact(Sort.CLOCK, key, f"below {cable.below_hz} Hz", description, place)
+            yield from _cable_clocks(interface)
         case Biss():
-            for index, printed in enumerate(interface.timeout.printed if interface.timeout is not None else ()):
-                place, key = (*owner, "timeout", "printed", index, "timeout_ns"), ("timeout", "at", printed.clock_hz)
-                yield Fact(
-                    Sort.TIME, key, f"{printed.timeout_ns} ns", f"time-out over BiSS at {printed.clock_hz} Hz", place
-                )
-            offsets = accumulate((control_field.bits for control_field in interface.control_data), initial=0)
-            for field, offset in zip(interface.control_data, offsets, strict=False):
-                yield from _control(reading, field, offset)
+            yield from _biss(reading, interface)
         case Rs485():
             yield from _rs485(reading, interface)
             yield from _exchanges(interface)
         case Spi():
             yield from _exchanges(interface)
+
+
+def _cable_clocks(interface: Ssi) -> Iterator[Fact]:
+    """Yield the highest clock for each length of the cable."""
+    for index, cable in enumerate(interface.cable_lengths):
+        yield Fact(
+            sort=Sort.CLOCK,
+            key=("cable", "ssi", cable.shorter_than_m),
+            value=f"below {cable.below_hz} Hz",
+            description=f"clock for a cable shorter than {cable.shorter_than_m} m",
+            place=("interfaces", interface.name, "cable_lengths", index, "below_hz"),
+        )
+
+
+def _biss(reading: Reading, interface: Biss) -> Iterator[Fact]:
+    """Yield the printed time-outs, and the fields of the control frame."""
+    printed_timeouts = interface.timeout.printed if interface.timeout is not None else ()
+    for index, printed in enumerate(printed_timeouts):
+        yield Fact(
+            sort=Sort.TIME,
+            key=("timeout", "at", printed.clock_hz),
+            value=f"{printed.timeout_ns} ns",
+            description=f"time-out over BiSS at {printed.clock_hz} Hz",
+            place=("interfaces", interface.name, "timeout", "printed", index, "timeout_ns"),
+        )
+    offset = 0
+    for control_field in interface.control_data:
+        yield from _control(reading, control_field, offset)
+        offset += control_field.bits
 
 
 def _control(reading: Reading, control_field: ControlField, offset: int) -> Iterator[Fact]:
@@ -242,36 +293,43 @@ def _control(reading: Reading, control_field: ControlField, offset: int) -> Iter
         value_subject = subject.inside(("value", named_value.value), ("values", named_value.name), description)
         yield from value_subject.present(Sort.VALUE, named_value, "named")
     if control_field.crc:
-        crc = replace(
-            subject.inside(("crc",), (), "the control frame's CRC over BiSS"), place=("crcs", control_field.crc)
-        )
-        yield from crc.stated_facts(reading.device.crc(control_field.crc))
+        crc_subject = subject.inside(("crc",), (), "the control frame's CRC over BiSS")
+        crc_subject = replace(crc_subject, place=("crcs", control_field.crc))
+        yield from crc_subject.stated_facts(reading.device.crc(control_field.crc))
 
 
 def _rs485(reading: Reading, interface: Rs485) -> Iterator[Fact]:
-    owner: Path = ("interfaces", interface.name)
+    """Yield the data IDs, and the replies to accesses of the memory."""
+    place: Path = ("interfaces", interface.name)
     for data_id in interface.data_ids:
-        subject = Subject(
-            reading, ("data id", data_id.id), (*owner, "data_ids", data_id.name), f"data ID {data_id.id:X}"
-        )
+        id_place = (*place, "data_ids", data_id.name)
+        subject = Subject(reading, ("data id", data_id.id), id_place, f"data ID {data_id.id:X}")
         yield from subject.present(Sort.VALUE, data_id, f"control field {in_hex(data_id.control)}", at="control")
     for index, access in enumerate(interface.memory_access):
-        description = f"reply to a {access.access} while the busy flag is {access.busy}"
-        value = f"address {plain(access.address)}, data {plain(access.data)}"
         yield Fact(
-            Sort.SETTING, ("memory", access.access, access.busy), value, description, (*owner, "memory_access", index)
+            sort=Sort.SETTING,
+            key=("memory", access.access, access.busy),
+            value=f"address {plain(access.address)}, data {plain(access.data)}",
+            description=f"reply to a {access.access} while the busy flag is {access.busy}",
+            place=(*place, "memory_access", index),
         )
 
 
 def _exchanges(interface: Rs485 | Spi) -> Iterator[Fact]:
-    request_constants = _marks(interface)
+    """Yield the exchanges, which are identified by the constants of their requests."""
+    constants_by_frame = _exchange_constants(interface)
     for index, exchange in enumerate(interface.exchanges):
-        key: Key = ("exchange", interface.name, request_constants[exchange.request])
-        value = f"{exchange.purpose}, {'with' if exchange.reply else 'without'} a reply"
-        value += f", words of {exchange.word_bits.render()} bits" if exchange.word_bits is not None else ""
-        place = ("interfaces", interface.name, "exchanges", index)
+        constants = constants_by_frame[exchange.request]
+        with_or_without = "with" if exchange.reply else "without"
+        value = f"{exchange.purpose}, {with_or_without} a reply"
+        if exchange.word_bits is not None:
+            value += f", words of {exchange.word_bits.render()} bits"
         yield Fact(
-            Sort.SETTING, key, value, f"request with {request_constants[exchange.request] or 'no constant'}", place
+            sort=Sort.SETTING,
+            key=("exchange", interface.name, constants),
+            value=value,
+            description=f"request with {constants or 'no constant'}",
+            place=("interfaces", interface.name, "exchanges", index),
         )
 
 
@@ -282,115 +340,18 @@ def timings(printed_timings: tuple[Timing, ...], interface: str, owner: Path) ->
         bounds = {name: getattr(timing, name) for name in ("at_least_us", "typical_us", "at_most_us")}
         times = {name: f"{value} µs" for name, value in bounds.items() if value is not None}
         place = (*owner, timing.name)
-        if timing.symbol:
-            symbol = plain(timing.symbol).replace(" ", "")
-            for name, value in times.items():
-                description = f"time {timing.symbol}{interface_text}, '{name}'"
-                yield Fact(
-                    Sort.TIME, ("time", interface, symbol, name), value, description, (*place, name), name=timing.name
-                )
-        else:
+        if not timing.symbol:
             text = ", ".join(f"{name.removesuffix('_us').replace('_', ' ')} {value}" for name, value in times.items())
-            yield Fact(Sort.TIME, ("time", interface, text), text, f"a time{interface_text}", place, name=timing.name)
-
-
-def surroundings(reading: Reading) -> Iterator[Fact]:
-    """Yield all facts other than data."""
-    yield from _connectors(reading)
-    for alarm in reading.device.alarms:
-        for place in _bits_of(reading, alarm):
-            subject = Subject(reading, ("alarm", place), ("alarms", alarm.name), f"the alarm '{alarm.name}'")
-            yield replace(subject.existence(Sort.ALARM, "present", name=alarm.name), description=f"alarm at {place}")
-            yield from subject.stated_facts(alarm)
-    for number, hardware_input in enumerate(reading.device.inputs, 1):
-        subject = Subject(reading, ("input", number), ("inputs", hardware_input.name), f"input {number}")
-        yield from subject.present(Sort.INPUT, hardware_input)
-    yield from _history(reading, reading.device.manual)
-    yield from _characteristics(reading)
-    yield from _tables(reading)
-    yield from _leds(reading)
-
-
-def _connectors(reading: Reading) -> Iterator[Fact]:
-    """Yield every contact, by interface, number of its connector or cable, and pin or colour."""
-    counts: Counter[tuple[str, str]] = Counter()
-    for connector in reading.device.connectors:
-        for interface in connector.interfaces or ("",):
-            counts[interface, connector.kind] += 1
-            yield from _contacts(reading, connector, interface, counts[interface, connector.kind])
-
-
-def _contacts(reading: Reading, connector: Connector, interface: str, number: int) -> Iterator[Fact]:
-    """Yield a connector or cable of an interface, and its contacts."""
-    description = f"{connector.kind} {number}" + (f" for {interface_label(interface)}" if interface else "")
-    key: Key = ("connector", interface, connector.kind, number)
-    owner = Subject(reading, key, ("connectors", connector.name), description)
-    yield owner.existence(Sort.PIN, "present", name=connector.name)
-    for contact in connector.contacts:
-        place: Path = (*owner.place, "contacts", contact.contact)
-        description = f"contact {contact.contact} of {owner.description}"
-        subject = Subject(reading, (*owner.key, plain(contact.contact)), place, description, joint=" with ")
-        # Two readers differ in capitals and blanks, but not in the sign of a signal.
-        signal = "".join(contact.signal.casefold().split())
-        yield subject.existence(Sort.PIN, signal, at="signal", under=owner.key)
-        yield from subject.stated_facts(contact)
-
-
-def _bits_of(reading: Reading, alarm: Alarm) -> Iterator[str]:
-    """Yield the places of the bits of an alarm, in words without names."""
-    register = reading.register(alarm.register) if alarm.register else None
-    if register is not None:
-        yield reading.bits_at(f"{alarm.register}.{alarm.field}") if alarm.field else register_text(register)
-    for interface, layout in reading.device.layouts():
-        for field in layout.fields:
-            if alarm.group and (field.group, field.name) == (alarm.group, alarm.field):
-                places = reading.bits_in_frames(interface.name, layout, field)
-                yield from (f"{place} over {interface.short}" for place in places)
-
-
-def _history(reading: Reading, manual: Manual) -> Iterator[Fact]:
-    """Yield the editions that were read, and the manual's revisions."""
-    editions: list[tuple[Path, Manual | Edition]] = [(("manual",), manual)]
-    editions += [(("manual", "editions", edition.revision), edition) for edition in manual.editions]
-    for place, edition in editions:
-        subject = Subject(reading, ("edition", edition.language), place, f"the edition '{edition.language}'")
-        description = f"revision of {subject.description}"
-        yield replace(subject.existence(Sort.HISTORY, edition.revision, at="revision"), description=description)
-        yield from subject.stated_facts(edition)
-    for row in manual.history:
-        key, place = ("revision", row.revision), ("manual", "history", row.revision)
-        yield from Subject(reading, key, place, f"revision {row.revision}").present(Sort.HISTORY, row, "listed")
-
-
-def _characteristics(reading: Reading) -> Iterator[Fact]:
-    """Yield every characteristic by its name, with its quantities in the order of the text."""
-    for characteristic in reading.device.characteristics:
-        key, place = ("characteristic", characteristic.name), ("characteristics", characteristic.name)
-        subject = Subject(reading, key, place, f"the characteristic '{characteristic.name}'")
-        yield from subject.present(Sort.CHARACTERISTIC, characteristic)
-        for index, value in enumerate(characteristic.values):
-            description = f"{value.quantity} {index + 1} of {subject.description}"
-            yield from subject.inside((index,), ("values", index), description).stated_facts(value)
-
-
-def _tables(reading: Reading) -> Iterator[Fact]:
-    """Yield every table by its name, with the numbers in its cells by row and column."""
-    for table in reading.device.tables:
-        subject = Subject(reading, ("table", table.name), ("tables", table.name), f"the table '{table.name}'")
-        yield from subject.present(Sort.TABLE, table, f"{len(table.rows)} rows")
-        for number, row in enumerate(table.rows):
-            for column, cell in enumerate(row):
-                if numbers := numbers_in(cell):
-                    place, noun = (*subject.place, "rows", number, column), f"row {number + 1}, column {column + 1}"
-                    yield subject.fact(Sort.TABLE, f"{number} {column}", numbers, noun, place)
-
-
-def _leds(reading: Reading) -> Iterator[Fact]:
-    """Yield every LED by its name, with its states in the order of the manual."""
-    for led in reading.device.leds:
-        owner = Subject(reading, ("led", led.name), ("leds", led.name), f"the LED '{led.name}'")
-        yield owner.existence(Sort.LED, f"{len(led.states)} states", name=led.name)
-        for number, state in enumerate(led.states):
-            subject = owner.inside((number,), ("states", number), f"state {number + 1} of {owner.description}")
-            yield subject.fact(Sort.LED, "state", state.state.casefold(), "words")
-            yield from subject.stated_facts(state)
+            key: Key = ("time", interface, text)
+            yield Fact(Sort.TIME, key, text, f"a time{interface_text}", place, name=timing.name)
+            continue
+        symbol = plain(timing.symbol).replace(" ", "")
+        for name, value in times.items():
+            yield Fact(
+                sort=Sort.TIME,
+                key=("time", interface, symbol, name),
+                value=value,
+                description=f"time {timing.symbol}{interface_text}, '{name}'",
+                place=(*place, name),
+                name=timing.name,
+            )

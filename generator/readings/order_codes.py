@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from ..language.problems import Path
-from ..model import Interface, Layout, Parameter
+from ..model import CodePart, Interface, Layout, Parameter, Spelling, Variant
 from ..order_codes.labels import spelled
 from ..say.names_and_places import bits
-from .reading import Case, Fact, Facts, Reading, Sort, short
+from .reading import FACTORY_DEFAULTS, Case, Fact, Facts, Reading, Sort, short
 from .stated import Subject
 
 
@@ -31,18 +31,23 @@ def add_codes(reading: Reading, facts: Facts) -> None:
 
 def _codes(reading: Reading) -> Iterator[Fact]:
     """Yield the order codes, and the values that the manual leaves open."""
-    parts: Path = ("order_code", "parts")
+    place: Path = ("order_code", "parts")
     for variant in reading.device.variants:
         description = f"interface of the order code {variant.code}"
-        yield Fact(Sort.ORDER_CODE, ("code", variant.code), variant.interface, description, parts)
+        yield Fact(Sort.ORDER_CODE, ("code", variant.code), variant.interface, description, place)
     for part in reading.device.order_code.parts:
-        if part.open:
-            allowed_values = ", ".join(sorted(value for values in part.open_only_with.values() for value in values))
-            value = part.open + (f" with {allowed_values}" if allowed_values else "")
-            listed = ", ".join(sorted(part_value.text for part_value in part.values))
-            yield Fact(
-                Sort.ORDER_CODE, ("open", listed), value, f"other values than {listed}", (*parts, part.name, "open")
-            )
+        if not part.open:
+            continue
+        allowed_values = sorted(value for values in part.open_only_with.values() for value in values)
+        with_text = f" with {', '.join(allowed_values)}" if allowed_values else ""
+        printed_values = ", ".join(sorted(part_value.text for part_value in part.values))
+        yield Fact(
+            sort=Sort.ORDER_CODE,
+            key=("open", printed_values),
+            value=part.open + with_text,
+            description=f"other values than {printed_values}",
+            place=(*place, part.name, "open"),
+        )
 
 
 def _supplies(reading: Reading) -> Iterator[Fact]:
@@ -51,7 +56,7 @@ def _supplies(reading: Reading) -> Iterator[Fact]:
     for variant in reading.device.variants:
         supply = reading.device.supply_of(variant)
         if supply is not None:
-            supplies[variant.code, ""] = f"{supply.min_mv} to {supply.max_mv} mV"
+            supplies[Case(variant.code, FACTORY_DEFAULTS)] = f"{supply.min_mv} to {supply.max_mv} mV"
     if supplies:
         yield Fact(
             Sort.SUPPLY, ("supply",), supplies, "supply", reading.first_existing(("supply",), ("order_code", "parts"))
@@ -60,11 +65,14 @@ def _supplies(reading: Reading) -> Iterator[Fact]:
 
 def _parameters(reading: Reading) -> Iterator[Fact]:
     """Yield each parameter for each order code. Readers choose their parameters, but one name has one meaning."""
-    cases = [case for interface in reading.device.interfaces for case in reading.cases(interface.name).items()]
     for parameter in reading.device.parameters:
-        values = {case: short(parameters[parameter.name]) for case, parameters in cases if parameter.name in parameters}
-        name = f"the parameter '{parameter.name}'"
-        subject = Subject(reading, ("parameter", parameter.name), ("parameters", parameter.name), name)
+        values: dict[Case, str] = {}
+        for interface in reading.device.interfaces:
+            for case, parameters in reading.cases(interface.name).items():
+                if parameter.name in parameters:
+                    values[case] = short(parameters[parameter.name])
+        place = ("parameters", parameter.name)
+        subject = Subject(reading, ("parameter", parameter.name), place, f"the parameter '{parameter.name}'")
         yield replace(subject.existence(Sort.ORDER_CODE, values), mild=True)
         yield from subject.stated_facts(parameter)
 
@@ -82,50 +90,72 @@ def _add_alternatives(reading: Reading, facts: Facts) -> None:
 
 def _spellings(reading: Reading) -> Iterator[Fact]:
     """Yield labels in alternative spellings, with their suffix."""
-    code = reading.device.order_code
-    for index, spelling in enumerate(code.also_written):
+    for index, spelling in enumerate(reading.device.order_code.also_written):
         place: Path = ("order_code", "also_written", index)
         for variant in reading.device.variants:
-            label = spelling.pattern
-            for part in code.parts:
-                texts = [text for text, value in spelled(part, spelling).items() if value == variant.parts[part.name]]
-                label = label.replace(f"{{{part.name}}}", texts[0] if texts else "\0")
-            if "\0" not in label:
-                yield Fact(Sort.ORDER_CODE, ("label", label, spelling.then), variant.code, f"label {label}", place)
+            label = _label_in(spelling, variant, reading.device.order_code.parts)
+            if label is not None:
+                key = ("label", label, spelling.then)
+                yield Fact(Sort.ORDER_CODE, key, variant.code, f"label {label}", place)
+
+
+def _label_in(spelling: Spelling, variant: Variant, parts: Iterable[CodePart]) -> str | None:
+    """Return the label of an order code in an alternative spelling, or None if the spelling lacks one of its values."""
+    label = spelling.pattern
+    for part in parts:
+        placeholder = f"{{{part.name}}}"
+        texts = [text for text, value in spelled(part, spelling).items() if value == variant.parts[part.name]]
+        if texts:
+            label = label.replace(placeholder, texts[0])
+        elif placeholder in label:
+            return None
+    return label
 
 
 def _held_parameter_facts(reading: Reading, parameter: Parameter) -> Iterator[Fact]:
+    """Yield the limits of a parameter in a register."""
     bits_text = reading.bits_at(parameter.read_from)
-    place: Path = ("parameters", parameter.name)
     register = reading.register(parameter.register)
-    register_key = reading.key_of(register) if register is not None else ()
     for name, bound in (("min", parameter.min), ("max", parameter.max)):
         if bound is not None:
-            description = f"{name}imum held in {bits_text}"
-            yield Fact(Sort.LIMIT, ("held", bits_text, name), short(bound), description, (*place, name), register_key)
+            yield Fact(
+                sort=Sort.LIMIT,
+                key=("held", bits_text, name),
+                value=short(bound),
+                description=f"{name}imum held in {bits_text}",
+                place=("parameters", parameter.name, name),
+                under=reading.key_of(register) if register is not None else (),
+            )
 
 
 def _measurement_facts(reading: Reading, interface: Interface) -> Iterator[Fact]:
+    """Yield the facts about the position over an interface, and its bits in each frame."""
     measurement = reading.device.measurement_of(interface.name)
     if measurement is None:
         return
-    own_place: Path = ("interfaces", interface.name, "measurement")
-    place = own_place if interface.measurement is not None else ("measurement",)
-    description = f"measurement over {interface.short}"
-    subject = Subject(reading, ("measurement", interface.name), place, description, interface.name, joint=" of the ")
+    place: Path = ("measurement",)
+    if interface.measurement is not None:
+        place = ("interfaces", interface.name, "measurement")
+    subject = Subject(
+        reading,
+        key=("measurement", interface.name),
+        place=place,
+        description=f"measurement over {interface.short}",
+        interface=interface.name,
+        joint=" of the ",
+    )
     yield from subject.present(Sort.MEASUREMENT, measurement)
-    cases = reading.cases(interface.name)
     for layout in interface.layouts:
         yield from _range_of(subject, interface, layout)
-        places = {}
-        for case, parameters in cases.items():
+        position_bits: dict[Case, str] = {}
+        for case, parameters in reading.cases(interface.name).items():
             low, width = layout.place(parameters).place_of(measurement.of)
             if width:
-                places[case] = bits(low + width - 1, low)
-        if places:
+                position_bits[case] = bits(low + width - 1, low)
+        if position_bits:
             key = (*subject.key, "of", layout.sender, *layout.selects)
             description = f"measured bits of '{layout.name}'"
-            yield Fact(Sort.MEASUREMENT, key, places, description, (*place, "of"), subject.key)
+            yield Fact(Sort.MEASUREMENT, key, position_bits, description, (*place, "of"), under=subject.key)
 
 
 def _range_of(measured: Subject, interface: Interface, layout: Layout) -> Iterator[Fact]:

@@ -8,7 +8,7 @@ from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from enum import Enum
 from functools import cached_property
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..language.document import Document, Path
 from ..model import INTERFACES, Device, Field, Layout, Register
@@ -64,8 +64,22 @@ _NEEDED = frozenset(list(Sort)[: list(Sort).index(Sort.VALUE)])
 
 #: Key that identifies a fact within its family, without names.
 Key = tuple[str | int, ...]
-#: An order code, and the state of a register, which is empty for the factory defaults.
-Case = tuple[str, str]
+#: State of an encoder whose registers have the factory defaults.
+FACTORY_DEFAULTS = ""
+
+
+class Case(NamedTuple):
+    """An order code, and the state of its registers and alternatives, in words."""
+
+    code: str
+    state: str
+
+    @property
+    def by_default(self) -> Case:
+        """The same order code with the factory defaults."""
+        return Case(self.code, FACTORY_DEFAULTS)
+
+
 #: A value as shown in messages: one, or one for each case.
 Value = str | Mapping[Case, str]
 
@@ -158,11 +172,14 @@ class Facts:
                 key = (*fact.key, count)
             self.facts[key] = fact
             if fact.name:
-                owner = fact.place[: fact.place.index(fact.name) + 1]
-                self.call(
-                    key[: 2 if key[0] in _BY_INTERFACE else 1],
-                    Fact(fact.sort, key, fact.name, f"name of {fact.description}", (*owner, "name")),
-                )
+                self._add_name(key, fact)
+
+    def _add_name(self, key: Key, fact: Fact) -> None:
+        """Add the reader's name of the item whose first fact this is."""
+        kind = key[:2] if key[0] in _BY_INTERFACE else key[:1]
+        item_place = fact.place[: fact.place.index(fact.name) + 1]
+        description = f"name of {fact.description}"
+        self.call(kind, Fact(fact.sort, key, fact.name, description, place=(*item_place, "name")))
 
     def call(self, kind: Key, name: Fact) -> None:
         """Add the name of an item."""
@@ -183,20 +200,25 @@ def are_settled(spec: Facts, second: Facts) -> bool:
     for own_names, other_names in _common_names(spec, second):
         for key in own_names.keys() & other_names.keys():
             count += 1
-            equal_count += own_names[key].value == other_names[key].value
+            if own_names[key].value == other_names[key].value:
+                equal_count += 1
     return equal_count >= _SETTLED * count
 
 
 def _common_names(spec: Facts, second: Facts) -> Iterator[tuple[Names, Names]]:
     """Yield the names of each kind that both readings have, those of fields for the first case of each word."""
-    for kind in spec.names.keys() & second.names.keys():
-        yield spec.names[kind], second.names[kind]
+    yield from _names_by_kind(spec.names, second.names)
     for key in spec.words.keys() & second.words.keys():
-        own_cases, other_cases = spec.words[key].cases, second.words[key].cases
-        case = next((case for case in own_cases if case in other_cases), None)
-        if case is not None:
-            kinds = own_cases[case].names.keys() & other_cases[case].names.keys()
-            yield from ((own_cases[case].names[kind], other_cases[case].names[kind]) for kind in kinds)
+        spec_cases, second_cases = spec.words[key].cases, second.words[key].cases
+        common_cases = [case for case in spec_cases if case in second_cases]
+        if common_cases:
+            first_case = common_cases[0]
+            yield from _names_by_kind(spec_cases[first_case].names, second_cases[first_case].names)
+
+
+def _names_by_kind(spec: Mapping[Key, Names], second: Mapping[Key, Names]) -> Iterator[tuple[Names, Names]]:
+    for kind in spec.keys() & second.keys():
+        yield spec[kind], second[kind]
 
 
 def mistaken_pairs(own_names: Names, other_names: Names, settled: bool) -> Iterator[tuple[Fact, Fact]]:
@@ -219,9 +241,11 @@ def _is_misspelling(name: str, other_name: str) -> bool:
     short, long = sorted((name, other_name), key=len)
     if len(short) < len(long):
         return any(long[:index] + long[index + 1 :] == short for index in range(len(long)))
-    differing = [index for index, letters in enumerate(zip(name, other_name, strict=True)) if letters[0] != letters[1]]
+    differing = [index for index in range(len(name)) if name[index] != other_name[index]]
     first, end = differing[0], differing[-1] + 1
-    return end - first == 1 or (end - first == 2 and name[first:end] == other_name[first:end][::-1])
+    is_one_letter = end - first == 1
+    are_swapped = end - first == 2 and name[first:end] == other_name[first:end][::-1]
+    return is_one_letter or are_swapped
 
 
 Parameters = Mapping[str, int]
@@ -252,24 +276,28 @@ class Reading:
     @cached_property
     def _cases(self) -> Mapping[str, Mapping[Case, Parameters]]:
         interfaces = {variant.interface for variant in self.device.variants}
-        changes = {name: list(self._changes(name)) for name in interfaces}
-        cases_by_interface: dict[str, dict[Case, Parameters]] = {name: {} for name in changes}
+        changes = {interface: list(self._changed_parameters(interface)) for interface in interfaces}
+        cases_by_interface: dict[str, dict[Case, Parameters]] = {interface: {} for interface in interfaces}
         for variant in self.device.variants:
             cases = cases_by_interface[variant.interface]
-            cases[variant.code, ""] = variant.parameters
+            cases[Case(variant.code, FACTORY_DEFAULTS)] = variant.parameters
             for state, changed in changes[variant.interface]:
-                cases[variant.code, state] = with_changed(self.device, variant, changed)
+                cases[Case(variant.code, state)] = with_changed(self.device, variant, changed)
         return cases_by_interface
 
-    def _changes(self, interface: str) -> Iterator[tuple[str, Parameters]]:
+    def _changed_parameters(self, interface: str) -> Iterator[tuple[str, Parameters]]:
+        """Yield the states of an encoder with this interface other than the factory defaults, and what each changes."""
         for parameter in self.device.run_time_parameters:
-            if parameter.interface in ("", interface):
-                for bound in (parameter.min, parameter.max):
-                    if bound is not None:
-                        yield f"{self.bits_at(parameter.read_from)} = {bound}", {parameter.name: bound}
+            # A parameter without an interface is the same over all of them.
+            if parameter.interface and parameter.interface != interface:
+                continue
+            for bound in (parameter.min, parameter.max):
+                if bound is not None:
+                    yield f"{self.bits_at(parameter.read_from)} = {bound}", {parameter.name: bound}
         for number, alternative in enumerate(self.device.alternatives, 1):
-            for index, answer in enumerate(alternative.answers[1:], 2):
-                yield f"answer {index} of alternative {number}", answer.sets
+            # The factory defaults have the first answer of each alternative.
+            for answer_number, answer in enumerate(alternative.answers[1:], 2):
+                yield f"answer {answer_number} of alternative {number}", answer.sets
 
     def bits_at(self, path: str) -> str:
         """Return the bits of a register given by ``register.field``, in words without names."""
@@ -281,15 +309,17 @@ class Reading:
     def state(self, path: str, name: str) -> str:
         """Return the condition that ``register.field`` has the value ``name``, in words without names."""
         _, field = self._field_at(path)
-        values = field.values if field is not None else ()
-        number = next((in_hex(value.value) for value in values if value.name == name), name)
-        return f"{self.bits_at(path)} is {number}"
+        numbers = {value.name: in_hex(value.value) for value in field.values} if field is not None else {}
+        return f"{self.bits_at(path)} is {numbers.get(name, name)}"
 
     def _field_at(self, path: str) -> tuple[Register | None, Field | None]:
-        name, _, inner = path.partition(".")
-        register = self.register(name)
-        fields = register.layout.fields if register is not None else ()
-        return register, next((field for field in fields if field.name == inner), None)
+        """Return the register and the field of ``register.field``, each None if there is no such one."""
+        register_name, _, field_name = path.partition(".")
+        register = self.register(register_name)
+        if register is None:
+            return None, None
+        fields = {field.name: field for field in register.layout.fields}
+        return register, fields.get(field_name)
 
     def bits_of(self, interface: str, field: Field) -> str:
         """Return text such as ``bits 7:4`` for a field of a register or frame, for the first order code."""
@@ -370,13 +400,21 @@ def as_delivered(register: Register) -> int | None:
         return register.default
     default = 0
     for field in register.layout.fields:
-        number = int.from_bytes(field.equals.encode("ascii"), "big") if isinstance(field.equals, str) else field.equals
-        if isinstance(number, Expression):
-            number = number.constant if number.is_constant else None
-        if number is None or not field.carries_data or not field.low.is_constant:
+        value = _documented_number(field)
+        if value is None or not field.carries_data or not field.low.is_constant:
             return None
-        default |= number << field.low.constant
+        default |= value << field.low.constant
     return default
+
+
+def _documented_number(field: Field) -> int | None:
+    """Return the value that a field always has as a number, or None if it has none or the order code decides it."""
+    value = field.equals
+    if isinstance(value, str):
+        return int.from_bytes(value.encode("ascii"), "big")
+    if isinstance(value, Expression):
+        return value.constant if value.is_constant else None
+    return value
 
 
 def same_name(texts: str, other_texts: str) -> bool:

@@ -18,10 +18,7 @@ from ..loading.device import build_device
 from ..loading.overlays import Family
 from ..model import Manufacturer, TimesRead
 from ..model.record import dataclass
-from . import compare as cited
-from . import interfaces, order_codes, stated
-from . import interfaces as registers
-from . import interfaces as surroundings
+from . import interfaces, order_codes, stated, surroundings, texts
 from .compare import Comparison, Disagreement, Read, compare
 from .reading import NOTHING, Facts, Reading, Sort
 
@@ -31,12 +28,12 @@ def facts_of(reading: Reading) -> Facts:
     facts = Facts()
     order_codes.add_codes(reading, facts)
     interfaces.add_interfaces(reading, facts)
-    registers.add_registers(reading, facts)
+    interfaces.add_registers(reading, facts)
     facts.add(stated.procedures(reading))
     facts.add(surroundings.surroundings(reading))
-    facts.add(cited.contents(reading))
-    facts.add(cited.texts(reading))
-    facts.printed_numbers, facts.sections = cited.by_path(reading), cited.sections_by_path(reading)
+    facts.add(texts.contents(reading))
+    facts.add(texts.texts(reading))
+    facts.printed_numbers, facts.sections = texts.by_path(reading), texts.sections_by_path(reading)
     facts.decided = reading.document.data.get("decided", ())
     return facts
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterator
 from dataclasses import fields, is_dataclass
 from enum import Enum
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..language.document import Path
 from ..language.rules.parameters import kind_of_unit
@@ -27,8 +27,15 @@ from ..model.members import PARTS_BY_CLASS, Member
 from ..model.record import dataclass
 from .reading import Fact, Key, Reading, Sort, Value, in_hex, interface_label, register_text, short
 
-#: A fact about part of a procedure: its class, its key and its place within the procedure, its value and its name.
-_Detail = tuple[Sort, Key, Path, str, str]
+
+class _Detail(NamedTuple):
+    """A fact about part of a procedure. Its key and its place are within the procedure."""
+
+    sort: Sort
+    key: Key
+    place: Path
+    value: str
+    description: str
 
 
 def procedures(reading: Reading) -> Iterator[Fact]:
@@ -36,66 +43,94 @@ def procedures(reading: Reading) -> Iterator[Fact]:
     for procedure in reading.device.procedures:
         text = program(reading, procedure)
         key: Key = ("procedure", procedure.interface, text)
-        owner: Path = ("procedures", procedure.name)
+        place: Path = ("procedures", procedure.name)
         yield Fact(
-            Sort.PROCEDURE,
-            key,
-            text,
-            f"a procedure over {interface_label(procedure.interface)}",
-            owner,
+            sort=Sort.PROCEDURE,
+            key=key,
+            value=text,
+            description=f"a procedure over {interface_label(procedure.interface)}",
+            place=place,
             name=procedure.name,
         )
-        for sort, part, place, value, description in (*_arguments(reading, procedure), *_times(reading, procedure)):
-            yield Fact(sort, (*key, *part), value, description, (*owner, *place), key)
+        for detail in (*_arguments(reading, procedure), *_times(reading, procedure)):
+            yield Fact(
+                sort=detail.sort,
+                key=(*key, *detail.key),
+                value=detail.value,
+                description=detail.description,
+                place=(*place, *detail.place),
+                under=key,
+            )
 
 
 def _arguments(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
     """Yield the registers whose limits apply to the arguments."""
     for number, argument in enumerate(procedure.arguments, 1):
         register = reading.device.register(argument.of)
-        meaning = next((candidate for candidate in register.meanings if candidate.name == argument.meant_as), None)
-        while_text = f" while {reading.state(meaning.when, meaning.value)}" if meaning is not None else ""
-        description = f"limits of argument {number} of the procedure '{procedure.name}'"
-        place = ("arguments", argument.name, "of")
-        yield Sort.LIMIT, ("argument", number), place, f"{register_text(register)}{while_text}", description
+        while_text = ""
+        for meaning in register.meanings:
+            if meaning.name == argument.meant_as:
+                while_text = f" while {reading.state(meaning.when, meaning.value)}"
+        yield _Detail(
+            sort=Sort.LIMIT,
+            key=("argument", number),
+            place=("arguments", argument.name, "of"),
+            value=f"{register_text(register)}{while_text}",
+            description=f"limits of argument {number} of the procedure '{procedure.name}'",
+        )
 
 
 def _times(reading: Reading, procedure: Procedure) -> Iterator[_Detail]:
-    """Yield the waits, the bits that are read, and the repetitions of requests."""
-    done_steps, waited, before = 0, 0, "at its start"
-    procedure_text = f"the procedure '{procedure.name}'"
+    """Yield the waits, the bits that are read, and the repetitions of requests.
+
+    Waits that follow each other are one. Each step other than a wait is identified by its number among these.
+    """
+    step_number, waited_us, when = 0, 0, "at its start"
     for index, step in enumerate(procedure.steps):
         place = ("steps", index)
         if isinstance(step, WaitStep):
-            waited += step.microseconds
-            if not isinstance(next(iter(procedure.steps[index + 1 :]), None), WaitStep):
-                description = f"wait {before} in {procedure_text}"
-                yield Sort.WAIT, ("wait", done_steps), (*place, "at_least_ms"), f"{waited // 1000} ms", description
+            waited_us += step.microseconds
+            following = procedure.steps[index + 1 : index + 2]
+            if not following or not isinstance(following[0], WaitStep):
+                description = f"wait {when} in the procedure '{procedure.name}'"
+                waited = f"{waited_us // 1000} ms"
+                yield _Detail(Sort.WAIT, ("wait", step_number), (*place, "at_least_ms"), waited, description)
             continue
         text = f"'{_step_text(reading, step, procedure)}'"
-        done_steps, waited, before = done_steps + 1, 0, f"after {text}"
+        step_number, waited_us, when = step_number + 1, 0, f"after {text}"
         if isinstance(step, ReadStep) and step.field:
-            bits = _bits(reading, step.register, step.field)
-            yield Sort.PROCEDURE, ("bits", done_steps), (*place, "field"), bits, f"bits used by {text}"
+            bits_read = _bits(reading, step.register, step.field)
+            description = f"bits used by {text}"
+            yield _Detail(Sort.PROCEDURE, ("bits", step_number), (*place, "field"), bits_read, description)
         if isinstance(step, SendStep):
-            request_text, path = f"{text} in {procedure_text}", (*place, "every_at_least_us")
-            yield (
-                Sort.PROCEDURE,
-                ("times", done_steps),
-                (*place, "times"),
-                str(step.times),
-                f"repetitions of {request_text}",
-            )
-            if step.microseconds:
-                yield Sort.WAIT, ("every", done_steps), path, f"{step.microseconds} µs", f"interval of {request_text}"
-            if step.in_succession:
-                yield (
-                    Sort.PROCEDURE,
-                    ("succession", done_steps),
-                    (*place, "in_succession"),
-                    "yes",
-                    f"succession of {request_text}",
-                )
+            yield from _repetitions(step, step_number, place, f"{text} in the procedure '{procedure.name}'")
+
+
+def _repetitions(step: SendStep, step_number: int, place: Path, request_text: str) -> Iterator[_Detail]:
+    """Yield how often a request is sent, and at which interval."""
+    yield _Detail(
+        sort=Sort.PROCEDURE,
+        key=("times", step_number),
+        place=(*place, "times"),
+        value=str(step.times),
+        description=f"repetitions of {request_text}",
+    )
+    if step.microseconds:
+        yield _Detail(
+            sort=Sort.WAIT,
+            key=("every", step_number),
+            place=(*place, "every_at_least_us"),
+            value=f"{step.microseconds} µs",
+            description=f"interval of {request_text}",
+        )
+    if step.in_succession:
+        yield _Detail(
+            sort=Sort.PROCEDURE,
+            key=("succession", step_number),
+            place=(*place, "in_succession"),
+            value="yes",
+            description=f"succession of {request_text}",
+        )
 
 
 def program(reading: Reading, procedure: Procedure) -> str:
@@ -131,22 +166,22 @@ def _argument(procedure: Procedure, name: str) -> str:
     return f"argument {names.index(name) + 1}" if name in names else name
 
 
-def _bits(reading: Reading, name: str, field: str) -> str:
+def _bits(reading: Reading, register_name: str, field_name: str) -> str:
     """Return a register, and its bits if the step does not use all of them."""
-    register = reading.device.register(name)
-    used_field = next((candidate for candidate in register.layout.fields if candidate.name == field), None)
-    bits_text = f" {reading.bits_of(register.interface, used_field)}" if used_field is not None else ""
-    if used_field is not None and used_field.width.is_constant and used_field.width.constant == 8 * register.length:
-        bits_text = ""
+    register = reading.device.register(register_name)
+    bits_text = ""
+    for field in register.layout.fields:
+        is_whole_register = field.width.is_constant and field.width.constant == 8 * register.length
+        if field.name == field_name and not is_whole_register:
+            bits_text = f" {reading.bits_of(register.interface, field)}"
     return f"{register_text(register).removeprefix('register ')}{bits_text}"
 
 
 def programs(reading: Reading, names: tuple[str, ...]) -> str:
     """Return the steps of several procedures as text, in a fixed order."""
     procedures_by_name = {procedure.name: procedure for procedure in reading.device.procedures}
-    return " | ".join(
-        sorted(program(reading, procedures_by_name[name]) for name in names if name in procedures_by_name)
-    )
+    texts = [program(reading, procedures_by_name[name]) for name in names if name in procedures_by_name]
+    return " | ".join(sorted(texts))
 
 
 _UNITS = {"mv": " mV", "us": " µs", "ms": " ms", "hz": " Hz", "ns": " ns"}
@@ -190,10 +225,12 @@ class Subject:
 
     def stated_facts(self, model_part: Any, without: Collection[str] = ()) -> Iterator[Fact]:
         """Yield a fact for each stated member that the table assigns to a class of facts, and for each printed name."""
-        own_names = {member_field.name for member_field in fields(model_part)}
+        attributes = {member_field.name for member_field in fields(model_part)}
         for member in PARTS_BY_CLASS[type(model_part).__name__].members:
-            value = getattr(model_part, member.attribute) if member.read and member.attribute in own_names else None
-            if member.is_stated(value) and member.name not in without:
+            if not member.read or member.attribute not in attributes or member.name in without:
+                continue
+            value = getattr(model_part, member.attribute)
+            if member.is_stated(value):
                 # The spec uses its name in the model or in the data.
                 place = self.reading.first_existing((*self.place, member.attribute), (*self.place, member.name))
                 text = _text(self.reading, member, value, self.interface)
@@ -211,8 +248,7 @@ def _text(reading: Reading, member: Member, value: Any, interface: str) -> Value
     if isinstance(value, Expression):
         return {case: short(value.value(parameters)) for case, parameters in reading.cases(interface).items()}
     if isinstance(value, bool):
-        words = {"level": ("high", "low")}.get(member.form, ("no", "yes") if "=" in member.shape else ("false", "true"))
-        return words[value]
+        return _bool_text(member, value)
     if isinstance(value, int):
         return in_hex(value) if member.notation == "hex" else f"{value}{_UNITS.get(member.notation, '')}"
     if isinstance(value, float):
@@ -230,6 +266,16 @@ def _text(reading: Reading, member: Member, value: Any, interface: str) -> Value
     return kind_of_unit(value) if member.form == "unit" else str(value)
 
 
+def _bool_text(member: Member, is_true: bool) -> str:
+    """Return a truth value in the words of its member."""
+    if member.form == "level":
+        return "low" if is_true else "high"
+    # A member with a default, such as ``boolean=false``, is a property that the item has or lacks.
+    if "=" in member.shape:
+        return "yes" if is_true else "no"
+    return "true" if is_true else "false"
+
+
 def _part_text(part: object) -> str:
     return str(part.digits if isinstance(part, Digits) else part)
 
@@ -245,9 +291,11 @@ def _referred_text(reading: Reading, member: Member, value: Any, interface: str)
         case "procedure":
             return programs(reading, names)
         case _:
-            layouts = reading.device.interface(interface).layouts
-            flags = ((layout, field) for layout in layouts for field in layout.fields if field.name in names)
-            texts = {bits for layout, flag in flags for bits in reading.bits_in_frames(interface, layout, flag)}
+            texts = set()
+            for layout in reading.device.interface(interface).layouts:
+                for flag in layout.fields:
+                    if flag.name in names:
+                        texts.update(reading.bits_in_frames(interface, layout, flag))
     return ", ".join(sorted(texts))
 
 

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence, Set
 from contextlib import suppress
 from dataclasses import dataclass
 from difflib import SequenceMatcher
 from functools import cached_property
 from pathlib import Path as FilePath
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..language.document import Document, Path
 from ..loading.from_mapping import parse_sources
@@ -25,6 +25,8 @@ _BEFORE, _AFTER = 60, 20
 _CLOSE = 8
 #: Words shown before and after a difference.
 _SHOWN = 5
+#: Letters of a value shown with its fact.
+_SHOWN_LETTERS = 60
 #: Least share of common words for texts in the same language.
 _SAME_LANGUAGE = 0.5
 
@@ -59,35 +61,47 @@ def changed(old: Manual, new: Manual) -> Iterator[Passage]:
     """
     heads = old.heads | new.heads
     for old_section, new_section in aligned(old, new):
-        if old_section is None or new_section is None:
-            section = old_section or new_section
-            assert section is not None
-            words = section.words
-            is_gone = old_section is not None
-            shown = f"section {section.shown}, {len(words)} words"
-            old_words, new_words = (words, ()) if is_gone else ((), words)
-            old_and_new = (shown, "") if is_gone else ("", shown)
-            yield Passage(section, old_words, new_words, words, words, old_and_new)
-        else:
-            for first, second in (
-                (WORD.findall(old_section.title), WORD.findall(new_section.title)),
-                (old_section.words, new_section.words),
-            ):
-                yield from _in_section(old_section, first, second, heads)
+        if old_section is not None and new_section is not None:
+            old_title, new_title = WORD.findall(old_section.title), WORD.findall(new_section.title)
+            yield from _in_section(old_section, old_title, new_title, heads)
+            yield from _in_section(old_section, old_section.words, new_section.words, heads)
+        elif old_section is not None:
+            words = old_section.words
+            yield Passage(old_section, words, (), words, words, (_whole_section_text(old_section), ""))
+        elif new_section is not None:
+            words = new_section.words
+            yield Passage(new_section, (), words, words, words, ("", _whole_section_text(new_section)))
+
+
+def _whole_section_text(section: Section) -> str:
+    return f"section {section.shown}, {len(section.words)} words"
+
+
+class _Ranges(NamedTuple):
+    """A range of words of the old edition, and the one that replaces it in the new edition."""
+
+    low: int
+    high: int
+    new_low: int
+    new_high: int
 
 
 def _in_section(section: Section, old: Sequence[str], new: Sequence[str], heads: Collection[str]) -> Iterator[Passage]:
+    """Yield the passages that differ between the words ``old`` and ``new`` of a section."""
     if old == new:
         return
     for low, high, new_low, new_high in _groups(old, new):
-        if "".join(old[low:high]) == "".join(new[new_low:new_high]):
-            continue  # the same letters, divided otherwise at the end of a line
-        if (low == high or new_low == new_high) and letters((*old[low:high], *new[new_low:new_high])) in heads:
+        old_words, new_words = tuple(old[low:high]), tuple(new[new_low:new_high])
+        # Words that are only divided differently at the end of a line have the same letters.
+        if "".join(old_words) == "".join(new_words):
+            continue
+        is_in_one_edition = not old_words or not new_words
+        if is_in_one_edition and letters((*old_words, *new_words)) in heads:
             continue
         yield Passage(
             section=section,
-            old=tuple(old[low:high]),
-            new=tuple(new[new_low:new_high]),
+            old=old_words,
+            new=new_words,
             close=(*_widened(old, low, high, _CLOSE, _CLOSE), *_widened(new, new_low, new_high, _CLOSE, _CLOSE)),
             around=(*_widened(old, low, high, _BEFORE, _AFTER), *_widened(new, new_low, new_high, _BEFORE, _AFTER)),
             shown=(_text(old, low, high), _text(new, new_low, new_high)),
@@ -99,20 +113,22 @@ def _widened(words: Sequence[str], low: int, high: int, count_before: int, count
     return words[max(low - count_before, 0) : high + count_after]
 
 
-def _groups(old: Sequence[str], new: Sequence[str]) -> Iterator[tuple[int, int, int, int]]:
+def _groups(old: Sequence[str], new: Sequence[str]) -> Iterator[_Ranges]:
     """Yield the ranges of words that differ, with near ones joined."""
-    waiting: tuple[int, int, int, int] | None = None
+    last: _Ranges | None = None
     for tag, low, high, new_low, new_high in SequenceMatcher(None, old, new, autojunk=False).get_opcodes():
         if tag == "equal":
             continue
-        if waiting is not None and low - waiting[1] <= _TOGETHER:
-            waiting = (waiting[0], high, waiting[2], new_high)
+        ranges = _Ranges(low, high, new_low, new_high)
+        if last is None:
+            last = ranges
+        elif low - last.high <= _TOGETHER:
+            last = last._replace(high=high, new_high=new_high)
         else:
-            if waiting is not None:
-                yield waiting
-            waiting = (low, high, new_low, new_high)
-    if waiting is not None:
-        yield waiting
+            yield last
+            last = ranges
+    if last is not None:
+        yield last
 
 
 def _text(words: Sequence[str], low: int, high: int) -> str:
@@ -126,11 +142,17 @@ def numbers_changed(old: Manual, new: Manual) -> Iterator[Passage]:
         if old_section is None or new_section is None:
             continue
         old_numbers, new_numbers = _numbers(old_section), _numbers(new_section)
-        removed, added = tuple((old_numbers - new_numbers).elements()), tuple((new_numbers - old_numbers).elements())
-        if removed or added:
-            changed_numbers = (*removed, *added)
+        removed = tuple((old_numbers - new_numbers).elements())
+        added = tuple((new_numbers - old_numbers).elements())
+        changed_numbers = (*removed, *added)
+        if changed_numbers:
             yield Passage(
-                old_section, removed, added, changed_numbers, changed_numbers, (", ".join(removed), ", ".join(added))
+                section=old_section,
+                old=removed,
+                new=added,
+                close=changed_numbers,
+                around=changed_numbers,
+                shown=(", ".join(removed), ", ".join(added)),
             )
 
 
@@ -176,14 +198,17 @@ class Citing:
     @property
     def shown(self) -> str:
         text = " ".join(str(self.value).split())
-        return f"{_relative_path(self.file)}:{self.line}: {self.path}: {text if len(text) <= 60 else text[:57] + '...'}"
+        if len(text) > _SHOWN_LETTERS:
+            text = text[: _SHOWN_LETTERS - 3] + "..."
+        return f"{_relative_path(self.file)}:{self.line}: {self.path}: {text}"
 
     @cached_property
     def words(self) -> frozenset[str]:
         """The words of the value as a manual may print them."""
-        return frozenset(_printed_words(self.value)) | _with_top_bit(
-            self.value if self.path.endswith(".poly") else None
-        )
+        printed_words = frozenset(_printed_words(self.value))
+        if self.path.endswith(".poly"):
+            printed_words |= _with_top_bit(self.value)
+        return printed_words
 
     @cached_property
     def named(self) -> frozenset[str]:
@@ -195,18 +220,29 @@ class Citing:
 
         Manuals print order codes in many sections, and in headings. A spec cites few of them.
         """
+        return not self.sections.isdisjoint(sections) or self._is_option_named_in(passage)
+
+    def _is_option_named_in(self, passage: Passage) -> bool:
         option = _OPTION.fullmatch(self.path)
-        name = option[1].casefold() if option is not None else ""
+        if option is None:
+            return False
+        label = option[1].casefold()
         words = {word.casefold() for word in passage.old}
-        # A short label, such as A, TO or 21, can be any word, but not at the end of an order code.
-        is_label = len(name) > (3 if name.isdigit() else 2) or (not name.isdigit() and any(map(str.isdigit, name)))
-        is_named = (is_label and name in words) or (name.isdigit() and name in _last_digits(words))
-        return is_named or not self.sections.isdisjoint(sections)
+        # Labels of digits are often printed only at the end of an order code.
+        return (_is_order_code_label(label) and label in words) or (label.isdigit() and label in _last_digits(words))
+
+
+def _is_order_code_label(text: str) -> bool:
+    """Return whether a text can only be a label of an order code. A, TO or 21 can be any word."""
+    if text.isdigit():
+        return len(text) > 3
+    return len(text) > 2 or any(letter.isdigit() for letter in text)
 
 
 def _last_digits(words: Iterable[str]) -> set[str]:
     """Return the two digits at the end of each order code among words."""
-    return {match[1] for word in words if (match := _ORDER_CODE.fullmatch(word)) is not None}
+    order_codes = [_ORDER_CODE.fullmatch(word) for word in words]
+    return {order_code[1] for order_code in order_codes if order_code is not None}
 
 
 def _relative_path(file: str) -> str:
@@ -220,14 +256,19 @@ def _printed_words(value: object) -> Iterator[str]:
     """Yield the words of a value. A number can be printed in hexadecimal, with separators, or in a larger unit."""
     if isinstance(value, bool) or value is None:
         return
-    if isinstance(value, int):
-        yield from (f"{value:,}", f"{value:,}".replace(",", "."))
-        yield from (f"{value / scale:g}" for scale in (1, 1000, 1_000_000) if value >= scale // 10 or scale == 1)
-        yield from (str(value), f"{value / 10:.1f}")
-        yield from (f"{value:x}", f"{value:02x}", f"{value:x}h", f"{value:02x}h", f"0x{value:x}", f"0x{value:02x}")
-    else:
+    if not isinstance(value, int):
         yield from (word.casefold() for word in WORD.findall(plain(str(value))))
         yield from _SHORT.get(str(value), ())
+        return
+    with_commas = f"{value:,}"
+    yield from (with_commas, with_commas.replace(",", "."))
+    yield f"{value:g}"
+    for scale in (1000, 1_000_000):
+        # 100 can be printed as 0.1 of the larger unit.
+        if value >= scale // 10:
+            yield f"{value / scale:g}"
+    yield from (str(value), f"{value / 10:.1f}")
+    yield from (f"{value:x}", f"{value:02x}", f"{value:x}h", f"{value:02x}h", f"0x{value:x}", f"0x{value:02x}")
 
 
 def _with_top_bit(poly: object) -> frozenset[str]:
@@ -252,34 +293,55 @@ def _cited(source: str) -> Sources:
 
 
 def _sourced_items(
-    document: Document, data: Any, path: Path, source: tuple[Any, ...], names: tuple[str, ...]
+    document: Document, data: Any, path: Path, source: Sources, names: tuple[str, ...]
 ) -> Iterator[Citing]:
+    """Yield the facts in part of a spec, with the source and the names of the items around it."""
     if isinstance(data, dict):
         if isinstance(data.get("source"), str):
             source = _cited(data["source"])
-        labels = [data.get(key) for key in _LABELS]
-        in_languages = data.get("names")
-        labels += in_languages.values() if isinstance(in_languages, dict) else ()
-        names = (*names, *(label for label in labels if isinstance(label, str)))
+        names = (*names, *_labels(data))
         for key, member in data.items():
-            own_source = data.get(f"{key}_source")
-            cited = _cited(own_source) if isinstance(own_source, str) else source
-            if key not in _NO_FACTS and not str(key).endswith("_source"):
-                yield from _sourced_items(document, member, (*path, key), cited, (*names, str(key)))
+            if key in _NO_FACTS or str(key).endswith("_source"):
+                continue
+            member_source = data.get(f"{key}_source")
+            cited = _cited(member_source) if isinstance(member_source, str) else source
+            yield from _sourced_items(document, member, (*path, key), cited, (*names, str(key)))
     elif isinstance(data, list):
         for index, member in enumerate(data):
             yield from _sourced_items(document, member, (*path, index), source, names)
     elif source:
-        own_manual = [cited_source for cited_source in source if not cited_source.document]
+        in_manual = [citation for citation in source if not citation.document]
         yield Citing(
-            document.file,
-            document.position(path)[0],
-            document.name_path(path),
-            data,
-            frozenset(cited_source.section for cited_source in own_manual if cited_source.section),
-            frozenset(cited_source.page for cited_source in own_manual if cited_source.page is not None),
-            names,
+            file=document.file,
+            line=document.position(path)[0],
+            path=document.name_path(path),
+            value=data,
+            sections=frozenset(citation.section for citation in in_manual if citation.section),
+            pages=frozenset(citation.page for citation in in_manual if citation.page is not None),
+            names=names,
         )
+
+
+def _labels(item: Mapping[str, Any]) -> list[str]:
+    """Return the names of an item of a spec, as printed and in other languages."""
+    labels = [item.get(key) for key in _LABELS]
+    names_by_language = item.get("names")
+    if isinstance(names_by_language, dict):
+        labels += names_by_language.values()
+    return [label for label in labels if isinstance(label, str)]
+
+
+class _PassageWords(NamedTuple):
+    """Words of a passage as they are compared: those that differ, and those in the row, paragraph and section of it.
+
+    ``weight`` is the weight of a word that differs.
+    """
+
+    differing: set[str]
+    row: set[str]
+    paragraph: set[str]
+    section: set[str]
+    weight: float
 
 
 def ranked(facts: Sequence[Citing], passage: Passage) -> list[Citing]:
@@ -287,36 +349,54 @@ def ranked(facts: Sequence[Citing], passage: Passage) -> list[Citing]:
 
     A word counts more if fewer of the facts have it, and more in the old words than in those near them.
     """
-    differ = _comparable_words(passage.old or passage.new)
-    close, near = _comparable_words(passage.close), _comparable_words(passage.around)
-    section = near | _comparable_words(passage.section.words)
-    weight = _DIFFERS if passage.old else _INSERTED
-    frequent = Counter(word for fact in facts for word in fact.words | fact.named)
-    scores: dict[int, float] = {}
-    for fact in facts:
-        changed = sum(1 / frequent[word] for word in fact.words & differ)
-        changed += sum(1 / frequent[word] for word in fact.named & differ) / 2
-        named, value_share = _share(fact.named, near, section, frequent), _share(fact.words, near, section, frequent)
-        if changed or value_share or fact.named & section <= near:
-            close_share = _share(fact.named, close, section, frequent)
-            if fact.words & differ:
-                changed += close_share
-            close_share += _share(fact.words, close, section, frequent)
-            scores[id(fact)] = weight * changed + _CLOSE_TO_CHANGE * close_share + named + value_share
-    likely_facts = [fact for fact in facts if scores.get(id(fact), 0) > 0]
-    return sorted(likely_facts, key=lambda fact: (-scores[id(fact)], fact.line))
+    paragraph = _comparable_words(passage.around)
+    passage_words = _PassageWords(
+        differing=_comparable_words(passage.old or passage.new),
+        row=_comparable_words(passage.close),
+        paragraph=paragraph,
+        section=paragraph | _comparable_words(passage.section.words),
+        weight=_DIFFERS if passage.old else _INSERTED,
+    )
+    fact_counts = Counter(word for fact in facts for word in fact.words | fact.named)
+    scores = [_score(fact, passage_words, fact_counts) for fact in facts]
+    likely_facts = [(score, fact) for score, fact in zip(scores, facts, strict=True) if score > 0]
+    likely_facts.sort(key=lambda scored_fact: (-scored_fact[0], scored_fact[1].line))
+    return [fact for _, fact in likely_facts]
+
+
+def _score(fact: Citing, passage: _PassageWords, fact_counts: Mapping[str, int]) -> float:
+    """Return how much of a fact occurs in a passage. It is 0 if the passage is not about the fact."""
+    differing = _rarity(fact.words & passage.differing, fact_counts)
+    differing += _rarity(fact.named & passage.differing, fact_counts) / 2
+    paragraph_name_share = _share(fact.named, passage.paragraph, passage.section, fact_counts)
+    paragraph_value_share = _share(fact.words, passage.paragraph, passage.section, fact_counts)
+    # If the section prints words of the name elsewhere, the paragraph may be about another item.
+    is_named_elsewhere = bool((fact.named & passage.section) - passage.paragraph)
+    if is_named_elsewhere and not differing and not paragraph_value_share:
+        return 0
+    row_name_share = _share(fact.named, passage.row, passage.section, fact_counts)
+    row_value_share = _share(fact.words, passage.row, passage.section, fact_counts)
+    if fact.words & passage.differing:
+        # The value differs in a row with the name of the fact.
+        differing += row_name_share
+    row_score = _CLOSE_TO_CHANGE * (row_name_share + row_value_share)
+    return passage.weight * differing + row_score + paragraph_name_share + paragraph_value_share
 
 
 def _comparable_words(words: Iterable[str]) -> set[str]:
     """Return printed words as they are compared: with a decimal point, and numbers also without their unit."""
     folded = {word.casefold() for word in words}
     folded |= {word.replace(",", ".") for word in folded}
-    patterns = (_WITH_UNIT, _ORDER_CODE)
-    return folded | {match[1] for word in folded for pattern in patterns if (match := pattern.fullmatch(word))}
+    matches = [pattern.fullmatch(word) for word in folded for pattern in (_WITH_UNIT, _ORDER_CODE)]
+    return folded | {match[1] for match in matches if match is not None}
 
 
-def _share(words: frozenset[str], near: set[str], section: set[str], frequent: Mapping[str, int]) -> float:
+def _rarity(words: Set[str], fact_counts: Mapping[str, int]) -> float:
+    """Return the weight of words: the fewer facts have a word, the more it counts."""
+    return sum(1 / fact_counts[word] for word in words)
+
+
+def _share(words: frozenset[str], near: set[str], section: set[str], fact_counts: Mapping[str, int]) -> float:
     """Return the share of the words that occur near a passage, among those that occur in its section."""
-    printed = sum(1 / frequent[word] for word in words & section)
-    printed_near = sum(1 / frequent[word] for word in words & section & near)
-    return printed_near / printed if printed else 0
+    in_section = _rarity(words & section, fact_counts)
+    return _rarity(words & section & near, fact_counts) / in_section if in_section else 0

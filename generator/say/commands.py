@@ -61,21 +61,26 @@ def step(device: Device, procedure_step: Step) -> Statement:
         case WaitStep():
             return statement(f"Wait at least {microseconds(procedure_step.microseconds)}")
         case SendStep():
-            interval_text = (
-                f", at least {microseconds(procedure_step.microseconds)} apart" if procedure_step.microseconds else ""
-            )
-            succession_text = ", with no other request between them" if procedure_step.in_succession else ""
-            repetition_text = (
-                f" {procedure_step.times} times{interval_text}{succession_text}" if procedure_step.times > 1 else ""
-            )
             return statement(
                 "Send the request ",
                 Code(procedure_step.data_id),
-                f"{repetition_text}: ",
+                f"{_repetition(procedure_step)}: ",
                 Code(procedure_step.request.hex(" ").upper()),
             )
         case _:
             return statement(*_access(device, procedure_step))
+
+
+def _repetition(send_step: SendStep) -> str:
+    """Return how often a request is sent, and at which interval, or an empty string if it is sent once."""
+    if send_step.times <= 1:
+        return ""
+    text = f" {send_step.times} times"
+    if send_step.microseconds:
+        text += f", at least {microseconds(send_step.microseconds)} apart"
+    if send_step.in_succession:
+        text += ", with no other request between them"
+    return text
 
 
 def read_back(device: Device, register: Register, field: str) -> Statement:
@@ -89,28 +94,22 @@ def read_back(device: Device, register: Register, field: str) -> Statement:
 
 
 def _access(device: Device, procedure_step: RegisterStep) -> Iterator[Part]:
+    """Yield the instruction to read, poll or write a register or a field of it."""
     register = device.register(procedure_step.register)
     address_text = f", {register_at(register)}"
     match procedure_step:
         case ReadStep(field=field):
             yield from ("Read ", _register_and_field(device, register.name, field), address_text)
         case PollStep(field=field, value=value):
-            yield from (
-                "Poll ",
-                _register_and_field(device, register.name, field),
-                f"{address_text}, until it is {value}",
-            )
+            yield from ("Poll ", _register_and_field(device, register.name, field))
+            yield f"{address_text}, until it is {value}"
         case WriteStep(value_name=name, value=value):
             yield from ("Write ", *_value(name, value), " to ", named(device, register.name), address_text)
-            yield from (": ", Code(register.bytes_of(value).hex(" ").upper())) if value is not None else ()
+            if value is not None:
+                yield from (": ", Code(register.bytes_of(value).hex(" ").upper()))
         case ModifyStep(field=field, value_name=name, value=value):
-            yield from (
-                "Write ",
-                *_value(name, value),
-                " to ",
-                _register_and_field(device, register.name, field),
-                address_text,
-            )
+            yield from ("Write ", *_value(name, value), " to ", _register_and_field(device, register.name, field))
+            yield address_text
             yield ", and keep the other fields of the register as read"
         case _:
             assert_never(procedure_step)
@@ -154,9 +153,8 @@ class Commands:
     @property
     def is_empty(self) -> bool:
         """True if nothing in the model contradicts that there is no command, preset, reset or save."""
-        return not (self.procedures or self.registers or self.settings or self.requests or self.inputs) and not (
-            self.has_control_data
-        )
+        lists = (self.procedures, self.registers, self.settings, self.requests, self.inputs)
+        return not any(lists) and not self.has_control_data
 
     @property
     def may_preset(self) -> bool:
@@ -179,7 +177,9 @@ class Commands:
         """Yield the names and texts of everything except requests, and except procedures that only send resets."""
         resets = {request.name for request in self.resets}
         for procedure in self.procedures:
-            if not resets.issuperset(step.data_id for step in procedure.steps if isinstance(step, SendStep)):
+            requests_sent = {step.data_id for step in procedure.steps if isinstance(step, SendStep)}
+            only_resets = requests_sent <= resets
+            if not only_resets:
                 yield from (procedure.name, procedure.title, procedure.result, procedure.note)
         for register in (*self.registers, *self.settings):
             yield from (register.name, register.printed_name, register.meaning, register.note)
@@ -191,24 +191,26 @@ class Commands:
     def _request_texts(self) -> Iterator[str]:
         """Yield the names and texts of the requests except resets."""
         for request in self.requests:
-            if isinstance(request, DataId):
-                yield from () if request.purpose == "reset" else (request.name, request.meaning)
-            else:
+            if not isinstance(request, DataId):
                 yield request.request
+            elif request.purpose != "reset":
+                yield from (request.name, request.meaning)
 
 
 def commands_over(device: Device, interface: Interface) -> Commands:
     """Return everything with which a user can change something over an interface or at an input."""
     writable = [register for register in device.registers_over(interface.name) if register.writable]
-    locks = {register.opened_by for register in device.registers}
-    selects_bank = interface.bank_select if isinstance(interface, Biss) else ""
-    registers = [register for register in writable if holds_commands(register) and register.name not in locks]
-    excluded_names = {selects_bank, *(register.name for register in registers)}
-    procedures = (procedure for procedure in device.procedures if procedure.interface == interface.name)
+    # A register that only opens another one for writing is a setting.
+    openers = {register.opened_by for register in device.registers}
+    command_registers = [register for register in writable if holds_commands(register) and register.name not in openers]
+    not_settings = {register.name for register in command_registers}
+    if isinstance(interface, Biss):
+        not_settings.add(interface.bank_select)
+    procedures = [procedure for procedure in device.procedures if procedure.interface == interface.name]
     return Commands(
-        procedures=tuple(filter(_changes_encoder, procedures)),
-        registers=tuple(registers),
-        settings=tuple(register for register in writable if register.name not in excluded_names),
+        procedures=tuple(procedure for procedure in procedures if _changes_encoder(procedure)),
+        registers=tuple(command_registers),
+        settings=tuple(register for register in writable if register.name not in not_settings),
         requests=tuple(request for request in _requests(interface) if request.purpose not in _READING),
         inputs=device.inputs,
         has_control_data=isinstance(interface, Biss) and bool(interface.control_data),
@@ -240,11 +242,12 @@ def _requests(interface: Interface) -> Iterator[DataId | Exchange]:
 
 def remedied(text: str, names: Sequence[str]) -> Iterator[Statement]:
     """Yield the remedy with references to its manual steps."""
-    if names:
-        steps = listed([Ref("by-hand", name, heading(name)) for name in names], " or ")
-        yield statement(*([f"{sentence(text)} "] if text else []), "Steps: ", *steps, label="Remedy")
-    else:
+    if not names:
         yield from spec_text(text, label="Remedy")
+        return
+    steps = listed([Ref("by-hand", name, heading(name)) for name in names], " or ")
+    remedy_parts = [f"{sentence(text)} "] if text else []
+    yield statement(*remedy_parts, "Steps: ", *steps, label="Remedy")
 
 
 def with_steps(text: str, names: Sequence[str]) -> str:

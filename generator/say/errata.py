@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence, Set
 
 from ..model import INTERFACES, LEFT_OUT, NOT_KNOWN, Alternative, Answer, Device, Erratum, Layout
 from .text import Code, Part, Ref, Statement, listed, sentence, statement
@@ -71,7 +71,9 @@ def paths_in_words(paths: str) -> str:
     """Return paths such as ``registers.bank.default, supply and 2 more`` in words."""
     count_text = _MORE.search(paths)
     texts = [_path_in_words(path.split(".")) for path in _MORE.sub("", paths).split(", ")]
-    return "".join(map(str, listed([*texts, *([count_text[1]] if count_text is not None else [])])))
+    if count_text is not None:
+        texts.append(count_text[1])
+    return "".join(map(str, listed(texts)))
 
 
 def change_in_words(printed: str) -> str:
@@ -83,38 +85,45 @@ def change_in_words(printed: str) -> str:
     return f"{paths_in_words(paths)}{colon}{value}"
 
 
-def _first_words(steps: Sequence[str]) -> tuple[str, int]:
-    """Return the words for the first steps of a path that are described together, and their number."""
+def _first_words(steps: Sequence[str]) -> tuple[str, Sequence[str]]:
+    """Return the words for the first steps of a path that are described together, and the other steps."""
     match steps:
-        case ["order_code", "parts", part, "values", value, *_]:
-            return f"order codes with {part} {value}", 5
-        case ["order_code", "parts", part, _, *_]:
-            return f"order code part {part}", 3
-        case ["order_code", "also_written", number, "values", part, *_]:
-            return f"the values of {part} in spelling {number} on labels", 5
-    if steps[0] not in (*_LISTS, *_TOP, "interfaces", "order_code"):
-        return f"register {steps[0]}", 1
-    return "", 0
+        case ["order_code", "parts", part, "values", value, *following]:
+            return f"order codes with {part} {value}", following
+        case ["order_code", "parts", part, key, *following]:
+            return f"order code part {part}", [key, *following]
+        case ["order_code", "also_written", number, "values", part, *following]:
+            return f"the values of {part} in spelling {number} on labels", following
+    is_register = steps[0] not in (*_LISTS, *_TOP, "interfaces", "order_code")
+    if is_register:
+        # Paths of registers may leave out the name of their list.
+        return f"register {steps[0]}", steps[1:]
+    return "", steps
 
 
 def _path_in_words(steps: Sequence[str]) -> str:
     """Return one path in words, from the outermost step inwards. A step for which there are no words is kept."""
     if len(steps) == 1 and steps[0] in _TOP:
         return _TOP[steps[0]]
-    words, index = _first_words(steps)
-    while index < len(steps):
-        step, following = steps[index], steps[index + 1] if index + 1 < len(steps) else ""
-        if step == "interfaces" and following:
-            words, index = (INTERFACES[following].title if following in INTERFACES else following), index + 2
-        elif step == "order_code":
-            words, index = "the order code", index + 1
-        elif step in _LISTS and following:
-            words, index = f"{_LISTS[step]} {following}" + (f" of {words}" if words else ""), index + 2
-        elif step in _KEYS and not following:
-            words, index = _KEYS[step].format(words), index + 1
-        else:
-            words, index = f"{step.replace('_', ' ')}" + (f" of {words}" if words else ""), index + 1
+    words, remaining = _first_words(steps)
+    while remaining:
+        match remaining:
+            case ["interfaces", name, *following]:
+                words = INTERFACES[name].title if name in INTERFACES else name
+            case ["order_code", *following]:
+                words = "the order code"
+            case [list_name, name, *following] if list_name in _LISTS:
+                words = _within(f"{_LISTS[list_name]} {name}", words)
+            case [key] if key in _KEYS:
+                words, following = _KEYS[key].format(words), []
+            case [step, *following]:
+                words = _within(step.replace("_", " "), words)
+        remaining = following
     return words
+
+
+def _within(text: str, owner: str) -> str:
+    return f"{text} of {owner}" if owner else text
 
 
 #: Longest reason, in characters, that is shown next to code. Errata with wrong data always have their reason.
@@ -151,13 +160,20 @@ def erratum(correction: Erratum, *, whole: bool = False) -> Statement:
     """
     if correction.overlay or correction.edition:
         return _change(correction)
-    at_stake = correction.severity == "wrong_data"
-    with_reason = whole or at_stake or len(correction.why) <= _SHORT
-    used = sentence(correction.used) + (f" {sentence(f'Only with {correction.only}')}" if correction.only else "")
-    brief = f"Used: {used}" if at_stake and correction.status == "open" else ""
-    label = f"Erratum {correction.name} ({correction.status}, {correction.severity.replace('_', ' ')})"
-    parts = _labelled(("Printed", correction.printed), ("Used", used), ("Why", correction.why if with_reason else ""))
-    return Statement((), label, correction.source, brief, tuple(parts))
+    may_send_wrong_bytes = correction.severity == "wrong_data"
+    has_reason = whole or may_send_wrong_bytes or len(correction.why) <= _SHORT
+    used = sentence(correction.used)
+    if correction.only:
+        used += " " + sentence(f"Only with {correction.only}")
+    reason = correction.why if has_reason else ""
+    severity = correction.severity.replace("_", " ")
+    return Statement(
+        parts=(),
+        label=f"Erratum {correction.name} ({correction.status}, {severity})",
+        source=correction.source,
+        brief=f"Used: {used}" if may_send_wrong_bytes and correction.status == "open" else "",
+        below=tuple(_labelled(("Printed", correction.printed), ("Used", used), ("Why", reason))),
+    )
 
 
 def _labelled(*parts: tuple[str, str]) -> Iterator[Statement]:
@@ -165,15 +181,20 @@ def _labelled(*parts: tuple[str, str]) -> Iterator[Statement]:
 
 
 def _change(correction: Erratum) -> Statement:
-    label = f"Overlay {correction.overlay}" if correction.overlay else f"In edition {correction.edition}"
+    """Return a change by an overlay, by another edition, or by the editions before one."""
     if correction.edition.startswith("before "):
         label = f"Before edition {correction.edition.removeprefix('before ')}"
-    # Next to code, a hint that another edition differs is enough, since the code is correct for this edition.
-    differs = "may differ" if correction.used == NOT_KNOWN else "differs"
-    brief = f"{differs}. See the encoder's page." if correction.edition else None
-    return Statement(
-        (), label, correction.source, brief, tuple(_labelled(*changed(correction), ("Why", correction.why)))
-    )
+    elif correction.overlay:
+        label = f"Overlay {correction.overlay}"
+    else:
+        label = f"In edition {correction.edition}"
+    brief = None
+    if correction.edition:
+        # Next to code, a hint that another edition differs is enough, since the code is correct for this edition.
+        differs = "may differ" if correction.used == NOT_KNOWN else "differs"
+        brief = f"{differs}. See the encoder's page."
+    below = tuple(_labelled(*changed(correction), ("Why", correction.why)))
+    return Statement(parts=(), label=label, source=correction.source, brief=brief, below=below)
 
 
 def changed(correction: Erratum) -> Iterator[tuple[str, str]]:
@@ -212,3 +233,16 @@ def needed_answers(device: Device, layout: Layout) -> Iterator[Statement]:
 def answer_names(answers: Sequence[Answer]) -> Iterator[Part]:
     """Yield the names of the answers as parts, such as ``as_printed``."""
     yield from listed([Code(choice.name) for choice in answers])
+
+
+def deciding_alternatives(alternatives: Sequence[Alternative], parameters: Set[str]) -> list[Alternative]:
+    """Return the alternatives whose answers set some of the parameters, or none unless they set all of them."""
+    deciding: list[Alternative] = []
+    decided: set[str] = set()
+    for alternative in alternatives:
+        # All answers to an alternative set the same parameters.
+        parameters_set = alternative.answers[0].sets.keys()
+        if parameters & parameters_set:
+            deciding.append(alternative)
+            decided |= parameters_set
+    return deciding if parameters <= decided else []

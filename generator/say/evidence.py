@@ -112,13 +112,10 @@ def other_editions(device: Device) -> Iterator[Statement]:
 def removals(device: Device) -> Iterator[Statement]:
     """Yield those changes by overlays and editions that removed the part where they would otherwise be noted."""
     for correction in device.errata:
+        is_change = correction.overlay or correction.edition
         has_no_place = device.base or correction.overlay or not correction.affects
-        if (
-            (correction.overlay or correction.edition)
-            and has_no_place
-            and correction.used in (LEFT_OUT, NOT_KNOWN)
-            and correction.severity != "wording"
-        ):
+        is_removed = correction.used in (LEFT_OUT, NOT_KNOWN)
+        if is_change and has_no_place and is_removed and correction.severity != "wording":
             yield erratum(correction)
 
 

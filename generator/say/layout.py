@@ -27,7 +27,7 @@ from ..model import (
     assert_never,
     choices,
 )
-from .errata import answer_names, errata, erratum, needed_answers
+from .errata import answer_names, deciding_alternatives, errata, erratum, needed_answers
 from .plain_text import counted
 from .report import conditions
 from .text import WORTH, Code, Part, Statement, listed, sentence, spec_text, statement
@@ -47,19 +47,27 @@ def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part
     """Return its length and transmission order."""
     if not layout.in_bytes:
         return *_bits(layout, alternatives), " bits, most significant first"
-    order = f", {layout.byte_order.replace('_', ' ')}" if layout.widest > 8 else ""
-    length = counted(layout.widest // 8, "byte") + order
-    return (length,) if layout.sent_bits == layout.bits else (layout.sent_bits, f" bits in {length}")
+    length_text = counted(layout.widest // 8, "byte")
+    if layout.widest > 8:
+        length_text += f", {layout.byte_order.replace('_', ' ')}"
+    # A frame may not fill its bytes.
+    if layout.sent_bits != layout.bits:
+        return layout.sent_bits, f" bits in {length_text}"
+    return (length_text,)
 
 
 def _bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iterator[Part]:
-    needed = set(layout.bits.parameters)
-    deciding = [alternative for alternative in alternatives if not needed.isdisjoint(alternative.answers[0].sets)]
-    if not deciding or not needed.issubset(name for alternative in deciding for name in alternative.answers[0].sets):
+    """Yield the number of bits: an expression, or ``25 (a) or 26 (b)`` if answers to alternatives decide it."""
+    deciding = deciding_alternatives(alternatives, set(layout.bits.parameters))
+    if not deciding:
         yield layout.bits
         return
-    for index, (answers, sets) in enumerate(choices(deciding)):
-        yield from (" or " if index else "", f"{layout.bits.value(sets)} (", *answer_names(answers), ")")
+    for index, (answers, parameters) in enumerate(choices(deciding)):
+        if index:
+            yield " or "
+        yield f"{layout.bits.value(parameters)} ("
+        yield from answer_names(answers)
+        yield ")"
 
 
 def layout(device: Device, interface: Interface, frame: Layout) -> Iterator[Statement]:
@@ -80,10 +88,8 @@ def facts(interface: Interface, layout: Layout) -> Iterator[Statement]:
     """Yield its selector, its code, its gaps, its joined numbers and its combinations of values."""
     yield from carries(interface, layout)
     if layout.gray_when:
-        parameter = Code(layout.gray_when)
-        yield statement(
-            Code(layout.gray_of), " is in Gray code while ", parameter, " is 1, and in binary while it is 0"
-        )
+        number, parameter = Code(layout.gray_of), Code(layout.gray_when)
+        yield statement(number, " is in Gray code while ", parameter, " is 1, and in binary while it is 0")
     elif layout.gray_of:
         yield statement(Code(layout.gray_of), " is in Gray code")
     if layout.gaps:
@@ -121,7 +127,10 @@ def carries(interface: Interface, layout: Layout) -> Iterator[Statement]:
 
 def joins(layout: Layout) -> Iterator[Statement]:
     """Yield the numbers that are joined from fields."""
-    return (join(joined_number) for joined_number in layout.joins if joined_number.fields != (joined_number.name,))
+    for joined_number in layout.joins:
+        is_one_field = joined_number.fields == (joined_number.name,)
+        if not is_one_field:
+            yield join(joined_number)
 
 
 def join(joined_number: Join) -> Statement:
@@ -152,8 +161,9 @@ def crc_head(device: Device, checksum: Crc) -> Statement:
 
 def crc_parameters(device: Device, checksum: Crc) -> str:
     """Return polynomial, start value, reflection and final XOR."""
-    start = f"start value {f'0x{checksum.init:X}' if checksum.init else 0}"
-    return ", ".join(filter(None, (checksum.polynomial, start, crc_reflected(device, checksum), crc_sent(checksum))))
+    start_value = f"0x{checksum.init:X}" if checksum.init else "0"
+    texts = [checksum.polynomial, f"start value {start_value}", crc_reflected(device, checksum), crc_sent(checksum)]
+    return ", ".join(text for text in texts if text)
 
 
 def crc_reflected(device: Device, checksum: Crc) -> str:
@@ -199,12 +209,12 @@ def box_colour(field: Field) -> str:
 def box_label(field: Field) -> str:
     """Return the name of a field, with the value of a constant."""
     match field.kind:
-        case Unused(value=value) if not (field.printed_name or value):
+        case Unused(value=value) if not field.printed_name and value == 0:
             return "unused"
-        case Constant(value=number, padding_of=padded):
-            text = f"{number:X}h" if number > 9 else f"{number}"
-            is_plain = number == 0 and (padded or not field.printed_name)
-            return text if is_plain else f"{name_as_words(field.name)} = {text}"
+        case Constant(value=value, padding_of=padded_field):
+            value_text = f"{value:X}h" if value > 9 else f"{value}"
+            has_no_name = padded_field or not field.printed_name
+            return value_text if value == 0 and has_no_name else f"{name_as_words(field.name)} = {value_text}"
         case Number() | Flag() | Choice() | Unused() | CrcValue() | Parity() | Decimal() | Text():
             return name_as_words(field.name)
         case _:

@@ -8,7 +8,7 @@ from typing import Protocol
 from ..model import Alternative, Biss, Device, Field, Interface, Layout, Register, Rs485, choices
 from ..model.expressions import Expression
 from ..model.record import dataclass
-from .errata import answer_names
+from .errata import answer_names, deciding_alternatives
 from .text import Code, Part, Ref, Statement, statement
 
 _ACRONYMS = {
@@ -66,13 +66,16 @@ def printed(named: Named) -> str:
 
 def own_names(named: Named) -> str:
     """Return the names used in the manual and its other editions: ``Command, it: Comando``."""
-    return ", ".join(filter(None, (named.printed_name, *(f"{key}: {name}" for key, name in named.names.items()))))
+    names = [named.printed_name] if named.printed_name else []
+    names += [f"{language}: {name}" for language, name in named.names.items()]
+    return ", ".join(names)
 
 
 def full_title(named: Named) -> str:
     """Return the title, followed by the names used in other editions: ``Command (it: Comando)``."""
-    other_names = "; ".join(f"{key}: {name}" for key, name in named.names.items() if name != title(named))
-    return title(named) + (f" ({other_names})" if other_names else "")
+    own_title = title(named)
+    other_names = [f"{language}: {name}" for language, name in named.names.items() if name != own_title]
+    return f"{own_title} ({'; '.join(other_names)})" if other_names else own_title
 
 
 def register(device: Device, name: str) -> Ref:
@@ -102,7 +105,9 @@ def hexadecimal(value: int, digits: int = 2) -> str:
 def addresses(register: Register) -> str:
     """Return the addresses of a register as text: ``49h`` or ``11h to 17h``."""
     first = hexadecimal(register.address)
-    return f"{first} to {hexadecimal(register.last_address)}" if register.last_address > register.address else first
+    if register.last_address == register.address:
+        return first
+    return f"{first} to {hexadecimal(register.last_address)}"
 
 
 def register_at(register: Register) -> str:
@@ -143,24 +148,28 @@ def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative
 
     If the location depends on ``alternatives``, each possible location is followed by its answer.
     """
-    size = Expression(field.container) if field.container else field.width
-    high = field.low + size - Expression(1)
-    needed = {*field.low.parameters, *high.parameters}
-    deciding = [alternative for alternative in alternatives if not needed.isdisjoint(alternative.answers[0].sets)]
-    if not needed.issubset(name for alternative in deciding for name in alternative.answers[0].sets):
+    width = Expression(field.container) if field.container else field.width
+    high = field.low + width - Expression(1)
+    parameters = {*field.low.parameters, *high.parameters}
+    deciding = deciding_alternatives(alternatives, parameters)
+    if parameters and not deciding:
         yield from ("starting at bit ", field.low)
         return
     for index, (answers, sets) in enumerate(choices(deciding)):
-        first, last = field.low.value(sets), high.value(sets)
-        yield " or " if index else ""
-        if last < first:
-            yield "absent"
-        elif layout.in_bytes and layout.sender:
-            yield frame_bytes(layout, layout.widest, last, first)
-        else:
-            yield bits(last, first)
+        if index:
+            yield " or "
+        yield _field_place_text(layout, high.value(sets), field.low.value(sets))
         if answers:
             yield from (" (", *answer_names(answers), ")")
+
+
+def _field_place_text(layout: Layout, high: int, low: int) -> str:
+    if high < low:
+        return "absent"
+    # A register has no sender. Its bits are those of one number.
+    if layout.in_bytes and layout.sender:
+        return frame_bytes(layout, layout.widest, high, low)
+    return bits(high, low)
 
 
 @dataclass(frozen=True, slots=True)

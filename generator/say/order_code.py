@@ -121,27 +121,33 @@ def parameter_origin(device: Device, device_parameter: Parameter) -> Iterator[St
     if device_parameter.alternative:
         yield statement("Set by your choice of ", *_choice(device, device_parameter))
     if device_parameter.read_from:
-        span = limits(*map(_bound, (device_parameter.min, device_parameter.max)))
-        between = (", ", *span) if span and not device_parameter.by_code else ()
-        at = register_at(device.register(device_parameter.register))
-        yield statement(
-            f"Read at run time from {at} (", register_field(device, device_parameter.read_from), ")", *between
-        )
+        register_text = register_at(device.register(device_parameter.register))
+        field_reference = register_field(device, device_parameter.read_from)
+        parts: list[Part] = [f"Read at run time from {register_text} (", field_reference, ")"]
+        range_parts = limits(_bound(device_parameter.min), _bound(device_parameter.max))
+        # A register with a code lists its values below.
+        if range_parts and not device_parameter.by_code:
+            parts += [", ", *range_parts]
+        yield statement(*parts)
     if device_parameter.by_code:
-        values = {coded.code: parameter_value(device_parameter, coded.value) for coded in device_parameter.by_code}
-        codes = (f"{code} means {text}" for code, text in values.items())
-        yield statement(f"The register holds a code: {', '.join(codes)}")
+        meanings = {coded.code: parameter_value(device_parameter, coded.value) for coded in device_parameter.by_code}
+        codes_text = ", ".join(f"{code} means {text}" for code, text in meanings.items())
+        yield statement(f"The register holds a code: {codes_text}")
 
 
 def _choice(device: Device, device_parameter: Parameter) -> Iterator[Part]:
     """Yield a reference to the alternative that sets a parameter. If it has a default, the values follow."""
     name = device_parameter.alternative
     yield Ref("alternative", name, name)
-    answers = {question.name: question.answers for question in device.optional_alternatives}.get(name, ())
-    for index, answer in enumerate(answers):
-        yield f"{', ' if index else ': '}{answer.sets[device_parameter.name]} for "
-        yield Code(answer.name)
-        yield "" if index else " (default)"
+    for alternative in device.optional_alternatives:
+        if alternative.name != name:
+            continue
+        # The first answer is the default.
+        for index, answer in enumerate(alternative.answers):
+            separator = ", " if index else ": "
+            yield f"{separator}{answer.sets[device_parameter.name]} for "
+            yield Code(answer.name)
+            yield "" if index else " (default)"
 
 
 def initial(device: Device) -> str:
@@ -161,10 +167,10 @@ def parameter_value(device_parameter: Parameter, count: int) -> str:
 def timing(printed_time: Timing) -> Statement:
     """Return its duration, labelled with the symbol in the manual or with our name."""
     description = f": {printed_time.meaning}" if printed_time.meaning else ""
-    description += f" (only with {printed_time.only})" if printed_time.only else ""
-    return statement(
-        bounds(printed_time), description, label=printed_time.symbol or printed_time.name, source=printed_time.source
-    )
+    if printed_time.only:
+        description += f" (only with {printed_time.only})"
+    label = printed_time.symbol or printed_time.name
+    return statement(bounds(printed_time), description, label=label, source=printed_time.source)
 
 
 def bounds_with_codes(printed_time: Timing) -> str:
@@ -272,35 +278,46 @@ def _labelled_text(fact: Signals | Alignment | OutputCode | Profile | Descriptio
 
 def clock_words(clock: Clock) -> str:
     """Return the limits, then the clocks in use with the limits that are not known."""
-    lowest, highest = clock.min_hz, clock.max_hz
-    limits = f"up to {hertz(highest)}" if highest is not None else ""
-    if lowest is not None:
-        limits = f"{hertz(lowest)} to {hertz(highest)}" if highest is not None else f"at least {hertz(lowest)}"
+    range_text = _clock_range(clock.min_hz, clock.max_hz)
     if not clock.used_hz:
-        return limits
-    return ", ".join(filter(None, (limits, clocks_in_use(clock.used_hz), unknown_limits(clock))))
+        return range_text
+    texts = [range_text, clocks_in_use(clock.used_hz), unknown_limits(clock)]
+    return ", ".join(text for text in texts if text)
+
+
+def _clock_range(lowest: int | None, highest: int | None) -> str:
+    if lowest is not None and highest is not None:
+        return f"{hertz(lowest)} to {hertz(highest)}"
+    if lowest is not None:
+        return f"at least {hertz(lowest)}"
+    return f"up to {hertz(highest)}" if highest is not None else ""
 
 
 def clocks_in_use(clocks: Sequence[int]) -> str:
     """Return a clause about clocks that programs or masters use, such as "1 MHz and 5 MHz are in use"."""
     clocks_text = "".join(map(str, listed([hertz(hz) for hz in clocks])))
-    return f"{clocks_text} {'is' if len(clocks) == 1 else 'are'} in use"
+    verb = "is" if len(clocks) == 1 else "are"
+    return f"{clocks_text} {verb} in use"
 
 
 def unknown_limits(clock: Clock) -> str:
     """Return a clause about the limits that are not known. Empty if both are known."""
     if not clock.has_limits:
         return "the limits are not known"
-    if clock.min_hz is not None and clock.max_hz is not None:
-        return ""
-    return f"the {'lowest' if clock.min_hz is None else 'highest'} clock is not known"
+    if clock.min_hz is None:
+        return "the lowest clock is not known"
+    if clock.max_hz is None:
+        return "the highest clock is not known"
+    return ""
 
 
 def _words(fact: WordFormat) -> str:
-    idle = "high" if fact.mode & 2 else "low"
-    edge = "second" if fact.mode & 1 else "first"
-    clock = f"SPI mode {fact.mode} (the clock idles {idle}, data is taken on the {edge} edge)"
-    return f"{word_lengths(fact.lengths)}, {clock}, {REPLIES[fact.reply]}"
+    # Bit 1 of an SPI mode is the polarity of the clock, and bit 0 its phase.
+    polarity, phase = fact.mode >> 1, fact.mode & 1
+    idle_level = "high" if polarity else "low"
+    edge = "second" if phase else "first"
+    clock_text = f"SPI mode {fact.mode} (the clock idles {idle_level}, data is taken on the {edge} edge)"
+    return f"{word_lengths(fact.lengths)}, {clock_text}, {REPLIES[fact.reply]}"
 
 
 def word_lengths(lengths: Iterable[Expression]) -> str:
@@ -310,9 +327,12 @@ def word_lengths(lengths: Iterable[Expression]) -> str:
 
 def _timeout(timeout: Timeout) -> str:
     """Return the rule with its limits, followed by the values that the manual calculates from it."""
-    printed_timeouts = timeout.printed if timeout.half_clock_periods is not None else ()
-    values = ", ".join(map(printed_timeout_words, printed_timeouts))
-    return timeout_words(timeout) + (f" ({values})" if values else "")
+    text = timeout_words(timeout)
+    # Without a number of clock periods, the printed values are the rule.
+    if timeout.half_clock_periods is None or not timeout.printed:
+        return text
+    printed_timeouts = ", ".join(map(printed_timeout_words, timeout.printed))
+    return f"{text} ({printed_timeouts})"
 
 
 def _port(port: Port) -> str:
@@ -343,26 +363,27 @@ def memory_access(access: MemoryAccess) -> Statement:
 
 def exchange(request: Exchange) -> Statement:
     """Return a request with its reply."""
+    parts: list[Part] = [Code(request.request)]
+    if request.reply:
+        parts += [" is answered by ", Code(request.reply)]
+    else:
+        parts.append(" has no reply")
     effect = PURPOSES[request.purpose]
-    reply_text = (" is answered by ", Code(request.reply)) if request.reply else (" has no reply",)
-    words_text = f", in words of {word_lengths([request.word_bits])}" if request.word_bits is not None else ""
-    return statement(
-        Code(request.request), *reply_text, f", and {effect}" if effect else "", words_text, source=request.source
-    )
+    if effect:
+        parts.append(f", and {effect}")
+    if request.word_bits is not None:
+        parts.append(f", in words of {word_lengths([request.word_bits])}")
+    return statement(*parts, source=request.source)
 
 
 def control_field(bits_field: ControlField) -> Statement:
-    values: list[tuple[Part, ...]] = [value(named_value, bits_field.bits).parts for named_value in bits_field.values]
-    description = (
-        f"{counted(bits_field.bits, 'bit')}: {bits_field.meaning}"
-        if bits_field.meaning
-        else counted(bits_field.bits, "bit")
-    )
-    return statement(
-        *parted([(description,), *values], "; "),
-        label=printed(bits_field) or words(bits_field.name),
-        source=bits_field.source,
-    )
+    """Return the width, the meaning and the values of a field of the control frame."""
+    description = counted(bits_field.bits, "bit")
+    if bits_field.meaning:
+        description += f": {bits_field.meaning}"
+    values = [value(named_value, bits_field.bits).parts for named_value in bits_field.values]
+    label = printed(bits_field) or words(bits_field.name)
+    return statement(*parted([(description,), *values], "; "), label=label, source=bits_field.source)
 
 
 def input_facts(device: Device, hardware_input: Input) -> Iterator[Statement]:

@@ -27,15 +27,14 @@ def decimal(value: Fraction) -> str:
 
     If the decimals never end, return six of them after ``≈``.
     """
-    digits = next(
-        (digit_count for digit_count in range(_enough_decimals(value)) if 10**digit_count % value.denominator == 0),
-        None,
-    )
-    places = _ROUNDED if digits is None else digits
+    exact_places = _exact_places(value)
+    places = _ROUNDED if exact_places is None else exact_places
     whole, part = divmod(round(abs(value) * 10**places), 10**places)
     sign = "-" if value < 0 else ""
-    text = f"{sign}{whole:,}" + (f".{part:0{places}}" if places else "")
-    return f"≈ {text}" if digits is None else text
+    text = f"{sign}{whole:,}"
+    if places:
+        text += f".{part:0{places}}"
+    return f"≈ {text}" if exact_places is None else text
 
 
 def quantity(scale: Scale, value: int) -> str:
@@ -58,7 +57,8 @@ def formula(scale: Scale) -> str:
 def _added_number(text: str, number: int) -> str:
     if number == 0:
         return text
-    return f"{text} {'-' if number < 0 else '+'} {abs(number)}"
+    sign = "-" if number < 0 else "+"
+    return f"{text} {sign} {abs(number)}"
 
 
 def _times(numerator: int, denominator: int) -> str:
@@ -85,9 +85,13 @@ def _decimal(number: int, power: int) -> str:
     return f"{digits[: len(digits) - places]}.{digits[len(digits) - places :]}".rstrip("0").rstrip(".")
 
 
-def _enough_decimals(value: Fraction) -> int:
-    """Return a number of decimals that is enough for any fraction whose decimals end."""
-    return value.denominator.bit_length() + 1
+def _exact_places(value: Fraction) -> int | None:
+    """Return the number of decimals of a number, or None if they never end."""
+    # Each decimal divides the denominator by 2, by 5 or by both, so there are at most as many as it has bits.
+    for places in range(value.denominator.bit_length() + 1):
+        if 10**places % value.denominator == 0:
+            return places
+    return None
 
 
 def counted(count: int | str, unit: str) -> str:
@@ -98,13 +102,16 @@ def counted(count: int | str, unit: str) -> str:
 def with_unit(value: int | str, unit: str) -> str:
     """Return a value with a unit that specs give in the plural: ``1 revolution``, ``8 revolutions``, ``50 µm``."""
     is_word = len(unit) > 3  # unlike ms, µs and ns
-    return f"{value} {unit.removesuffix('s') if is_word and str(value) == '1' else unit}".rstrip()
+    if is_word and str(value) == "1":
+        unit = unit.removesuffix("s")
+    return f"{value} {unit}".rstrip()
 
 
 def first_of(items: Sequence[str], count: int = 3, between: str = ", ") -> str:
     """Join the first items, and count the others: ``a, b, c and 5 more``."""
+    first_items = between.join(items[:count])
     omitted = len(items) - count
-    return between.join(items[:count]) + (f" and {omitted} more" if omitted > 0 else "")
+    return f"{first_items} and {omitted} more" if omitted > 0 else first_items
 
 
 #: Replacements for signs that Unicode does not decompose well.
@@ -148,9 +155,12 @@ def in_ascii(text: str, replacements: Mapping[str, str]) -> str:
     """Return the text with ``replacements``, then those above, then letters without accents, then ``?``."""
     if text.isascii():
         return text
-    table = {ord(sign): stand_in for sign, stand_in in {**STAND_INS, **replacements}.items()}
-    flat = unicodedata.normalize("NFKD", text.translate(table))
-    return "".join(letter for letter in flat if not unicodedata.combining(letter)).encode("ascii", "replace").decode()
+    stand_ins = {**STAND_INS, **replacements}
+    text = text.translate({ord(sign): stand_in for sign, stand_in in stand_ins.items()})
+    # This form separates an accent from its letter.
+    decomposed = unicodedata.normalize("NFKD", text)
+    without_accents = "".join(letter for letter in decomposed if not unicodedata.combining(letter))
+    return without_accents.encode("ascii", "replace").decode()
 
 
 #: Columns of a terminal.
@@ -171,23 +181,29 @@ def plain(text: object) -> str:
 
 def wrapped(text: object, width: int, prefix: str = "", first: str | None = None) -> str:
     """Return a paragraph of at most ``width`` columns. Lines start with ``prefix``, the first with ``first``."""
+    words = [word for word in plain(text).split(" ") if word]
+    if not words:
+        return ""
     lines: list[str] = []
-    line = prefix if first is None else first
-    has_words = False
-    for word in filter(None, plain(text).split(" ")):
-        if has_words and len(line) + 1 + len(word) > width:
+    line = (prefix if first is None else first) + words[0]
+    for word in words[1:]:
+        if len(line) + 1 + len(word) > width:
             lines.append(line)
-            line, has_words = prefix, False
-        line, has_words = f"{line} {word}" if has_words else line + word, True
-    return "\n".join([*lines, line]) if has_words else ""
+            line = prefix + word
+        else:
+            line = f"{line} {word}"
+    return "\n".join([*lines, line])
 
 
 def pairs(rows: Iterable[tuple[str, str]], indent: int) -> list[str]:
     """Return the rows as lines with two columns. The second column is wrapped."""
     row_list = list(rows)
-    width = min(max((len(name) for name, _ in row_list), default=0), 40)
-    margin, start = " " * indent, " " * (indent + width + 2)
+    name_width = min(max((len(name) for name, _ in row_list), default=0), 40)
+    margin, text_margin = " " * indent, " " * (indent + name_width + 2)
     lines: list[str] = []
     for name, text in row_list:
-        lines.append(wrapped(text, WIDTH, start, f"{margin}{name.ljust(width)}  ") if text else f"{margin}{name}")
+        if text:
+            lines.append(wrapped(text, WIDTH, text_margin, f"{margin}{name.ljust(name_width)}  "))
+        else:
+            lines.append(f"{margin}{name}")
     return lines

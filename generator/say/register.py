@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from ..model import (
     BankSelect,
@@ -71,15 +71,21 @@ def facts(device: Device, register: Register) -> Iterator[Statement]:
 
 
 def _holds(register: Register) -> Iterator[Statement]:
+    """Yield the byte order, the default and the limits of a register."""
     if register.last_address > register.address:
-        lowest = "low" if register.byte_order == "low_byte_first" else "high"
-        yield statement(f"{lowest} byte first, at {hexadecimal(register.address)}", label="Byte order")
-    data = register.default_bytes()
-    if data is not None:
-        yield statement(Code(data.hex(" ").upper()), label="Default")
-    if not register.meanings and (register.min is not None or register.max is not None):
-        field_text = () if register.limits_of == register.name else (" for ", Code(register.limits_of))
-        yield statement(*limits(register.min, register.max), *field_text, label="Limits")
+        byte_at_lowest_address = "low" if register.byte_order == "low_byte_first" else "high"
+        order_text = f"{byte_at_lowest_address} byte first, at {hexadecimal(register.address)}"
+        yield statement(order_text, label="Byte order")
+    default = register.default_bytes()
+    if default is not None:
+        yield statement(Code(default.hex(" ").upper()), label="Default")
+    has_limits = register.min is not None or register.max is not None
+    # Each meaning has limits of its own.
+    if has_limits and not register.meanings:
+        range_parts = limits(register.min, register.max)
+        if register.limits_of != register.name:
+            range_parts = (*range_parts, " for ", Code(register.limits_of))
+        yield statement(*range_parts, label="Limits")
 
 
 def limits(low: Expression | None, high: Expression | None) -> tuple[Part, ...]:
@@ -88,16 +94,18 @@ def limits(low: Expression | None, high: Expression | None) -> tuple[Part, ...]:
         return low, " to ", high
     if low is not None:
         return "at least ", low
-    return ("at most ", high) if high is not None else ()
+    if high is not None:
+        return "at most ", high
+    return ()
 
 
 def _rules(device: Device, register: Register) -> Iterator[Statement]:
+    """Yield the rules for reading and writing a register."""
     yield from _same_address(device, register)
     if register.bank is not None:
-        facts = device.interface(register.interface).facts()
-        bank_selects = (fact for fact in facts if isinstance(fact, BankSelect))
-        select = first_of(bank_selects, f"register that selects the bank of '{register.name}'").register
-        yield statement(f"First select bank {register.bank} with ", named(device, select))
+        bank_selects = (fact for fact in device.interface(register.interface).facts() if isinstance(fact, BankSelect))
+        bank_select = first_of(bank_selects, f"register that selects the bank of '{register.name}'")
+        yield statement(f"First select bank {register.bank} with ", named(device, bank_select.register))
     if register.reserved:
         yield reserved(register.reserved)
     if register.opened_by:
@@ -121,10 +129,12 @@ def reserved(user: str) -> Statement:
 def _same_address(device: Device, register: Register) -> Iterator[Statement]:
     """Yield the other register at the same address, which differs only in the direction of access."""
     for other_register in device.registers:
-        if other_register is not register and (other_register.address, other_register.bank) == (
-            register.address,
-            register.bank,
-        ):
+        has_same_address = (
+            other_register.address == register.address
+            and other_register.bank == register.bank
+            and other_register is not register
+        )
+        if has_same_address:
             action = "Writing to" if other_register.access == "write_only" else "Reading"
             yield statement(f"{action} the same address accesses ", named(device, other_register.name), " instead")
 
@@ -132,28 +142,36 @@ def _same_address(device: Device, register: Register) -> Iterator[Statement]:
 def _opening_condition(device: Device, register: Register) -> Statement:
     """Return the value that another register must hold before this one can be written."""
     opener = device.register(register.opened_by)
-    path = ".".join(filter(None, (register.opened_by, register.opened_by_field)))
-    field = opener.layout.field(register.opened_by_field) if register.opened_by_field else opener.layout.fields[0]
-    value = field.value_named(register.opened_by_value).value
-    value_text = f"{value}" if register.opened_by_field else hexadecimal(value, 2 * opener.length)
-    field_reference = register_field(device, path)
+    if register.opened_by_field:
+        path = f"{register.opened_by}.{register.opened_by_field}"
+        field = opener.layout.field(register.opened_by_field)
+        value_text = f"{field.value_named(register.opened_by_value).value}"
+    else:
+        # Without a field, the value is that of the whole register.
+        path, field = register.opened_by, opener.layout.fields[0]
+        value_text = hexadecimal(field.value_named(register.opened_by_value).value, 2 * opener.length)
     return statement(
-        "Can be written only while ", field_reference, f" is {value_text} (", Code(register.opened_by_value), ")"
+        "Can be written only while ",
+        register_field(device, path),
+        f" is {value_text} (",
+        Code(register.opened_by_value),
+        ")",
     )
 
 
 def _meaning(device: Device, meaning: RegisterMeaning) -> Statement:
     """Return one meaning of a register and the field value that selects it."""
-    path, _, field = meaning.when.partition(".")
-    bit = device.register(path).layout.field(field)
-    value = bit.value_named(meaning.value).value
-    field_reference = register_field(device, meaning.when)
-    condition = ("While ", field_reference, f" is {value} (", Code(meaning.value), "), the register holds ")
-    span = limits(meaning.min, meaning.max)
-    meaning_text = f": {meaning.meaning}" if meaning.meaning else ""
-    return statement(
-        *condition, Code(meaning.name), *((", ", *span) if span else ()), meaning_text, source=meaning.source
-    )
+    register_name, _, field_name = meaning.when.partition(".")
+    field = device.register(register_name).layout.field(field_name)
+    value = field.value_named(meaning.value).value
+    parts: list[Part] = ["While ", register_field(device, meaning.when), f" is {value} (", Code(meaning.value)]
+    parts += ["), the register holds ", Code(meaning.name)]
+    range_parts = limits(meaning.min, meaning.max)
+    if range_parts:
+        parts += [", ", *range_parts]
+    if meaning.meaning:
+        parts.append(f": {meaning.meaning}")
+    return statement(*parts, source=meaning.source)
 
 
 def field(device: Device, frame_field: Field) -> Iterator[Statement]:
@@ -195,32 +213,48 @@ def rules(device: Device, frame_field: Field) -> Iterator[Statement]:
 
 
 def _kind(device: Device, frame_field: Field) -> Iterator[Statement]:
+    """Yield the interpretation of the bits of a field."""
     match frame_field.kind:
-        case Number() as kind:
-            yield from _number(kind)
-        case Flag() as kind:
-            yield from _flag(kind, frame_field.implemented)
+        case Number() as number:
+            yield from _number(number)
+        case Flag() as flag:
+            yield from _flag(flag, frame_field.implemented)
         case Choice():
             pass  # Each value has its own statement.
         case Constant(value):
-            yield from spec_text("" if "always" in frame_field.meaning.lower() else f"Always {short(value)}")
+            yield from _constant(frame_field, value)
         case Unused() as unused:
             yield from _unused(device, frame_field, unused)
-        case CrcValue(crc, covered_names):
-            names = parted((Code(name),) for name in covered_names)
-            yield statement(
-                "CRC ", Ref("crc", crc, crc), " over ", *(names if covered_names else ("everything before it",))
-            )
+        case CrcValue() as crc:
+            yield _crc(crc)
         case Parity() as parity:
-            covered = parted((Code(name),) for name in parity.covers)
-            bits = f"the {parity.over.replace('_', ' ')} of " if parity.over else ""
-            yield statement("Odd" if parity.is_odd else "Even", f" parity of {bits}", *covered)
+            yield _parity(parity)
         case Decimal(runs):
             yield statement("Decimal digits, most significant first: ", *parted(map(_run, runs)))
         case Text():
             yield statement("ASCII text")
         case _ as kind:
             assert_never(kind)
+
+
+def _constant(frame_field: Field, value: int) -> Iterator[Statement]:
+    if "always" not in frame_field.meaning.lower():
+        yield statement(f"Always {short(value)}")
+
+
+def _crc(crc_value: CrcValue) -> Statement:
+    covered = _names(crc_value.of) if crc_value.of else ["everything before it"]
+    return statement("CRC ", Ref("crc", crc_value.crc, crc_value.crc), " over ", *covered)
+
+
+def _parity(parity: Parity) -> Statement:
+    polarity = "Odd" if parity.is_odd else "Even"
+    counted_bits = f"the {parity.over.replace('_', ' ')} of " if parity.over else ""
+    return statement(polarity, f" parity of {counted_bits}", *_names(parity.covers))
+
+
+def _names(names: Iterable[str]) -> list[Part]:
+    return list(parted([Code(name)] for name in names))
 
 
 def _unused(device: Device, frame_field: Field, unused: Unused) -> Iterator[Statement]:
@@ -248,28 +282,36 @@ def _number(kind: Number) -> Iterator[Statement]:
         yield statement("Only powers of two are allowed")
 
 
-def _flag(kind: Flag, implemented: bool) -> Iterator[Statement]:
-    active, inactive = (0, 1) if kind.active_low else (1, 0)
-    if implemented or kind.when_active or kind.when_inactive:
-        yield statement(Level.ACTIVE, f" when {active}", f": {kind.when_active}" if kind.when_active else "")
-        if kind.when_inactive:
-            yield statement(Level.INACTIVE, f" when {inactive}: {kind.when_inactive}")
-    if kind.sums_up:
-        yield statement("Combines ", *listed(list(map(Code, kind.sums_up))))
-    if kind.makes_position is Verdict.USABLE and implemented:
+def _flag(flag: Flag, implemented: bool) -> Iterator[Statement]:
+    """Yield the levels of a flag, the flags that it combines, and its verdict on the position."""
+    yield from _levels(flag, implemented)
+    if flag.sums_up:
+        yield statement("Combines ", *listed([Code(name) for name in flag.sums_up]))
+    if flag.makes_position is Verdict.USABLE and implemented:
         yield statement("It does not affect the position")
-    elif kind.makes_position and implemented:
-        exception = ". If a flag that it combines is active in the same frame, that flag decides instead"
-        yield statement(
-            "While it is ", Level.WHILE_ACTIVE, f", {WORTH[kind.makes_position]}{exception if kind.sums_up else ''}"
-        )
-    if kind.verdict_if_set is not None and implemented:
-        yield statement("If you set ", Code(kind.verdict_parameter), f" to 1, {WORTH[kind.verdict_if_set]}")
-    if kind.only:
-        other_verdict = kind.unexplained.makes_position
-        verdict_text = f", and {WORTH[other_verdict]}" if other_verdict is not None else ""
-        remark = f". For other order codes the manual does not explain the flag{verdict_text}"
-        yield statement("This applies only to ", Code(kind.only), remark)
+    elif flag.makes_position and implemented:
+        verdict_text = f", {WORTH[flag.makes_position]}"
+        if flag.sums_up:
+            verdict_text += ". If a flag that it combines is active in the same frame, that flag decides instead"
+        yield statement("While it is ", Level.WHILE_ACTIVE, verdict_text)
+    if flag.verdict_if_set is not None and implemented:
+        yield statement("If you set ", Code(flag.verdict_parameter), f" to 1, {WORTH[flag.verdict_if_set]}")
+    if flag.only:
+        remark = ". For other order codes the manual does not explain the flag"
+        verdict_without_meaning = flag.unexplained.makes_position
+        if verdict_without_meaning is not None:
+            remark += f", and {WORTH[verdict_without_meaning]}"
+        yield statement("This applies only to ", Code(flag.only), remark)
+
+
+def _levels(flag: Flag, implemented: bool) -> Iterator[Statement]:
+    """Yield the meaning of each level of a flag."""
+    active, inactive = (0, 1) if flag.active_low else (1, 0)
+    if implemented or flag.when_active or flag.when_inactive:
+        meaning_text = f": {flag.when_active}" if flag.when_active else ""
+        yield statement(Level.ACTIVE, f" when {active}", meaning_text)
+        if flag.when_inactive:
+            yield statement(Level.INACTIVE, f" when {inactive}: {flag.when_inactive}")
 
 
 def _run(run: Digits) -> tuple[Part, ...]:
@@ -277,9 +319,11 @@ def _run(run: Digits) -> tuple[Part, ...]:
 
 
 def _expected_value(value: Expression | int | str, bits: int) -> Part:
+    """Return the value that a field of ``bits`` bits always has: a text, or a number in hexadecimal."""
     if isinstance(value, str):
         return Code(value)
-    return Hex(value if isinstance(value, Expression) else Expression(value), (bits + 3) // 4)
+    number = value if isinstance(value, Expression) else Expression(value)
+    return Hex(number, (bits + 3) // 4)
 
 
 def choices(values: tuple[Value, ...]) -> Statement:
@@ -328,9 +372,9 @@ def measurement(unit_and_range: Measurement) -> Statement:
 
 def _counts(unit_and_range: Measurement, unit: str) -> tuple[Amount, ...]:
     """Return the number of counts to which a length in this unit applies, if it is not one."""
-    return (
-        (Amount(unit_and_range.per_counts, "counts"),) if unit == "nm" and unit_and_range.per_counts is not None else ()
-    )
+    if unit != "nm" or unit_and_range.per_counts is None:
+        return ()
+    return (Amount(unit_and_range.per_counts, "counts"),)
 
 
 def position_range(layout_range: LayoutRange) -> Statement:

@@ -41,18 +41,18 @@ def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
         group = member_named(device.field_groups, device_alarm.group, "field group")
         yield statement(Code(device_alarm.field), " in ", Ref("group", group.name, title(group)), label="Flag")
     elif device_alarm.register:
-        yield statement(
-            register_field(device, f"{device_alarm.register}.{device_alarm.field}".rstrip(".")), label="Flag"
-        )
+        # Without a field, the whole register is the flag.
+        path = f"{device_alarm.register}.{device_alarm.field}".rstrip(".")
+        yield statement(register_field(device, path), label="Flag")
     if not device_alarm.implemented and "not implemented" not in device_alarm.meaning.lower():
         yield statement("Not implemented in this encoder")
     yield from spec_text(device_alarm.detected, label="Detected")
     if device_alarm.below_mv is not None:
         yield statement(f"Raised below {volts(device_alarm.below_mv)}")
-    if device_alarm.latch is not None:
-        yield statement(
-            "Stays active until it is reset" if device_alarm.latch else "Clears itself when its cause is gone"
-        )
+    if device_alarm.latch is True:
+        yield statement("Stays active until it is reset")
+    elif device_alarm.latch is False:
+        yield statement("Clears itself when its cause is gone")
     yield from remedied(device_alarm.remedy, device_alarm.by_hand)
     yield from only(device_alarm.only)
     if device_alarm.cleared_by:
@@ -63,8 +63,12 @@ def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
 def alarm_of(device: Device, field: Field, register: str = "") -> Alarm | None:
     """Return the alarm of a flag in a frame or register, if the manual has one."""
     for alarm in device.alarms:
-        is_same_owner = alarm.register == register if register else bool(alarm.group) and alarm.group == field.group
-        if is_same_owner and alarm.field == field.name:
+        if register:
+            has_same_owner = alarm.register == register
+        else:
+            # Alarms in frames belong to the group of their flag.
+            has_same_owner = bool(alarm.group) and alarm.group == field.group
+        if has_same_owner and alarm.field == field.name:
             return alarm
     return None
 
@@ -79,13 +83,13 @@ def meaning(field: Field, alarm: Alarm | None) -> str:
     if isinstance(field.kind, Unused):
         problem = f"unused bits differ from the documented value {short(field.kind.value)}"
         return f"{problem}. {sentence(field.meaning)}" if field.meaning else problem
-    active, _ = states(field)
+    when_active, _ = states(field)
     if not field.implemented:
-        return active or "active, although the manual says that this encoder does not have it"
-    texts = [text for text in (active, field.meaning) if text]
-    if not texts:
-        return alarm.meaning if alarm is not None and alarm.meaning else "active"
-    return texts[0] if len(texts) == 1 else " ".join(map(sentence, texts))
+        return when_active or "active, although the manual says that this encoder does not have it"
+    if when_active and field.meaning:
+        return f"{sentence(when_active)} {sentence(field.meaning)}"
+    alarm_meaning = alarm.meaning if alarm is not None else ""
+    return when_active or field.meaning or alarm_meaning or "active"
 
 
 def deciding(field: Field) -> str:
@@ -107,8 +111,10 @@ def conditions(values: Iterable[tuple[Field, int]]) -> Statement:
 
 
 def _condition(field: Field, value: int) -> tuple[Part, ...]:
+    """Return a field with its value. The value of a flag is 1 if it is active, but its bit may be 0 then."""
     if isinstance(field.kind, Flag):
-        return Code(field.name), f" is {int(bool(value) != field.kind.active_low)}"
+        bit = 1 - int(bool(value)) if field.kind.active_low else int(bool(value))
+        return Code(field.name), f" is {bit}"
     return Code(field.name), f" is {short(value)} (", Code(field.value_of(value).name), ")"
 
 

@@ -64,14 +64,18 @@ def printed_timeout_words(printed: PrintedTimeout) -> str:
 
 def timeout_words(timeout: Timeout) -> str:
     """Return the rule and limits of a time-out."""
-    half = timeout.half_clock_periods
-    parts = [f"{half / 2:g} clock periods" if half is not None else _RULE.get(timeout.rule, timeout.rule)]
-    bounds = {"typically": timeout.typical_ns, "at most": timeout.at_most_ns}
-    parts += [f"{word} {nanoseconds(value)}" for word, value in bounds.items() if value is not None]
-    if half is None:
+    if timeout.half_clock_periods is None:
+        texts = [_RULE.get(timeout.rule, timeout.rule)]
+    else:
+        texts = [f"{timeout.half_clock_periods / 2:g} clock periods"]
+    if timeout.typical_ns is not None:
+        texts.append(f"typically {nanoseconds(timeout.typical_ns)}")
+    if timeout.at_most_ns is not None:
+        texts.append(f"at most {nanoseconds(timeout.at_most_ns)}")
+    if timeout.half_clock_periods is None:
         # Without a rule, only the values printed in the manual are known.
-        parts += map(printed_timeout_words, timeout.printed)
-    return ", ".join(parts)
+        texts += [printed_timeout_words(printed) for printed in timeout.printed]
+    return ", ".join(texts)
 
 
 def language(key: str) -> str:
@@ -208,8 +212,9 @@ class Style:
         label = f"{self.text(statement.label)}: " if statement.label else ""
         phrase, source = self.phrase(statement), self.cited(statement.source)
         if not source:
-            return label + sentence(phrase)
-        return f"{label}{phrase} {source}" if sentence(phrase) == phrase else f"{label}{phrase} {source}."
+            return f"{label}{sentence(phrase)}"
+        ends_with_punctuation = sentence(phrase) == phrase
+        return f"{label}{phrase} {source}" if ends_with_punctuation else f"{label}{phrase} {source}."
 
     def head(self, statement: Statement) -> str:
         """Return the label and source of a statement that has others below it: ``Erratum start (open) [5.3]``."""
@@ -217,11 +222,9 @@ class Style:
 
     def lines(self, statement: Statement) -> list[str]:
         """Return the statement as one line, or its head and a line for each statement below it."""
-        return (
-            [f"{self.head(statement)}:", *map(self.sentence, statement.below)]
-            if statement.below
-            else [self.sentence(statement)]
-        )
+        if not statement.below:
+            return [self.sentence(statement)]
+        return [f"{self.head(statement)}:", *map(self.sentence, statement.below)]
 
     def paragraph(self, items: Iterable[Statement]) -> str:
         """Return several statements as one paragraph."""
@@ -246,7 +249,9 @@ class Style:
                 return with_unit(self.number(expression), self.text(unit))
             case Hex(expression, digits):
                 resolved = self.resolve(expression)
-                return f"{resolved.constant:0{digits}X}h" if resolved.is_constant else self.code(resolved.render())
+                if resolved.is_constant:
+                    return f"{resolved.constant:0{digits}X}h"
+                return self.code(resolved.render())
             case Level():
                 return self.level(part)
 

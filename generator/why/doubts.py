@@ -28,27 +28,48 @@ def other_positions(device: Device, variant: Variant, decoded: codec.Decoded) ->
     measurement = device.measurement_of(variant.interface)
     if placed is None or placed.layout.in_bytes or placed.layout.sender != "encoder" or measurement is None:
         return []
+    if decoded.problems or decoded.crc is not None:
+        return []
     position = decoded.values.get(measurement.of)
-    if decoded.problems or decoded.crc is not None or not isinstance(position, int) or isinstance(position, bool):
+    # Only a count has other readings, not a text or a flag.
+    if not isinstance(position, int) or isinstance(position, bool):
         return []
     readings: list[tuple[str, int]] = []
-    for text, frame in zip(READINGS, _frames(placed, measurement.of, decoded.number), strict=True):
-        value = codec.decode(device, placed, frame).values[measurement.of] if frame is not None else position
-        if isinstance(value, int) and value != position:
-            readings.append((text, value))
+    frames = _frames_without_mistake(placed, measurement.of, decoded.number)
+    for text, frame in zip(READINGS, frames, strict=True):
+        if frame is None:
+            continue
+        other_position = codec.decode(device, placed, frame).values[measurement.of]
+        if isinstance(other_position, int) and other_position != position:
+            readings.append((text, other_position))
     return readings
 
 
-def _frames(placed: PlacedLayout, name: str, number: int) -> Iterator[int | None]:
-    """Yield the frame without each mistake, or None if it cannot have the mistake."""
-    mask = (1 << placed.bits) - 1
-    early = number << 1 & mask
-    yield next((frame for frame in (early, early | 1) if fixed_bits(placed, frame)[1]), early)
+def _frames_without_mistake(placed: PlacedLayout, name: str, number: int) -> Iterator[int | None]:
+    """Yield the frame without each mistake in ``READINGS``, or None if it cannot have the mistake.
+
+    ``name`` is the name of the position.
+    """
+    yield _read_one_clock_later(placed, number)
     yield number >> 1
     low, width = placed.place_of(name)
     position = number >> low & ((1 << width) - 1)
-    others = number ^ position << low
-    yield None if placed.gray else others | gray_to_binary(position) << low
-    yield others | binary_to_gray(position) << low if placed.gray else None
-    is_of_bytes = placed.bits % 8 == 0
-    yield int.from_bytes(number.to_bytes(placed.bits // 8, "little"), "big") if is_of_bytes else None
+    without_position = number ^ position << low
+    if placed.gray:
+        yield None
+        yield without_position | binary_to_gray(position) << low
+    else:
+        yield without_position | gray_to_binary(position) << low
+        yield None
+    if placed.bits % 8 == 0:
+        yield int.from_bytes(number.to_bytes(placed.bits // 8, "little"), "big")
+    else:
+        yield None
+
+
+def _read_one_clock_later(placed: PlacedLayout, number: int) -> int:
+    """Return the frame with its missing last bit: the one with which constants and parity are right, or 0."""
+    with_zero = number << 1 & ((1 << placed.bits) - 1)
+    _, is_zero_right = fixed_bits(placed, with_zero)
+    _, is_one_right = fixed_bits(placed, with_zero | 1)
+    return with_zero | 1 if is_one_right and not is_zero_right else with_zero

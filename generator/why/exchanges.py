@@ -6,6 +6,7 @@ The script of the decode page follows the same rules.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 from ..model import Device, PlacedLayout, Variant, number_from_bytes
 from ..model.record import dataclass
@@ -37,32 +38,39 @@ class ExchangedFrame:
 
     @property
     def title(self) -> str:
-        return f"{'request' if self.is_request else 'reply'} {self.placed.name}"
+        sort = "request" if self.is_request else "reply"
+        return f"{sort} {self.placed.name}"
 
 
 def exchange_tries(device: Device, variant: Variant, data: bytes) -> Iterator[Try]:
     """Yield the bytes as whole frames, if they are more than one frame of the encoder."""
     frames = _frames_in(device, variant, data)
-    if not frames or (len(frames) == 1 and not frames[0].is_request):
+    if frames is None or not frames:
+        return
+    is_one_reply = len(frames) == 1 and not frames[0].is_request
+    if is_one_reply:
         return
     kind = _kind(frames)
-    titles = ", then ".join(frame.title for frame in frames)
-    text = ECHO_TEXT.format(frames[0].placed.name) if kind == "echo" else FRAMES_TEXT.format(titles)
-    last = frames[-1]
-    is_read = not last.is_request and not device.alternatives_of(last.placed.layout)
-    yield Try(
-        kind,
-        text,
-        None,
+    if kind == "echo":
+        text = ECHO_TEXT.format(frames[0].placed.name)
+    else:
+        text = FRAMES_TEXT.format(", then ".join(frame.title for frame in frames))
+    attempt = Try(
+        kind=kind,
+        text=text,
+        crc=None,
         data=int.from_bytes(data, "big"),
         bits=8 * len(data),
         received=0,
         known_bits=0,
         demanded=sum(frame.evidence for frame in frames),
-        number=number_from_bytes(last.placed.layout, last.data) if is_read else 0,
-        placed=last.placed if is_read else None,
         parts=tuple((frame.title, frame.data.hex(" ").upper()) for frame in frames),
     )
+    last = frames[-1]
+    # The position is that of the last reply, unless the manual leaves open what the reply means.
+    if not last.is_request and not device.alternatives_of(last.placed.layout):
+        attempt = replace(attempt, number=number_from_bytes(last.placed.layout, last.data), placed=last.placed)
+    yield attempt
 
 
 def _kind(frames: Sequence[ExchangedFrame]) -> str:
@@ -81,21 +89,28 @@ def _frames_in(device: Device, variant: Variant, data: bytes) -> tuple[Exchanged
         return None
     layouts = [layout for layout in device.interface(variant.interface).layouts if layout.in_bytes]
     candidates = [layout.place(variant.parameters) for layout in layouts]
+    # The fewest frames from each byte to the end. The bytes are searched from the end, so those behind are known.
     fewest: dict[int, tuple[ExchangedFrame, ...]] = {len(data): ()}
     for start in range(len(data) - 1, -1, -1):
         for placed in candidates:
-            end = start + placed.bits // 8
-            if end not in fewest or (start in fewest and len(fewest[start]) <= len(fewest[end]) + 1):
+            following = fewest.get(start + placed.bits // 8)
+            if following is None:
                 continue
-            frame = _valid_frame(device, placed, data[start:end])
+            has_fewer_frames = start not in fewest or len(following) + 1 < len(fewest[start])
+            if not has_fewer_frames:
+                continue
+            frame = _valid_frame(device, placed, data[start : start + placed.bits // 8])
             if frame is not None:
-                fewest[start] = (frame, *fewest[end])
+                fewest[start] = (frame, *following)
     return fewest.get(0)
 
 
 def _valid_frame(device: Device, placed: PlacedLayout, data: bytes) -> ExchangedFrame | None:
+    """Return the bytes as a frame with this layout, or None if they are not one or could be one by chance."""
     crc = device.crc_of(placed.layout)
-    evidence = fixed_bits(placed, 0)[0] + (crc.width if crc is not None else 0)
+    crc_bits = crc.width if crc is not None else 0
+    constant_bits, _ = fixed_bits(placed, 0)
+    evidence = constant_bits + crc_bits
     if evidence < LEAST_EVIDENCE or codec.decode_placed(device, placed, data).problems:
         return None
     return ExchangedFrame(placed, data, evidence)

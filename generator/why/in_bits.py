@@ -55,10 +55,11 @@ def moved_frames(
     if line is None:
         return
     received = recorded_bits(text, placed.bits)
-    tries_by_rule = []
+    tries_by_rule: list[Try] = []
     for length in _lengths(placed, text):
-        slips = [slip for slip in line.slips if slip.longer == length - placed.bits]
-        tries_by_rule += [_offset_try(placed, crc, slip, text.number, length) for slip in slips]
+        for offset in line.slips:
+            if placed.bits + offset.longer == length:
+                tries_by_rule.append(_offset_try(placed, crc, offset, text.number, length))
     tries_by_rule += recording_tries(line, placed, crc, received)
     yield from tries_by_rule
     if crc is not None and not any(attempt.fits for attempt in tries_by_rule):
@@ -68,19 +69,42 @@ def moved_frames(
 def as_sent(placed: PlacedLayout, crc: Crc, number: int) -> Try:
     """Return a try of the frame as sent, to which the caller adds the mistake."""
     fixed, are_right = fixed_bits(placed, number)
-    try_as_sent = Try("", "", crc, *covered_number(placed, number), number & crc.mask, crc.width)
-    return replace(try_as_sent, fixed=fixed if are_right else 0, likelihood=likelihood(placed, number))
+    covered_data, covered_bits = covered_number(placed, number)
+    return Try(
+        kind="",
+        text="",
+        crc=crc,
+        data=covered_data,
+        bits=covered_bits,
+        received=number & crc.mask,
+        known_bits=crc.width,
+        fixed=fixed if are_right else 0,
+        likelihood=likelihood(placed, number),
+    )
 
 
-def _offset_try(placed: PlacedLayout, crc: Crc | None, slip: FrameOffset, number: int, length: int) -> Try:
-    body_bits = length - len(slip.front) - slip.behind
-    body = number >> slip.behind
-    starts = [bit for bit in range(len(slip.front)) if slip.front[bit] == "1"]
-    holds = all(body >> (body_bits + len(slip.front) - 1 - bit) & 1 for bit in starts)
-    frame = (int(slip.missing or "0", 2) << body_bits | body & ((1 << body_bits) - 1)) << slip.lost
-    words = slip.text.format(slip.missing)
-    attempt = read_as(slip.kind, words, placed, crc, frame, slip.lost, len(starts), holds)
-    return replace(attempt, template=slip.text)
+def _offset_try(placed: PlacedLayout, crc: Crc | None, offset: FrameOffset, number: int, length: int) -> Try:
+    """Return a try in which the ``length`` bits of ``number`` do not begin and end with the frame."""
+    front_bits = len(offset.front)
+    frame_bits = length - front_bits - offset.behind
+    without_end = number >> offset.behind
+    front = without_end >> frame_bits
+    # In the front, a 1 is a start bit, which the mistake determines, and a question mark is any bit.
+    start_bits = [front >> (front_bits - 1 - place) & 1 for place in range(front_bits) if offset.front[place] == "1"]
+    received = without_end & ((1 << frame_bits) - 1)
+    missing = int(offset.missing or "0", 2)
+    frame = (missing << frame_bits | received) << offset.lost
+    attempt = read_as(
+        offset.kind,
+        offset.text.format(offset.missing),
+        placed,
+        crc,
+        frame,
+        lost=offset.lost,
+        demanded=len(start_bits),
+        holds=all(start_bits),
+    )
+    return replace(attempt, template=offset.text)
 
 
 def _computed_otherwise(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
@@ -99,19 +123,18 @@ def _computed_otherwise(placed: PlacedLayout, crc: Crc, number: int) -> Iterator
 
 def _status_otherwise(try_as_sent: Try, placed: PlacedLayout, number: int) -> Iterator[Try]:
     """Yield tries in which the CRC does not cover error and warning, or they were inverted."""
-    status, width = _status_mask(placed), try_as_sent.known_bits
-    if not status:
+    status_mask, crc_bits = _status_mask(placed), try_as_sent.known_bits
+    if not status_mask:
         return
-    data, bits = _without_bits(try_as_sent.data, try_as_sent.bits, status >> width)
+    data, bits = _without_bits(try_as_sent.data, try_as_sent.bits, status_mask >> crc_bits)
     description = "the CRC covers only the bits before error and warning"
     yield replace(try_as_sent, kind="status_left_out", text=description, data=data, bits=bits)
-    description = "error and warning were converted to active high"
-    inverted = number ^ status
+    inverted = number ^ status_mask
     yield replace(
         try_as_sent,
         kind="status_turned",
-        text=description,
-        data=inverted >> width,
+        text="error and warning were converted to active high",
+        data=inverted >> crc_bits,
         likelihood=likelihood(placed, inverted),
     )
 
@@ -122,28 +145,31 @@ def _position_otherwise(try_as_sent: Try, placed: PlacedLayout, number: int) -> 
     if not width:
         return
     position = number >> low & ((1 << width) - 1)
-    other_bits = number ^ position << low
-    for converted, description in (
+    without_position = number ^ position << low
+    conversions = (
         (gray_to_binary(position), "the CRC covers the position in binary, but here it is in Gray code"),
         (binary_to_gray(position), "the CRC covers the position in Gray code, but here it is already binary"),
-    ):
-        yield replace(
-            try_as_sent,
-            kind="other_code",
-            text=description,
-            data=(other_bits | converted << low) >> try_as_sent.known_bits,
-        )
+    )
+    for converted_position, description in conversions:
+        covered_frame = without_position | converted_position << low
+        covered_data = covered_frame >> try_as_sent.known_bits
+        yield replace(try_as_sent, kind="other_code", text=description, data=covered_data)
 
 
 def _start_bits_in_crc(try_as_sent: Try) -> Iterator[Try]:
-    for front, description in (
+    """Yield tries in which the CRC also covers the bits that BiSS sends in front of the frame."""
+    fronts = (
         (0b1, "the start bit, or a CDS bit of 1"),
         (0b10, "the start bit and a CDS bit of 0"),
         (0b11, "the start bit and a CDS bit of 1"),
-    ):
-        data, bits = front << try_as_sent.bits | try_as_sent.data, try_as_sent.bits + front.bit_length()
+    )
+    for front, description in fronts:
         yield replace(
-            try_as_sent, kind="start_bits_in_crc", text=f"the CRC also covers {description}", data=data, bits=bits
+            try_as_sent,
+            kind="start_bits_in_crc",
+            text=f"the CRC also covers {description}",
+            data=front << try_as_sent.bits | try_as_sent.data,
+            bits=try_as_sent.bits + front.bit_length(),
         )
 
 
@@ -165,53 +191,71 @@ def _whole_frame_tries(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[
 
 
 def _bytes_reversed(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
-    size = (placed.bits + 7) // 8
-    if text.number >> 8 * size or (text.exact and (text.bits not in (placed.bits, 8 * size) or text.bits % 8)):
+    """Yield a try in which the bytes of the frame, filled up with zeros, are in reverse order."""
+    byte_count = (placed.bits + 7) // 8
+    filled_bits = 8 * byte_count
+    if text.number >> filled_bits:
         return
-    swapped = int.from_bytes(text.number.to_bytes(size, "little"), "big")
-    number, unused = swapped & ((1 << placed.bits) - 1), 8 * size - placed.bits
-    description = "the bytes are in reverse order"
-    yield read_as("bytes_reversed", description, placed, crc, number, demanded=unused, holds=number == swapped)
+    is_whole_bytes = text.bits % 8 == 0 and text.bits in (placed.bits, filled_bits)
+    if text.exact and not is_whole_bytes:
+        return
+    swapped = int.from_bytes(text.number.to_bytes(byte_count, "little"), "big")
+    frame = swapped & ((1 << placed.bits) - 1)
+    yield read_as(
+        "bytes_reversed",
+        "the bytes are in reverse order",
+        placed,
+        crc,
+        frame,
+        demanded=filled_bits - placed.bits,
+        holds=frame == swapped,
+    )
 
 
 def _without_status(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
     """Yield tries in which error and warning are missing: removed after the CRC was computed, or before."""
-    status = _status_mask(placed)
-    short = placed.bits - status.bit_count()
-    if (
-        not status
-        or status >> crc.width != (1 << status.bit_count()) - 1
-        or not (text.bits == short if text.exact else text.bits <= short)
-    ):
+    status_mask = _status_mask(placed)
+    status_bits = status_mask.bit_count()
+    bits_without_status = placed.bits - status_bits
+    # The flags must be the last bits before the CRC.
+    is_before_crc = status_mask >> crc.width == (1 << status_bits) - 1
+    if not status_mask or not is_before_crc or not text.may_have(bits_without_status):
         return
     data, received = text.number >> crc.width, text.number & crc.mask
-    status_fields = [placed_field for placed_field in placed.fields if status >> placed_field.low & 1]
-    idle_fields = [placed_field for placed_field in status_fields if _is_set_when_idle(placed_field.field.kind)]
-    idle = sum(placed_field.mask << placed_field.low for placed_field in idle_fields)
-    frame = data << (crc.width + status.bit_count()) | idle | received
-    bits = short - crc.width
+    frame = data << (crc.width + status_bits) | _idle_status(placed, status_mask) | received
     description = "error and warning were removed from the frame"
-    yield read_as(
-        "status_not_sent", f"{description}, and the CRC is computed as if they were inactive", placed, crc, frame
-    )
+    as_if_inactive = f"{description}, and the CRC is computed as if they were inactive"
+    yield read_as("status_not_sent", as_if_inactive, placed, crc, frame)
     if text.exact:  # Otherwise this is the same as a CRC over the bits before them.
-        description += ", and the CRC covers the rest"
         yield Try(
-            "status_not_sent",
-            description,
-            crc,
-            data,
-            bits,
-            received,
-            crc.width,
+            kind="status_not_sent",
+            text=f"{description}, and the CRC covers the rest",
+            crc=crc,
+            data=data,
+            bits=bits_without_status - crc.width,
+            received=received,
+            known_bits=crc.width,
             likelihood=likelihood(placed, frame),
             number=frame,
             placed=placed,
         )
 
 
+def _idle_status(placed: PlacedLayout, status_mask: int) -> int:
+    """Return the bits of error and warning while neither is active."""
+    idle_bits = 0
+    for placed_field in placed.fields:
+        is_status = status_mask >> placed_field.low & 1
+        if is_status and _is_set_when_idle(placed_field.field.kind):
+            idle_bits |= placed_field.mask << placed_field.low
+    return idle_bits
+
+
 def _is_set_when_idle(kind: Kind) -> bool:
-    return kind.active_low if isinstance(kind, Flag) else isinstance(kind, Unused)
+    if isinstance(kind, Flag):
+        return kind.active_low
+    # An unused status bit is 1, like an inactive flag over BiSS.
+    return isinstance(kind, Unused)
 
 
 def other_answers(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
@@ -221,20 +265,19 @@ def other_answers(device: Device, variant: Variant, placed: PlacedLayout, crc: C
         if other_placed == placed:
             continue
         description = f"{other_placed.bits} bits, as with {' '.join(_options(device, answers))}"
-        for extra_bits in (0, 1):
-            if (
-                text.bits == other_placed.bits + extra_bits
-                if text.exact
-                else text.bits <= other_placed.bits + extra_bits
-            ):
-                longer_text = ", read one bit too long" if extra_bits else ""
-                yield read_as("other_answer", description + longer_text, other_placed, crc, text.number >> extra_bits)
+        if text.may_have(other_placed.bits):
+            yield read_as("other_answer", description, other_placed, crc, text.number)
+        if text.may_have(other_placed.bits + 1):
+            description += ", read one bit too long"
+            yield read_as("other_answer", description, other_placed, crc, text.number >> 1)
 
 
 def _options(device: Device, answers: Sequence[Answer]) -> Iterator[str]:
     """Yield the options of ``decode`` for the answers."""
     for alternative in device.alternatives:
-        yield from (f"--choose {alternative.name}={answer.name}" for answer in answers if answer in alternative.answers)
+        for answer in answers:
+            if answer in alternative.answers:
+                yield f"--choose {alternative.name}={answer.name}"
 
 
 def _other_polynomials(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
@@ -264,25 +307,30 @@ def _with_polynomial(crc: Crc, polynomial: int) -> Crc:
 
 def _of_length(placed: PlacedLayout, crc: Crc, other_crc: Crc, number: int, length: int) -> Try:
     """Return a try in which the ``length`` bits of ``number`` are the frame's data with the CRC ``other_crc``."""
-    data_bits, width = placed.bits - crc.width, other_crc.width
-    crc_part, data = number & ((1 << (length - data_bits)) - 1), number >> (length - data_bits)
-    known_bits = min(width, length - data_bits)
-    zeros = max(length - data_bits - width, 0)
+    data_bits = placed.bits - crc.width
+    bits_after_data = length - data_bits
+    data, after_data = number >> bits_after_data, number & ((1 << bits_after_data) - 1)
+    known_crc_bits = min(other_crc.width, bits_after_data)
+    zeros = max(bits_after_data - other_crc.width, 0)
+    are_zero = after_data & ((1 << zeros) - 1) == 0
     fixed, are_right = fixed_bits(placed, data << crc.width)
-    has_own_length = length == placed.bits
-    cut = ", followed by zeros" if zeros else ""
-    if known_bits < width:
-        cut = f", of which only {known_bits} bits arrived"
+    description = f"the polynomial is {other_crc.poly_with_top_bit:#x}, a {other_crc.width}-bit CRC"
+    if known_crc_bits < other_crc.width:
+        description += f", of which only {known_crc_bits} bits arrived"
+    elif zeros:
+        description += ", followed by zeros"
+    # In a frame of the expected length, the mistake does not move the constants, so they prove nothing.
+    has_frame_length = length == placed.bits
     return Try(
-        "other_polynomial",
-        f"the polynomial is {other_crc.poly_with_top_bit:#x}, a {width}-bit CRC{cut}",
-        other_crc,
-        data,
-        data_bits,
-        crc_part >> zeros,
-        known_bits,
-        demanded=zeros + (0 if has_own_length else fixed),
-        holds=(has_own_length or are_right) and not crc_part & ((1 << zeros) - 1),
+        kind="other_polynomial",
+        text=description,
+        crc=other_crc,
+        data=data,
+        bits=data_bits,
+        received=after_data >> zeros,
+        known_bits=known_crc_bits,
+        demanded=zeros + (0 if has_frame_length else fixed),
+        holds=are_zero and (has_frame_length or are_right),
         fixed=zeros + (fixed if are_right else 0),
         likelihood=likelihood(placed, data << crc.width),
     )
@@ -300,9 +348,16 @@ def _without_bits(data: int, bits: int, mask: int) -> tuple[int, int]:
 
 
 def _position(placed: PlacedLayout) -> tuple[int, int]:
-    """Return low bit and width of the number that a master would convert from Gray code to binary."""
-    chosen_name = placed.layout.gray_of or next((join.name for join in placed.layout.joins), "")
+    """Return low bit and width of the number that a master would convert from Gray code to binary.
+
+    This is the number in Gray code, a joined number, or else the widest one.
+    """
+    joins = placed.layout.joins
+    if placed.layout.gray_of:
+        return placed.place_of(placed.layout.gray_of)
+    if joins:
+        return placed.place_of(joins[0].name)
     numbers = [placed_field for placed_field in placed.fields if isinstance(placed_field.field.kind, Number)]
-    return placed.place_of(
-        chosen_name or (max(numbers, key=lambda placed_field: placed_field.width).name if numbers else "")
-    )
+    if not numbers:
+        return placed.place_of("")
+    return placed.place_of(max(numbers, key=lambda placed_field: placed_field.width).name)

@@ -226,8 +226,9 @@ def recorded_bits(text: BitText, bits: int) -> str:
 
     A number that fits into the frame may only have been padded, so its zeros are not counted.
     """
-    size = text.bits if text.exact or text.number >> bits == 0 else max(text.written, text.bits)
-    return f"{text.number:0{max(size, 1)}b}"
+    fits_into_frame = text.number >> bits == 0
+    count = text.bits if text.exact or fits_into_frame else max(text.written, text.bits)
+    return f"{text.number:0{max(count, 1)}b}"
 
 
 def recording_tries(line: Line, placed: PlacedLayout, crc: Crc | None, received: str) -> Iterator[Try]:
@@ -238,7 +239,8 @@ def recording_tries(line: Line, placed: PlacedLayout, crc: Crc | None, received:
             continue
         parts = {name: bits for name, bits in match.groupdict().items() if bits}
         frame = parts["frame"]
-        repeated = (frame + parts.get("gap", "") + frame)[len(frame) + len(parts.get("gap", "")) :]
+        # After the gap, an encoder that repeats its word sends the frame again, as far as the clock continues.
+        repeated_frame = parts.get("again", "")
         attempt = read_as(
             recording.kind,
             recording.text,
@@ -246,7 +248,7 @@ def recording_tries(line: Line, placed: PlacedLayout, crc: Crc | None, received:
             crc,
             int(frame, 2),
             demanded=sum(len(parts.get(name, "")) for name in recording.proof),
-            holds=repeated.startswith(parts.get("again", "")),
+            holds=frame.startswith(repeated_frame),
         )
         yield replace(attempt, parts=tuple(parts.items()))
 
@@ -255,11 +257,10 @@ def window_tries(placed: PlacedLayout, crc: Crc, received: str) -> Iterator[Try]
     """Yield the frames at every bit. Of many places, one matches by chance more often."""
     places = len(received) - placed.bits + 1
     for place in range(places):
-        frame = received[place : place + placed.bits]
+        before, frame, behind = received[:place], received[place : place + placed.bits], received[place + placed.bits :]
         attempt = read_as(FRAME_INSIDE, FRAME_INSIDE_TEXT.format(place), placed, crc, int(frame, 2))
-        around = (("before", received[:place]), ("frame", frame), ("behind", received[place + placed.bits :]))
-        parts = tuple((name, bits) for name, bits in around if bits)
-        yield replace(attempt, template=FRAME_INSIDE_TEXT, parts=parts, places=places)
+        parts = [(name, bits) for name, bits in (("before", before), ("frame", frame), ("behind", behind)) if bits]
+        yield replace(attempt, template=FRAME_INSIDE_TEXT, parts=tuple(parts), places=places)
 
 
 def missing_part(line: Line, bits: int, received: str) -> str:

@@ -23,21 +23,23 @@ def judge_together(whys: Sequence[Why]) -> list[CommonMistake]:
     """Return the mistakes that explain the most frames, most likely first."""
     explanations_by_mistake: dict[tuple[str, str, bool], list[Explanation]] = {}
     for why in whys:
+        # One mistake may have several explanations of a frame, of which the first is the likeliest.
         likeliest = {explanation.mistake: explanation for explanation in reversed(why.explanations)}
         for mistake, explanation in likeliest.items():
             explanations_by_mistake.setdefault(mistake, []).append(explanation)
-    most = max(map(len, explanations_by_mistake.values()), default=0)
-    mistakes = [
-        CommonMistake(
-            text=_common_text(explanations),
-            frames=most,
-            one_in=prod(explanation.one_in for explanation in explanations),
-            score=sum(log2(explanation.score) for explanation in explanations),
-        )
-        for explanations in explanations_by_mistake.values()
-        if len(explanations) == most
-    ]
-    return sorted(mistakes, key=lambda mistake: -mistake.score)
+    frame_counts = [len(explanations) for explanations in explanations_by_mistake.values()]
+    most_frames = max(frame_counts, default=0)
+    common_mistakes: list[CommonMistake] = []
+    for explanations in explanations_by_mistake.values():
+        if len(explanations) == most_frames:
+            common_mistake = CommonMistake(
+                text=_common_text(explanations),
+                frames=most_frames,
+                one_in=prod(explanation.one_in for explanation in explanations),
+                score=sum(log2(explanation.score) for explanation in explanations),
+            )
+            common_mistakes.append(common_mistake)
+    return sorted(common_mistakes, key=lambda mistake: -mistake.score)
 
 
 def _common_text(explanations: Sequence[Explanation]) -> str:

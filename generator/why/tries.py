@@ -6,6 +6,7 @@ from collections import ChainMap
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import islice, product
 from types import MappingProxyType
+from typing import NamedTuple
 
 from ..model import (
     Choice,
@@ -15,6 +16,7 @@ from ..model import (
     Decimal,
     Device,
     Flag,
+    Layout,
     Number,
     Parity,
     PlacedField,
@@ -41,6 +43,10 @@ class BitText:
     bits: int
     exact: bool
     written: int = 0
+
+    def may_have(self, bits: int) -> bool:
+        """Return whether the frame may have been this number of bits."""
+        return self.bits == bits if self.exact else self.bits <= bits
 
 
 NOT_INVERTED = "crc_not_inverted"
@@ -124,16 +130,17 @@ class Try:
 
     @property
     def fits(self) -> bool:
+        """Whether a frame with the mistake has these bits: the ones that it determines, and the CRC."""
         if not self.holds:
             return False
         if self.crc is None:
             return True
-        computed = (
-            compute_bytes(self.crc, self.data.to_bytes(self.bits // 8, "big"))
-            if self.by_bytes
-            else compute_bits(self.crc, self.data, self.bits)
-        )
-        return computed >> (self.crc.width - self.known_bits) == self.received
+        if self.by_bytes:
+            computed = compute_bytes(self.crc, self.data.to_bytes(self.bits // 8, "big"))
+        else:
+            computed = compute_bits(self.crc, self.data, self.bits)
+        missing_crc_bits = self.crc.width - self.known_bits
+        return computed >> missing_crc_bits == self.received
 
     @property
     def one_in(self) -> int:
@@ -148,8 +155,10 @@ class Try:
 
     @property
     def question(self) -> tuple[object, ...]:
-        """Key of the try. Tries with the same key match the same frames. With init 0, leading zeros do not matter."""
-        bits = self.bits if self.crc is not None and self.crc.init else 0
+        """Key of the try. Tries with the same key match the same frames."""
+        # With a start value of 0, leading zeros do not change the CRC, so the number of bits does not matter.
+        has_start_value = self.crc is not None and self.crc.init != 0
+        bits = self.bits if has_start_value else 0
         return self.crc, self.data, bits, self.received, self.known_bits
 
 
@@ -158,15 +167,19 @@ def fixed_bits(placed: PlacedLayout, number: int) -> tuple[int, bool]:
 
     These are constants, parity, and the field that identifies the layout.
     """
-    bits, holds = 0, True
+    bits, are_right = 0, True
     for placed_field in placed.fields:
-        raw, expected = number >> placed_field.low & placed_field.mask, _fixed_value(placed, placed_field, number)
+        raw = number >> placed_field.low & placed_field.mask
+        expected = _fixed_value(placed, placed_field, number)
         if expected is not None:
-            bits, holds = bits + placed_field.width, holds and raw == expected
+            bits += placed_field.width
+            are_right = are_right and raw == expected
         elif placed_field.name == placed.layout.selector:
-            bits += placed_field.width - (len(placed.layout.selects) - 1).bit_length()
-            holds = holds and raw in placed.layout.selects
-    return bits, holds
+            # Of several values of the selector, each is right.
+            free_bits = (len(placed.layout.selects) - 1).bit_length()
+            bits += placed_field.width - free_bits
+            are_right = are_right and raw in placed.layout.selects
+    return bits, are_right
 
 
 def _fixed_value(placed: PlacedLayout, placed_field: PlacedField, number: int) -> int | None:
@@ -188,10 +201,12 @@ def likelihood(placed: PlacedLayout, number: int) -> float:
     for placed_field in placed.fields:
         raw = number >> placed_field.low & placed_field.mask
         match placed_field.field.kind:
-            case Flag(active_low=low):
-                likelihood *= ACTIVE if bool(raw) != low else IDLE
+            case Flag(active_low=active_low):
+                is_active = bool(raw) != active_low
+                likelihood *= ACTIVE if is_active else IDLE
             case Unused(value):
-                likelihood *= IDLE**placed_field.width if raw == value & placed_field.mask else ACTIVE
+                is_as_documented = raw == value & placed_field.mask
+                likelihood *= IDLE**placed_field.width if is_as_documented else ACTIVE
     return likelihood
 
 
@@ -210,17 +225,19 @@ def read_as(
 
     Without a CRC, lost bits are those with which the parity is right.
     """
-    fixed, are_right = fixed_bits(placed, number)
     if crc is None:
         return _without_crc(kind, words, placed, number, lost, demanded, holds)
-    received = (number & crc.mask) >> lost
+    fixed, are_right = fixed_bits(placed, number)
+    covered_data, covered_bits = covered_number(placed, number)
     return Try(
-        kind,
-        words,
-        crc,
-        *covered_number(placed, number),
-        received,
-        crc.width - lost,
+        kind=kind,
+        text=words,
+        crc=crc,
+        data=covered_data,
+        bits=covered_bits,
+        # The CRC is at the end of the frame.
+        received=(number & crc.mask) >> lost,
+        known_bits=crc.width - lost,
         demanded=demanded + fixed,
         holds=holds and are_right,
         likelihood=likelihood(placed, number),
@@ -234,13 +251,14 @@ def _without_crc(
     kind: str, words: str, placed: PlacedLayout, number: int, lost: int, demanded: int, holds: bool
 ) -> Try:
     """Return a try with a frame that only its constants and parity can contradict."""
-    completed = (number | last_bits for last_bits in range(1 << lost))
-    frame = next((frame for frame in completed if fixed_bits(placed, frame)[1]), number)
+    possible_frames = [number | last_bits for last_bits in range(1 << lost)]
+    right_frames = [frame for frame in possible_frames if fixed_bits(placed, frame)[1]]
+    frame = right_frames[0] if right_frames else number
     fixed, are_right = fixed_bits(placed, frame)
     return Try(
-        kind,
-        words,
-        None,
+        kind=kind,
+        text=words,
+        crc=None,
         data=frame,
         bits=placed.bits,
         received=0,
@@ -265,8 +283,11 @@ _CUT = 2
 _STATES = 4096
 
 
-#: A layout of a certain length, and the order codes that send it, or none if registers set that length.
-Shape = tuple[PlacedLayout, tuple[str, ...]]
+class Shape(NamedTuple):
+    """A layout of a certain length, and the order codes that send it, or none if registers set that length."""
+
+    placed: PlacedLayout
+    codes: tuple[str, ...]
 
 
 def other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
@@ -274,54 +295,54 @@ def other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc
 
     The frame is complete, read too long, or truncated.
     """
-    shapes = _shapes(device, variant, placed)
-    yield from _complete_frame_tries(variant, placed, crc, text, shapes)
-    for bits, shapes_of_length in shapes.items():
+    shapes_by_length = _shapes(device, variant, placed)
+    yield from _complete_frame_tries(variant, placed, crc, text, shapes_by_length)
+    for bits, shapes in shapes_by_length.items():
         extra_bits = placed.bits - bits
-        if extra_bits > 0 and (text.bits == placed.bits if text.exact else text.bits <= placed.bits):
+        if extra_bits > 0 and text.may_have(placed.bits):
             # The first extra bit is the stop bit or whatever came instead. The others are 0: the master holds SLI at 0.
             zeros = extra_bits if extra_bits > 1 else 0
-            last_bits = text.number & ((1 << zeros) - 1)
+            are_zero = text.number & ((1 << zeros) - 1) == 0
             number = text.number >> extra_bits
-            other_placed, codes = _possible_shape(shapes_of_length, number)
-            words = f"{bits} bits, {_sender(variant, codes)}, read {counted(extra_bits, 'bit')} too long"
-            holds = not last_bits
-            yield read_as(_kind(codes), words, other_placed, crc, number, demanded=zeros, holds=holds, codes=codes)
+            shape = _possible_shape(shapes, number)
+            words = f"{bits} bits, {_sender(variant, shape.codes)}, read {counted(extra_bits, 'bit')} too long"
+            kind = _kind(shape.codes)
+            yield read_as(kind, words, shape.placed, crc, number, demanded=zeros, holds=are_zero, codes=shape.codes)
         elif -_CUT <= extra_bits < 0 and text.bits == placed.bits:
-            number = text.number << -extra_bits
-            other_placed, codes = _possible_shape(shapes_of_length, number)
-            words = f"{bits} bits, {_sender(variant, codes)}, read {counted(-extra_bits, 'bit')} too short"
-            yield read_as(_kind(codes), words, other_placed, crc, number, -extra_bits, codes=codes)
+            lost_bits = -extra_bits
+            number = text.number << lost_bits
+            shape = _possible_shape(shapes, number)
+            words = f"{bits} bits, {_sender(variant, shape.codes)}, read {counted(lost_bits, 'bit')} too short"
+            yield read_as(_kind(shape.codes), words, shape.placed, crc, number, lost=lost_bits, codes=shape.codes)
 
 
 def _complete_frame_tries(
-    variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText, shapes: Mapping[int, Sequence[Shape]]
+    variant: Variant, placed: PlacedLayout, crc: Crc, text: BitText, shapes_by_length: Mapping[int, Sequence[Shape]]
 ) -> Iterator[Try]:
     """Yield a try with the complete frame of another order code or other register values."""
-    whole: list[Sequence[Shape]] = []
-    for bits, shapes_of_length in shapes.items():
-        if bits == text.bits if text.exact else placed.bits < text.bits <= bits:
-            whole.append(shapes_of_length)
-    if whole:
-        # If the text may have any number of leading zeros, the CRC cannot distinguish these lengths.
-        likely_placed = _possible_shape(whole[0], text.number)[0]
-        codes = tuple(code for shapes_of_length in whole for code in _possible_shape(shapes_of_length, text.number)[1])
-        length_text = " or more" if len(whole) > 1 else ""
-        yield read_as(
-            _kind(codes),
-            f"{likely_placed.bits} bits{length_text}, {_sender(variant, codes)}",
-            likely_placed,
-            crc,
-            text.number,
-            codes=codes,
-        )
+    possible_shapes: list[Shape] = []
+    for bits, shapes in shapes_by_length.items():
+        # A text without leading zeros that fits into the expected frame is not explained by a longer one.
+        is_long_enough = text.exact or text.bits > placed.bits
+        if is_long_enough and text.may_have(bits):
+            possible_shapes.append(_possible_shape(shapes, text.number))
+    if not possible_shapes:
+        return
+    # If the text may have any number of leading zeros, the CRC cannot distinguish these lengths.
+    likely_placed = possible_shapes[0].placed
+    codes = tuple(code for shape in possible_shapes for code in shape.codes)
+    length_text = f"{likely_placed.bits} bits"
+    if len(possible_shapes) > 1:
+        length_text += " or more"
+    words = f"{length_text}, {_sender(variant, codes)}"
+    yield read_as(_kind(codes), words, likely_placed, crc, text.number, codes=codes)
 
 
 def _possible_shape(shapes: Sequence[Shape], number: int) -> Shape:
     """Return the shape of this length with the fewest fixed bits, and all order codes that could send the frame."""
-    possible_shapes = [shape for shape in shapes if fixed_bits(shape[0], number)[1]] or shapes
-    likeliest = min(possible_shapes, key=lambda shape: fixed_bits(shape[0], number)[0])
-    return likeliest[0], tuple(code for _, codes in possible_shapes for code in codes)
+    possible_shapes = [shape for shape in shapes if fixed_bits(shape.placed, number)[1]] or shapes
+    likeliest = min(possible_shapes, key=lambda shape: fixed_bits(shape.placed, number)[0])
+    return Shape(likeliest.placed, tuple(code for shape in possible_shapes for code in shape.codes))
 
 
 def _kind(codes: Sequence[str]) -> str:
@@ -341,26 +362,40 @@ def _shapes(device: Device, variant: Variant, placed: PlacedLayout) -> dict[int,
 
     Those of one length differ in their fixed bits, such as zeros above the position.
     """
-    layouts_by_length: dict[tuple[int, object], tuple[PlacedLayout, list[str]]] = {}
-    names = [parameter.name for parameter in device.parameters if parameter.alternative]
-    answers = {name: variant.parameters[name] for name in names}
+    shapes = _shapes_of_order_codes(device, variant, placed)
+    lengths = {shape.placed.bits for shape in shapes}
+    for parameters in _parameters_of_states(device, variant, placed.layout):
+        bits = placed.layout.bits.value(parameters)
+        if bits not in lengths:
+            lengths.add(bits)
+            shapes.append(Shape(placed.layout.place(parameters), ()))
+    shapes_by_length: dict[int, list[Shape]] = {}
+    for shape in sorted(shapes, key=lambda shape: shape.placed.bits):
+        if shape.placed.bits != placed.bits:
+            shapes_by_length.setdefault(shape.placed.bits, []).append(shape)
+    return shapes_by_length
+
+
+def _shapes_of_order_codes(device: Device, variant: Variant, placed: PlacedLayout) -> list[Shape]:
+    """Return the layout for each order code, once for those with the same length and the same constant bits."""
+    # A question that the manual leaves open has the same answer for all of them.
+    answered = [parameter.name for parameter in device.parameters if parameter.alternative]
+    answers = {name: variant.parameters[name] for name in answered}
+    shapes: dict[tuple[int, object], Shape] = {}
     for other_variant in device.variants_over(variant.interface):
         other_placed = placed.layout.place({**other_variant.parameters, **answers})
         constants = [field for field in other_placed.fields if isinstance(field.field.kind, Constant)]
         key = (other_placed.bits, tuple((field.low, field.width) for field in constants))
-        layouts_by_length.setdefault(key, (other_placed, []))[1].append(other_variant.code)
-    lengths = {bits for bits, _ in layouts_by_length}
-    registers = run_time_widths(device, placed.layout)
-    register_parameters = [width for width in device.run_time_parameters if width.read_from in registers]
-    if register_parameters:
-        for states in islice(product(*possible_states(register_parameters)), _STATES):
-            parameters = with_changed(device, variant, ChainMap(*map(dict, states)))
-            if placed.layout.bits.value(parameters) not in lengths:
-                other_placed = placed.layout.place(parameters)
-                lengths.add(other_placed.bits)
-                layouts_by_length[other_placed.bits, ()] = (other_placed, [])
-    shapes: dict[int, list[Shape]] = {}
-    for (bits, _), (other_placed, codes) in sorted(layouts_by_length.items(), key=lambda pair: pair[0][0]):
-        if bits != placed.bits:
-            shapes.setdefault(bits, []).append((other_placed, tuple(codes)))
-    return shapes
+        shape = shapes.get(key, Shape(other_placed, ()))
+        shapes[key] = Shape(shape.placed, (*shape.codes, other_variant.code))
+    return list(shapes.values())
+
+
+def _parameters_of_states(device: Device, variant: Variant, layout: Layout) -> Iterator[Mapping[str, int]]:
+    """Yield the parameters with other values of the registers that decide the length of a layout."""
+    registers = run_time_widths(device, layout)
+    parameters_in_registers = [width for width in device.run_time_parameters if width.read_from in registers]
+    if not parameters_in_registers:
+        return
+    for state in islice(product(*possible_states(parameters_in_registers)), _STATES):
+        yield with_changed(device, variant, ChainMap(*map(dict, state)))

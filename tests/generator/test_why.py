@@ -19,8 +19,9 @@ from codewheel.commands.decode.text import explain
 from codewheel.loading.library import load_library
 from codewheel.model import Device
 from codewheel.order_codes.labels import find
-from codewheel.why.mistakes import BitText, Why, explain_bits
+from codewheel.why.mistakes import Why, explain_bits
 from codewheel.why.tries import MISTAKES as KINDS
+from codewheel.why.tries import BitText
 from exhaustive import mostly_exhaustive
 from planted import (
     BYTE_CODES,

@@ -77,9 +77,12 @@ def run(chosen: argparse.Namespace) -> int:
         raise Stop(f"--format {chosen.format} lists problems only; leave --coverage out", 2)
     chosen.json = chosen.json or chosen.format == "json"
     cache = cache_for(chosen)
+    # The counts of the coverage, and the problems of chosen targets, depend on more than the stored inputs.
+    is_storable = not chosen.coverage and not chosen.target
     options = filters_as_texts(settings.only) if settings is not None else []
-    result = cached_result(NO_CACHE if chosen.coverage or chosen.target else cache, "check", specs.paths, options)
+    result = cached_result(cache if is_storable else NO_CACHE, "check", specs.paths, options)
     if _print_stored(result, chosen):
+        # Only runs without problems are stored.
         return 0
     return _check(specs.paths, settings, chosen, cache, result)
 

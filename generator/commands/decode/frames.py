@@ -135,28 +135,39 @@ def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> Bit
     """
     compact = _GAPS.sub("", text)
     if _BITS.fullmatch(compact):
-        return BitText(int(compact, 2), len(compact) - 2, exact=True, written=len(compact) - 2)
+        bits = len(compact) - len("0b")
+        return BitText(int(compact, 2), bits, exact=True, written=bits)
     pieces = text.split()
-    if len(pieces) > 1 and all(map(_ONE_BYTE.fullmatch, pieces)):
-        has_no_prefix = all(len(piece) == 2 for piece in pieces)
-        if has_no_prefix and set("".join(pieces)) <= set("01"):
-            raise FrameTextError(say.bits_or_bytes(quoted(text)))
+    are_bytes = len(pieces) > 1 and all(map(_ONE_BYTE.fullmatch, pieces))
+    if are_bytes:
+        _refuse_bits_in_pairs(pieces, text)
+        # A byte may have a prefix of its own.
         compact = "0x" + "".join(piece[-2:] for piece in pieces)
         if exact and len(pieces) != (placed.bits + 7) // 8:
-            return BitText(int(compact, 16), 8 * len(pieces), exact=True, written=8 * len(pieces))
+            bits = 8 * len(pieces)
+            return BitText(int(compact, 16), bits, exact=True, written=bits)
     if _NUMBER.fullmatch(compact):
         number = int(compact, 16)
-        return BitText(number, number.bit_length(), exact=False, written=4 * (len(compact) - 2))
+        hex_digits = len(compact) - len("0x")
+        return BitText(number, number.bit_length(), exact=False, written=4 * hex_digits)
     readings = list(_readings(compact, placed.bits)) if len(pieces) == 1 else []
     remedy = say.write_one_of(", ".join(readings)) if readings else say.write_number(str(placed.bits))
     raise FrameTextError(say.no_bits(quoted(visible(text)), str(placed.bits), remedy))
 
 
+def _refuse_bits_in_pairs(pieces: Sequence[str], text: str) -> None:
+    """Raise FrameTextError if the pieces, such as ``10 01 11``, may be bits as well as bytes."""
+    have_no_prefix = all(len(piece) == 2 for piece in pieces)
+    if have_no_prefix and set("".join(pieces)) <= {"0", "1"}:
+        raise FrameTextError(say.bits_or_bytes(quoted(text)))
+
+
 def _readings(digits: str, bits: int) -> Iterator[str]:
     """Yield the possible meanings of digits without a prefix that fit into the bits. The page has the same rule."""
-    if re.fullmatch(r"0|[1-9][0-9]{0,39}", digits) and not int(digits) >> bits:
+    largest = (1 << bits) - 1
+    if re.fullmatch(r"0|[1-9][0-9]{0,39}", digits) and int(digits) <= largest:
         yield say.if_decimal(f"0x{int(digits):X}")
-    if re.fullmatch(r"[0-9A-Fa-f]{1,40}", digits) and not int(digits, 16) >> bits:
+    if re.fullmatch(r"[0-9A-Fa-f]{1,40}", digits) and int(digits, 16) <= largest:
         yield say.if_hex(digits)
     if re.fullmatch(r"[01]{1,40}", digits):
         yield say.if_bits(digits)

@@ -280,25 +280,33 @@ def _bit_name(bit: int, placed: PlacedLayout) -> str:
 
 
 def _mistake_lines(why: Why) -> list[str]:
-    by_chance = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "less than 1"
+    """Return the mistakes that explain a frame, each with its chance, and the hints that follow them."""
+    percent = f"{100 * why.coincidence:.0f}" if why.coincidence >= 0.005 else "less than 1"
     tried = counted(why.tried, "common mistake")
-    chance = f"{tried} tried; {by_chance} of 100 random frames would match at least one"
-    last_lines = []
-    if why.needs_another_frame:
-        last_lines.append(wrapped(ANOTHER_FRAME, WIDTH, "  ", ""))
-    if why.cannot_see:
-        last_lines.append(wrapped(f"This CRC cannot detect: {'; '.join(why.cannot_see)}.", WIDTH, "  ", ""))
-    if why.missing:
-        last_lines.insert(0, wrapped(sentence(capitalized(why.missing)), WIDTH, "  ", ""))
+    chance = f"{tried} tried; {percent} of 100 random frames would match at least one"
+    hints = _hint_lines(why)
     if not why.explanations:
-        nothing_found = [wrapped(f"No common mistake explains it ({chance}).", WIDTH, "  ", "")] if why.tried else []
-        return ["", *nothing_found, *last_lines]
+        no_explanation = wrapped(f"No common mistake explains it ({chance}).", WIDTH, "  ", "")
+        return ["", no_explanation, *hints] if why.tried else ["", *hints]
     lines = ["", wrapped(_introduction(why, chance), WIDTH, "  ", "")]
     for explanation in why.explanations:
         lines.append(wrapped(explanation.text, WIDTH, " " * 6, "    - "))
-        details = filter(None, (_chance_and_values(explanation), _parts_line(explanation)))
-        lines += [wrapped(detail, WIDTH, " " * 6, " " * 6) for detail in details]
-    return [*lines, *last_lines]
+        for detail in (_chance_and_values(explanation), _parts_line(explanation)):
+            if detail:
+                lines.append(wrapped(detail, WIDTH, " " * 6, " " * 6))
+    return [*lines, *hints]
+
+
+def _hint_lines(why: Why) -> list[str]:
+    """Return what a recording lacks, whether another frame would help, and what the CRC cannot detect."""
+    lines = []
+    if why.missing:
+        lines.append(wrapped(sentence(capitalized(why.missing)), WIDTH, "  ", ""))
+    if why.needs_another_frame:
+        lines.append(wrapped(ANOTHER_FRAME, WIDTH, "  ", ""))
+    if why.cannot_see:
+        lines.append(wrapped(f"This CRC cannot detect: {'; '.join(why.cannot_see)}.", WIDTH, "  ", ""))
+    return lines
 
 
 def together_lines(mistakes: Sequence[CommonMistake], failed: int) -> Iterator[str]:
@@ -322,10 +330,14 @@ def _introduction(why: Why, chance: str) -> str:
 
 
 def _chance_and_values(explanation: Explanation) -> str:
-    chance = f"matches by chance in {_frequency(explanation.one_in)} frames" if explanation.one_in > 1 else ""
-    values = ", ".join(f"{name} {value}" for name, value in explanation.reads.items())
-    given_values = f"gives {values}" if values else ""
-    return ", and ".join(filter(None, (chance, given_values)))
+    """Return how often a mistake matches by chance, and the values that the frame has without it."""
+    texts = []
+    if explanation.one_in > 1:
+        texts.append(f"matches by chance in {_frequency(explanation.one_in)} frames")
+    if explanation.reads:
+        values = ", ".join(f"{name} {value}" for name, value in explanation.reads.items())
+        texts.append(f"gives {values}")
+    return ", and ".join(texts)
 
 
 def _parts_line(explanation: Explanation) -> str:
@@ -399,9 +411,10 @@ def _row(placed: PlacedLayout, field: codec.DecodedField) -> _Row:
 
 def _meaning_text(placed: PlacedLayout, field: codec.DecodedField) -> str:
     """Return the meaning, and for a number in Gray code also how it was sent."""
-    gray_names = placed.layout.names_in(placed.layout.gray_of) if placed.gray else ()
-    is_gray = field.name in (*gray_names, placed.layout.gray_of) and isinstance(field.value, int)
-    if not placed.gray or not is_gray:
+    if not placed.gray:
+        return field.meaning
+    gray_names = (*placed.layout.names_in(placed.layout.gray_of), placed.layout.gray_of)
+    if field.name not in gray_names or not isinstance(field.value, int):
         return field.meaning
     gray_text = say.in_gray_code(f"{field.raw:#x}", f"{field.value:#x}")
     return f"{sentence(field.meaning)} {capitalized(gray_text)}" if field.meaning else gray_text
@@ -412,11 +425,14 @@ def capitalized(text: str) -> str:
 
 
 def _value_text(field: codec.DecodedField) -> str:
+    """Return the value of a field with its unit, and the quantity that it stands for."""
     if isinstance(field.value, bool):
         text = "yes" if field.value else "no"
     else:
         text = with_unit(str(field.value), field.unit)
-    return f"{text} ({quantity(field.scale, int(field.value))})" if field.scale is not None else text
+    if field.scale is None:
+        return text
+    return f"{text} ({quantity(field.scale, int(field.value))})"
 
 
 def other_frames_line(decoded: codec.Decoded, other_layouts: Sequence[PlacedLayout]) -> str:

@@ -124,7 +124,9 @@ def _parameter_lines(device: Device, variant: Variant) -> list[str]:
     names = run_time_names(device)
     fixed = [parameter for parameter in parameters if parameter.name not in names and not parameter.alternative]
     at_run_time = [parameter for parameter in parameters if parameter.name in names]
-    lines = ["", "Parameters", *_value_lines(device, fixed, variant)] if fixed else []
+    lines = []
+    if fixed:
+        lines += ["", "Parameters", *_value_lines(device, fixed, variant)]
     if at_run_time:
         heading = f"Held in registers ({say_order_code.initial(device)})"
         lines += ["", heading, *_value_lines(device, at_run_time, variant)]
@@ -163,9 +165,12 @@ def alternative_lines(device: Device) -> list[str]:
 
 
 def _how_to_choose(alternative: Alternative) -> str:
-    default = f"{alternative.default} applies without a choice. " if alternative.default else ""
-    example_answer = alternative.answers[1 if alternative.default else 0]
-    return f"{default}Give decode the answer with --choose {alternative.name}={example_answer.name}"
+    """Return the option of ``decode`` for an answer, as an example: the first one that is not the default."""
+    if alternative.default:
+        text, example = f"{alternative.default} applies without a choice. ", alternative.answers[1]
+    else:
+        text, example = "", alternative.answers[0]
+    return f"{text}Give decode the answer with --choose {alternative.name}={example.name}"
 
 
 # -- the position
@@ -220,22 +225,23 @@ def interface_lines(device: Device, interface: Interface) -> list[str]:
 
 def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[str]:
     """Return the lines about a frame of a family: its fields with their widths, one line per group."""
-    widths: dict[str, list[str]] = {}
+    widths_by_name: dict[str, list[str]] = {}
     for field in layout.fields:
-        widths.setdefault(field.group or field.name, []).append(_width(field))
+        widths_by_name.setdefault(field.group or field.name, []).append(_width(field))
     head = BY_NAME.sentence(say_layout.head(interface, layout, layout.name, device.alternatives))
-    statements = [*say_layout.facts(interface, layout), *needed_answers(device, layout)]
-    return [
-        wrapped(head, WIDTH, "    ", "  "),
-        *pairs(((name, ", ".join(texts)) for name, texts in widths.items()), 4),
-        *(_paragraph(BY_NAME.sentence(statement)) for statement in statements),
-    ]
+    lines = [wrapped(head, WIDTH, "    ", "  ")]
+    lines += pairs([(name, ", ".join(widths)) for name, widths in widths_by_name.items()], 4)
+    for statement in (*say_layout.facts(interface, layout), *needed_answers(device, layout)):
+        lines.append(_paragraph(BY_NAME.sentence(statement)))
+    return lines
 
 
 def _width(field: Field) -> str:
     """Return the width of a field, with the name of a field in a group, or else with its fixed value."""
     width = field.width.constant if field.width.is_constant else field.width.render()
-    return f"{field.name} {width}" if field.group else counted(width, "bit") + _fixed_value(field)
+    if field.group:
+        return f"{field.name} {width}"
+    return counted(width, "bit") + _fixed_value(field)
 
 
 def _fixed_value(field: Field) -> str:
@@ -262,7 +268,8 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
         notes.append(f"The widths are the {say_order_code.initial(device)} in {places}.")
     if layout.gray_of:
         notes.append(_code_of_position(device, placed))
-    return [wrapped(head, WIDTH, "  ", ""), *picture(placed), *(wrapped(note, WIDTH, "  ", "  ") for note in notes)]
+    lines = [wrapped(head, WIDTH, "  ", ""), *picture(placed)]
+    return lines + [wrapped(note, WIDTH, "  ", "  ") for note in notes]
 
 
 def _notes_about_choices(device: Device, layout: Layout, style: Style) -> Iterator[str]:
@@ -276,27 +283,39 @@ def _notes_about_choices(device: Device, layout: Layout, style: Style) -> Iterat
 def _code_of_position(device: Device, placed: PlacedLayout) -> str:
     """Return the code of the position, Gray or binary, and the registers that decide it."""
     layout = placed.layout
-    names = device.needed_parameters([layout.gray_when] if layout.gray_when else [])
-    deciding = [parameter for parameter in device.run_time_parameters if parameter.name in names]
+    code = "Gray code" if placed.gray else "binary"
+    text = f"{layout.gray_of} is in {code}"
+    deciding_names = device.needed_parameters([layout.gray_when]) if layout.gray_when else ()
+    deciding = [parameter for parameter in device.run_time_parameters if parameter.name in deciding_names]
+    if not deciding:
+        return f"{text}."
     places = ", ".join(field_at(device, parameter.read_from) for parameter in deciding)
-    reason = f", according to the factory default of {places}" if places else ""
-    return f"{layout.gray_of} is in {'Gray code' if placed.gray else 'binary'}{reason}."
+    return f"{text}, according to the factory default of {places}."
+
+
+#: Columns of a picture before its first box, with the edges of the row.
+_PICTURE_MARGIN = 3
 
 
 def picture(placed: PlacedLayout) -> list[str]:
     """Draw the layout as rows of boxes in the order sent, within the width of a terminal."""
-    rows: list[list[tuple[str, str]]] = []
-    columns = WIDTH
+    rows: list[list[tuple[str, str]]] = [[]]
+    columns = _PICTURE_MARGIN
     for placed_field in placed.fields:
         text = _box_text(placed_field.field)
         place = bit_place(placed.layout, placed.bits, placed_field.high, placed_field.low)
         width = max(len(text), len(place)) + 2
-        if not rows or columns + width + 1 > WIDTH:
+        # Each box has one edge of its own.
+        if rows[-1] and columns + width + 1 > WIDTH:
             rows.append([])
-            columns = 3
+            columns = _PICTURE_MARGIN
         rows[-1].append((text.center(width), place.center(width)))
         columns += width + 1
-    return [line for boxes in rows for line in _box_lines(boxes)]
+    lines: list[str] = []
+    for boxes in rows:
+        if boxes:
+            lines += _box_lines(boxes)
+    return lines
 
 
 def _box_lines(boxes: Sequence[tuple[str, str]]) -> list[str]:
@@ -329,19 +348,21 @@ def register_lines(device: Device, variant: Variant | None) -> list[str]:
 
 
 def _lines_about_register(device: Device, register: Register, variant: Variant | None) -> list[str]:
+    """Return the lines about a register: its facts, its fields for an order code, and its values."""
     style = style_with(variant.parameters if variant is not None else None)
     head = style.sentence(say_register.head(device, register, register.name))
     lines = [wrapped(head, WIDTH, "    ", "  ")]
     fields = register.layout.fields
-    facts = [*say_register.facts(device, register), *(say_field.rules(device, fields[0]) if len(fields) == 1 else ())]
+    facts = list(say_register.facts(device, register))
+    if len(fields) == 1:
+        facts += say_field.rules(device, fields[0])
     if facts:
         lines.append(wrapped(style.paragraph(facts), WIDTH, "    "))
     if variant is not None and len(fields) > 1:
-        placed = register.layout.place(variant.parameters)
-        lines += pairs(
-            ((bits(part.high, part.low), _about_field(device, part.field, style)) for part in placed.fields), 4
-        )
-    return lines + pairs(((hexadecimal(value.value), _about_value(value)) for value in register.values), 4)
+        placed_fields = register.layout.place(variant.parameters).fields
+        rows = [(bits(field.high, field.low), _about_field(device, field.field, style)) for field in placed_fields]
+        lines += pairs(rows, 4)
+    return lines + pairs([(hexadecimal(value.value), _about_value(value)) for value in register.values], 4)
 
 
 def _about_value(value: Value) -> str:
@@ -351,8 +372,11 @@ def _about_value(value: Value) -> str:
 
 
 def _about_field(device: Device, field: Field, style: Style) -> str:
-    rules = say_field.rules(device, field)
-    text = style.paragraph([say_field.choices(field.values), *rules] if field.values else rules)
+    """Return the name of a field with its values and its rules."""
+    statements = list(say_field.rules(device, field))
+    if field.values:
+        statements.insert(0, say_field.choices(field.values))
+    text = style.paragraph(statements)
     return f"{field.name}: {text}" if text else field.name
 
 

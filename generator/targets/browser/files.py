@@ -31,7 +31,7 @@ from ...say.names_and_places import field_at
 from ...say.order_code import not_on_label
 from ...say.plain_text import plain
 from ...say.text import BY_NAME, WORTH
-from ...why import MOST_FRAMES, in_bits, mistakes
+from ...why import MOST_FRAMES, in_bits, in_bytes
 from ...why.doubts import READINGS
 from ...why.exchanges import ECHO_TEXT, FRAMES_TEXT, LEAST_EVIDENCE, MOST_BYTES
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, Line, line_name
@@ -150,7 +150,7 @@ def _answer_data(answer: Answer) -> list[Any]:
 def _crc_data(device: Device, crc: Crc) -> Data:
     """Return the parameters of a CRC, and those of similar CRCs that may be used by mistake."""
     is_over_bytes = Carrier.BYTES in carriers(device, crc)
-    similar_crcs = mistakes.other_crcs(crc) if is_over_bytes else in_bits.other_crcs(crc)
+    similar_crcs = in_bytes.other_crcs(crc) if is_over_bytes else in_bits.other_crcs(crc)
     others = [
         [kind, difference, _crc_parameters(similar)] for kind, difference, similar in similar_crcs if similar != crc
     ]

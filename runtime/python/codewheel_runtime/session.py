@@ -33,7 +33,7 @@ from importlib import import_module
 from time import monotonic
 from typing import Any, NamedTuple, TypeVar, cast, get_args
 
-from .bulk.shape import holds
+from .bulk.shape import Shape, holds
 from .encoder import Encoder, Exchanged, Frame, PositionFrame
 from .errors import FrameError, InterfaceError
 from .frames.decoders import decoder, raised
@@ -167,10 +167,10 @@ class Session:
         self.exchanges = encoder.exchanges()
         self.kinds = {} if self.exchanges else _request_kinds(encoder)
         captures = [kind for kind in self.kinds.values() if kind.purpose == "capture"]
-        self._marks = [kind.control for kind in captures]
+        self._capture_controls = [kind.control for kind in captures]
         if settle_s is not None and not settle_s >= 0:
             raise ValueError(f"settle_s must be at least 0, got {settle_s}")
-        if settle_s == 0 and len(self._marks) < _KINDS:
+        if settle_s == 0 and len(self._capture_controls) < _KINDS:
             raise ValueError(f"settle_s must be more than 0, because {encoder.code} has too few kinds of requests")
         port = rs485_facts(encoder).port
         bits_per_byte = 1 + port.data_bits + (port.parity != "none") + port.stop_bits
@@ -310,19 +310,20 @@ class Session:
         return reply
 
     def _resynchronise(self, control: int) -> Work[None]:
-        """Get a reply to a request of another kind. All earlier replies come before it."""
+        """Get a reply to a request of another kind than ``control``. All earlier replies come before it."""
         # The kinds take turns, so that a late reply to an earlier request of another kind is not taken for this one.
-        self._marks = self._marks[1:] + self._marks[:1]
-        for mark in self._marks:
-            if mark != control:
-                try:
-                    yield from self._send_once(self._pending(bytes([mark])))
-                    return
-                except SecondDeviceError:
-                    raise
-                except LinkError:
-                    continue
-        # There are no other kinds. Wait for late replies.
+        self._capture_controls = self._capture_controls[1:] + self._capture_controls[:1]
+        for other_control in self._capture_controls:
+            if other_control == control:
+                continue
+            try:
+                yield from self._send_once(self._pending(bytes([other_control])))
+            except SecondDeviceError:
+                raise
+            except LinkError:
+                continue
+            return
+        # No other kind exists, or none was answered. Wait for late replies.
         yield from self.pause(_LATE * self.timeout_s)
 
     def _send_once(self, pending: PendingRequest) -> Work[bytes]:
@@ -374,29 +375,36 @@ class Session:
         return settle_s if is_clean else max(settle_s, _QUIET_S)
 
     def _settle_s(self, pending: PendingRequest) -> float:
+        """Return the time after which no other reply to an earlier request follows."""
         if self.settle_s is not None:
             return self.settle_s
-        reply_s: float = _TURNAROUND_S + self._byte_s * (len(pending.data) + pending.kind.length)
+        sent_bytes = len(pending.data) + pending.kind.length
+        reply_s: float = _TURNAROUND_S + self._byte_s * sent_bytes
+        if not self._reply_times:
+            return reply_s
         # Few replies that were much slower than the others do not count.
         times = sorted(self._reply_times)
-        return max(reply_s, times[3 * len(times) // 4]) if times else reply_s
+        third_quartile = times[3 * len(times) // 4]
+        return max(reply_s, third_quartile)
 
     def _unambiguous(self, found: FoundReply, received: bytes, pending: PendingRequest) -> bytes:
         """Return the reply, and count other replies. Raises an error if they differ."""
         extra_replies = [*found.same_kind, *found.other_kinds]
-        self._single_replies = 0 if extra_replies else self._single_replies + 1
         if extra_replies:
-            extra = self._count_extra(len(extra_replies))
+            self._single_replies = 0
+            counted_replies = self._count_extra(len(extra_replies))
             # One of the unknown ones is the reply to this request.
             unknown = {*found.same_kind, found.reply}.difference(self._recent_replies)
             foreign = [*self._foreign(found.other_kinds), *sorted(unknown)[1:]]
-            self._count_foreign(foreign[:extra], received, _FOREIGN_REPLIES)
+            self._count_foreign(foreign[:counted_replies], received, _FOREIGN_REPLIES)
+        else:
+            self._single_replies += 1
         if not found.is_ambiguous:
             return found.reply
         self.statistics.conflicts += 1
         request_text = f"the request {_hex(pending.data)} to {self.encoder.code}"
-        other = next(other for other in found.same_kind if other != found.reply)
-        replies_text = f"{_hex(other)} and {_hex(found.reply)}"
+        different_replies = [reply for reply in found.same_kind if reply != found.reply]
+        replies_text = f"{_hex(different_replies[0])} and {_hex(found.reply)}"
         raise DisturbedError(f"two different replies to {request_text}, so neither is used: {replies_text}", received)
 
     def _foreign(self, replies: Sequence[bytes]) -> list[bytes]:
@@ -554,26 +562,37 @@ def _request_in(exchange: Exchanged, data: bytes) -> Any:
 def _request_kinds(encoder: Encoder) -> dict[int, ReplyKind]:
     """Return the requests of an encoder by their first byte."""
     module: Any = import_module(type(encoder).__module__)
-    replies = [(kind, any_shape(kind, encoder)) for kind in get_args(module.Reply) or (module.Reply,)]
+    reply_classes = get_args(module.Reply) or (module.Reply,)
+    replies = [(reply_class, any_shape(reply_class, encoder)) for reply_class in reply_classes]
     kinds: dict[int, ReplyKind] = {}
     for data_id in rs485_facts(encoder).data_ids:
-        for kind, shape in replies:
-            # The first byte identifies a reply.
-            first_checks = (check for check in shape.checks if check.low + check.width <= 8)
-            allowed_ids = (tuple(column.values) for column in shape.columns if column.low < 8 and column.values)
-            is_valid = all(holds(data_id.control, check) for check in first_checks)
-            if is_valid and all(data_id.id in allowed for allowed in allowed_ids):
-                kinds[data_id.control] = ReplyKind(
-                    name=data_id.name,
-                    control=data_id.control,
-                    id=data_id.id,
-                    purpose=data_id.purpose.value,
-                    length=shape.length,
-                    has_position=bool(shape.position) and hasattr(kind, "usable_position"),
-                    flags=tuple(column.name for column in shape.columns if column.kind == "flag"),
-                )
-                break
+        # Of several classes of replies, the first one that may begin with this byte is the reply.
+        fitting_replies = [(reply_class, shape) for reply_class, shape in replies if _may_begin(shape, data_id)]
+        if not fitting_replies:
+            continue
+        reply_class, shape = fitting_replies[0]
+        kinds[data_id.control] = ReplyKind(
+            name=data_id.name,
+            control=data_id.control,
+            id=data_id.id,
+            purpose=data_id.purpose.value,
+            length=shape.length,
+            has_position=bool(shape.position) and hasattr(reply_class, "usable_position"),
+            flags=tuple(column.name for column in shape.columns if column.kind == "flag"),
+        )
     return kinds
+
+
+def _may_begin(shape: Shape, data_id: Any) -> bool:
+    """Return whether a reply with this shape may begin with the control byte of a data ID."""
+    for check in shape.checks:
+        is_in_first_byte = check.low + check.width <= 8
+        if is_in_first_byte and not holds(data_id.control, check):
+            return False
+    for column in shape.columns:
+        if column.low < 8 and column.values and data_id.id not in column.values:
+            return False
+    return True
 
 
 def rs485_facts(encoder: Encoder) -> Any:

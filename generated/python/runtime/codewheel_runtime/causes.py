@@ -41,20 +41,10 @@ _LEAST_BITS: Final = 12
 
 def _dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
     """Return the description of a dead line, or an empty string if the line changes."""
-    bits = _bits_of(encoder)
-    if isinstance(frame, (bytes, bytearray, memoryview)):
-        data = bytes(cast(bytes, frame))
-        number, bits = int.from_bytes(data, "big"), 8 * len(data)
-    elif isinstance(frame, str):
-        text = frame.strip().removeprefix("0b").replace("_", "").replace(" ", "")
-        if set(text) - {"0", "1"}:
-            return ""
-        number, bits = int(text or "0", 2), len(text)
-    elif isinstance(frame, SupportsIndex) and not isinstance(frame, bool):
-        number = index(frame)
-        bits = max(bits, number.bit_length())
-    else:
+    received = _number_and_bits(frame, _bits_of(encoder))
+    if received is None:
         return ""
+    number, bits = received
     if not bits:
         return "nothing was received. Check the supply, for loose or swapped wires, and the clock or request"
     if bits < _LEAST_BITS or number not in (0, (1 << bits) - 1):
@@ -65,6 +55,25 @@ def _dead_line(encoder: Sender, frame: object, has_crc: bool) -> str:
     cause = "a broken wire" if level else "a short circuit"
     other_wires = "wires A and B" if encoder.interface is Interface.RS485 else "the clock"
     return f"every bit is {level}: the line never changes. Check for {cause}, the supply and {other_wires}"
+
+
+def _number_and_bits(frame: object, frame_bits: int) -> tuple[int, int] | None:
+    """Return a frame as a number, and its length. None if it is not one, such as a text of other digits.
+
+    A number without its length has at least ``frame_bits`` bits.
+    """
+    if isinstance(frame, (bytes, bytearray, memoryview)):
+        data = bytes(cast(bytes, frame))
+        return int.from_bytes(data, "big"), 8 * len(data)
+    if isinstance(frame, str):
+        digits = frame.strip().removeprefix("0b").replace("_", "").replace(" ", "")
+        if set(digits) - {"0", "1"}:
+            return None
+        return int(digits or "0", 2), len(digits)
+    if isinstance(frame, SupportsIndex) and not isinstance(frame, bool):
+        number = index(frame)
+        return number, max(frame_bits, number.bit_length())
+    return None
 
 
 def _can_be_invalid(encoder: Sender) -> bool:

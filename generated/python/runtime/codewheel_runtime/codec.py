@@ -366,21 +366,34 @@ def crc_tables(
     the CRC, which are the last ones of the word.
     """
     zero_crc = crc(0, covered)
-    changes = [*(1 << place for place in range(width)), *([0] * gap)]
+    # The change of the XOR by each bit of the word, lowest first: bits of the CRC, of the gap, and those covered.
+    changes = [1 << place for place in range(width)]
+    changes += [0] * gap
     changes += [crc(1 << place, covered) ^ zero_crc for place in range(covered)]
     changes += [0] * (16 * count - len(changes))
     tables: list[Sequence[int]] = []
     for low in range(0, 16 * count, 16):
+        # The CRC of the word 0 is in one table only.
         first = zero_crc if low == 0 else 0
-        table = [first]
-        small = bytes(table) if width <= 8 else b""
-        for change in changes[low : low + 16]:
-            if small:
-                small += small.translate(bytes(byte ^ change for byte in range(256)))
-            else:
-                table += [difference ^ change for difference in table]
-        tables.append(small or table)
+        table_of = _byte_table if width <= 8 else _table
+        tables.append(table_of(first, changes[low : low + 16]))
     return tuple(tables)
+
+
+def _table(first: int, changes: Sequence[int]) -> Sequence[int]:
+    """Return the differences of all numbers, which double with each bit."""
+    table = [first]
+    for change in changes:
+        table += [difference ^ change for difference in table]
+    return table
+
+
+def _byte_table(first: int, changes: Sequence[int]) -> Sequence[int]:
+    """Return the same table as bytes, which take less memory."""
+    table = bytes([first])
+    for change in changes:
+        table += table.translate(bytes(byte ^ change for byte in range(256)))
+    return table
 
 
 def _reflected(value: int, width: int) -> int:

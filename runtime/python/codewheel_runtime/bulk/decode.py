@@ -14,6 +14,7 @@ from .chunk import Chunk, crc_difference, limbs_of, np, parity_bits, within
 from .shape import (
     Check,
     Column,
+    Join,
     Shape,
     column_types,
     late_fields,
@@ -131,18 +132,25 @@ def _words_of(frames: Any, bits: int) -> tuple[Any, Any]:
 
 def _is_missing(frame: object) -> bool:
     """Return True if the frame is None, NaN or ``pandas.NA``."""
+    # This is a fast path for the usual types.
     if type(frame) is int or type(frame) is bytes:
         return False
-    return frame is None or type(frame).__name__ == "NAType" or (isinstance(frame, float) and frame != frame)
+    is_nan = isinstance(frame, float) and frame != frame
+    return frame is None or is_nan or type(frame).__name__ == "NAType"
 
 
 def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> None:
     """Decode some frames into columns. Frames that fail the quick checks are examined for their errors."""
-    limbs, bits, doubts = limbs_of(source, shape) if shape.length else [source], shape.bits, []
-    if not shape.length and bits < 64 and int(source.max()) >> bits:
-        doubts = [source >> np.uint64(bits)]
-        limbs = [source & np.uint64((1 << bits) - 1)]
-    chunk = Chunk(limbs, bits)
+    doubts: list[Any] = []
+    if shape.length:
+        limbs = limbs_of(source, shape)
+    else:
+        limbs = [source]
+        is_too_long = shape.bits < 64 and int(source.max()) >> shape.bits
+        if is_too_long:
+            doubts.append(source >> np.uint64(shape.bits))
+            limbs = [source & np.uint64((1 << shape.bits) - 1)]
+    chunk = Chunk(limbs, shape.bits)
     if shape.crc is not None:
         doubts.append(crc_difference(chunk, shape.crc))
     if shape.gray is not None:
@@ -211,22 +219,29 @@ def _holds(chunk: Chunk, check: Check) -> Any:
 
 def _write(chunk: Chunk, shape: Shape, out: Mapping[str, Any]) -> None:
     """Write the columns of the fields, of the joined numbers and of unused bits."""
-    by_name = {column.name: column for column in shape.columns}
+    columns_by_name = {column.name: column for column in shape.columns}
     for column in shape.columns:
         if column.name in out or column.runs:
             _write_column(chunk, column, out)
     for join in shape.joins:
-        fields = [(by_name[name], low) for name, low in join.fields]
-        low, number = fields[0][0].low, out[join.name].view(np.uint64)
-        if all(column.low == low + place for column, place in fields):
-            chunk.take(low, width_of(shape, join), number)
-            continue
-        chunk.take(low, fields[0][0].width, number)
-        for column, place in fields[1:]:
-            part = chunk.take(column.low, column.width).astype(np.uint64, copy=False)
-            number |= part << np.uint64(place)
+        _write_join(chunk, shape, join, columns_by_name, out[join.name].view(np.uint64))
     if shape.unused:
         _write_unused(chunk, shape, out["unused"])
+
+
+def _write_join(chunk: Chunk, shape: Shape, join: Join, columns: Mapping[str, Column], number: Any) -> None:
+    """Write a number that consists of several fields, the first of which has the lowest bits."""
+    first_name, _ = join.fields[0]
+    first = columns[first_name]
+    are_adjacent = all(columns[name].low == first.low + place for name, place in join.fields)
+    if are_adjacent:
+        chunk.take(first.low, width_of(shape, join), number)
+        return
+    chunk.take(first.low, first.width, number)
+    for name, place in join.fields[1:]:
+        column = columns[name]
+        part = chunk.take(column.low, column.width).astype(np.uint64, copy=False)
+        number |= part << np.uint64(place)
 
 
 def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:

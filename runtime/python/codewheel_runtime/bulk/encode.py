@@ -56,14 +56,15 @@ def encode_many(columns: Mapping[str, Any] | Table, shape: Shape) -> Any:
     if isinstance(columns, Table):
         other_names, columns = columns.others, columns.columns
     arrays = _arrays_of(columns, shape, other_names)
-    count = len(next(iter(arrays.values()))) if arrays else 0
+    # All arrays have the same length.
+    count = max(map(len, arrays.values()), default=0)
     frames = np.empty((count, shape.length), np.uint8) if shape.length else np.empty(count, np.uint64)
     for start in range(0, count, CHUNK):
-        part = slice(start, start + CHUNK)
+        rows = slice(start, start + CHUNK)
         first_error = FirstError()
-        limbs = _encoded({name: column[part] for name, column in arrays.items()}, shape, first_error)
+        limbs = _encoded({name: column[rows] for name, column in arrays.items()}, shape, first_error)
         first_error.raise_first(start)
-        frames[part] = _rows(limbs, shape) if shape.length else limbs[0]
+        frames[rows] = _rows(limbs, shape) if shape.length else limbs[0]
     return frames
 
 
@@ -78,17 +79,23 @@ def _arrays_of(columns: Mapping[str, Any], shape: Shape, other_names: Iterable[s
     joined_names = [join.name for join in shape.joins]
     needed = [name for name in (*fields, *joined_names, "unused", "fault") if name in columns]
     arrays = {name: np.asarray(columns[name]) for name in needed}
-    longest = max((array.size for array in arrays.values() if array.ndim), default=1)
+    row_count = max((array.size for array in arrays.values() if array.ndim), default=1)
     for name, array in arrays.items():
-        if array.ndim > 1 or (array.ndim == 1 and len(array) != longest):
-            raise ValueError(f"column {name} has the shape {array.shape}, but others have {longest} rows")
         kind = fields[name].kind if name in fields else "number"
-        if array.dtype.kind not in ARRAY_KINDS.get(kind, "ui"):
-            raise TypeError(f"column {name} has the type {array.dtype}, which does not fit the field")
-        cells: Any = columns[name]
-        if not kind.endswith("flag") and isinstance(cells, (list, tuple)) and _has_bool(cells):
-            raise TypeError(f"column {name} contains bools, which do not fit the field")
-    return {name: np.broadcast_to(array, (longest,)) for name, array in arrays.items()}
+        _check_array(name, array, columns[name], kind, row_count)
+    return {name: np.broadcast_to(array, (row_count,)) for name, array in arrays.items()}
+
+
+def _check_array(name: str, array: Any, cells: Any, kind: str, row_count: int) -> None:
+    """Raise an error if a column, given as ``cells``, has the wrong length or does not fit a field of this kind."""
+    is_single_value = array.ndim == 0
+    if not is_single_value and array.shape != (row_count,):
+        raise ValueError(f"column {name} has the shape {array.shape}, but others have {row_count} rows")
+    if array.dtype.kind not in ARRAY_KINDS.get(kind, "ui"):
+        raise TypeError(f"column {name} has the type {array.dtype}, which does not fit the field")
+    # NumPy converts bools in a list with numbers.
+    if not kind.endswith("flag") and isinstance(cells, (list, tuple)) and _has_bool(cells):
+        raise TypeError(f"column {name} contains bools, which do not fit the field")
 
 
 def _has_bool(cells: Any) -> bool:
@@ -258,22 +265,24 @@ def _insert_unused(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, fi
 
 def _check_values(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -> None:
     """Check the fields that allow only some values or consist of decimal digits."""
-    by_place = {(column.low, column.width): column for column in shape.columns}
+    columns_by_place = {(column.low, column.width): column for column in shape.columns}
     for check in shape.checks:
-        column = by_place.get((check.low, check.width))
+        column = columns_by_place.get((check.low, check.width))
+        # Constants have no column, and parity bits are computed.
         if column is None or check.parity_of:
             continue
         bits = Chunk(limbs, shape.bits).take(check.low, check.width)
-        if check.limit is not None:
-            is_signed = column.kind == "signed"
-            allowed = f"{check.lowest} to {check.limit}" if is_signed else f"at most {check.limit}"
-            first_error.add(
-                ~within(bits, check, check.limit), column.name, arrays[column.name] if is_signed else bits, allowed
-            )
-        else:
-            is_allowed = np.isin(bits, [value for value in check.values if not value >> check.width])
+        if check.limit is None:
+            possible_values = [value for value in check.values if not value >> check.width]
             allowed = "one of " + ", ".join(map(str, check.values))
-            first_error.add(~is_allowed, column.name, arrays.get(column.name, bits), allowed)
+            values = arrays.get(column.name, bits)
+            first_error.add(~np.isin(bits, possible_values), column.name, values, allowed)
+            continue
+        is_within = within(bits, check, check.limit)
+        if column.kind == "signed":
+            first_error.add(~is_within, column.name, arrays[column.name], f"{check.lowest} to {check.limit}")
+        else:
+            first_error.add(~is_within, column.name, bits, f"at most {check.limit}")
 
 
 def _finish(limbs: list[Any], shape: Shape) -> None:

@@ -140,16 +140,19 @@ def _shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Joi
     checks: list[Check] = []
     unused: list[Unused] = []
     crc = None
+    unused_width = 0
     low = bits = sum(field.width for field in fields)
     for field in fields:
         name, width = field.name, field.width
+        # The first field has the highest bits.
         low -= width
         if name == "crc":
             crc = CrcOf(low, width, of_bits(field.crc(), bits - width, width))
         elif name == "zero":
             checks.append(Check(low, width, ErrorKind.CONSTANT, (0,)))
         elif name == "unused":
-            unused.append(Unused(low, width, value=0, place=sum(earlier.width for earlier in unused)))
+            unused.append(Unused(low, width, value=0, place=unused_width))
+            unused_width += width
         else:
             columns.append(Column(name, low, width, "not_flag" if name in _FLAGS else "number"))
     return Shape(
@@ -167,39 +170,48 @@ def _shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Joi
 
 def _field(text: str) -> _Field:
     """Return the field that a part of a layout describes."""
+    not_a_field = UsageError(f"{short(text)} is not a field; {_HELP}")
     name, equals, numbers_text = text.strip().partition("=")
     try:
-        numbers = list(map(_number, numbers_text.split(":"))) if equals else [1]
+        numbers = [_number(number_text) for number_text in numbers_text.split(":")] if equals else [1]
     except ValueError:
-        raise UsageError(f"{short(text)} is not a field; {_HELP}") from None
+        raise not_a_field from None
     width, *crc_numbers = numbers
-    if not name.isidentifier() or not name.isascii() or not 0 < width <= 64 or (not equals and name not in _FLAGS):
-        raise UsageError(f"{short(text)} is not a field; {_HELP}")
+    is_name = name.isidentifier() and name.isascii()
+    # Only a flag needs no width.
+    has_width = bool(equals) or name in _FLAGS
+    if not is_name or not has_width or not 0 < width <= 64:
+        raise not_a_field
     if name in _FLAGS and width != 1:
         raise UsageError(f"{name} is one bit, not {width}")
     if name == "crc":
         return _crc_field(text, width, crc_numbers)
     if crc_numbers:
-        raise UsageError(f"{short(text)} is not a field; {_HELP}")
+        raise not_a_field
     return _Field(name, width)
 
 
 def _crc_field(text: str, width: int, numbers: Sequence[int]) -> _Field:
     """Return the CRC. ``numbers`` are its polynomial and, if it is not 0, its start value."""
-    top = 1 << width
+    top_bit = 1 << width
     poly = numbers[0] if numbers else 0
     init = numbers[1] if len(numbers) > 1 else 0
-    if numbers and width <= 32 and not poly & 1:
+    is_odd, is_narrow = bool(poly & 1), width <= 32
+    if numbers and is_narrow and not is_odd:
         reason = f"the last term of its polynomial must be 1, so {poly:#x} needs bit 0 set"
         raise UsageError(f"{short(text)} is not a CRC: {reason}")
-    if width > 32 or len(numbers) > 2 or not poly & 1 or poly >= 2 * top or init >= top:
+    # The polynomial may be written with its top bit.
+    fits = poly < 2 * top_bit and init < top_bit
+    if not is_narrow or not is_odd or not fits or len(numbers) > 2:
         raise UsageError(f"{short(text)} is not a CRC: expected crc=BITS:POLYNOMIAL, such as crc=6:0x43")
-    return _Field("crc", width, poly & top - 1, init)
+    return _Field("crc", width, poly & top_bit - 1, init)
 
 
 def _number(text: str) -> int:
+    """Return a number that is not negative. Raises ValueError for other texts."""
     if len(text) > 20 or not text.strip().isascii() or "_" in text:
         raise ValueError
-    if (number := int(text, 0)) < 0:
+    number = int(text, 0)
+    if number < 0:
         raise ValueError
     return number

@@ -15,7 +15,7 @@ from collections.abc import Generator, Sequence
 from configparser import ConfigParser
 from configparser import Error as ConfigError
 from contextlib import ExitStack, contextmanager
-from typing import Any, BinaryIO, Final
+from typing import Any, BinaryIO, Final, NamedTuple
 
 from ..bulk.words import listed, short
 from ..errors import InputError, UsageError
@@ -182,37 +182,59 @@ def _small_number(text: str) -> int:
 # NumPy files
 
 
-def _array(file: BinaryIO, path: str, names: Names, rate: float | None) -> Signals:
+class _ArrayForm(NamedTuple):
+    """Form of an array of samples. Without ``channels``, each number is a sample whose bits are the channels."""
+
+    kind: Any
+    channels: int | None
+
+
+def _array_form(file: BinaryIO, path: str) -> _ArrayForm:
+    """Read the header of a NumPy file."""
     form = np.lib.format
     try:
         version = form.read_magic(file)
-        read = form.read_array_header_1_0 if version == (1, 0) else form.read_array_header_2_0
-        shape, is_fortran, kind = read(file)
+        read_header = form.read_array_header_1_0 if version == (1, 0) else form.read_array_header_2_0
+        shape, is_fortran, kind = read_header(file)
     except Exception:  # The parser of the header raises many types.
         raise InputError(path, "", "this is not a valid NumPy file") from None
-    if kind.kind not in "uib" or kind.itemsize > 8 or len(shape) not in (1, 2) or (is_fortran and len(shape) == 2):
+    has_rows = len(shape) == 2
+    are_whole_numbers = kind.kind in "uib" and kind.itemsize <= 8
+    # In Fortran order, the samples of a channel follow each other.
+    if not are_whole_numbers or len(shape) not in (1, 2) or (is_fortran and has_rows):
         raise InputError(path, "", f"expected whole numbers, one row per sample, got {kind} {shape}")
-    width = shape[1] if len(shape) == 2 else 1
-    if not 0 < width <= 1024:
-        raise InputError(path, "", f"expected 1 to 1024 channels, got {width}")
-    count = width if len(shape) == 2 else 8 * kind.itemsize
-    places = names.places([str(place + 1) for place in range(count)], path)
-    bits = range(len(places)) if len(shape) == 2 else places
-    masks = tuple(1 << bit for bit in bits)
+    if has_rows and not 0 < shape[1] <= 1024:
+        raise InputError(path, "", f"expected 1 to 1024 channels, got {shape[1]}")
+    return _ArrayForm(kind, shape[1] if has_rows else None)
 
-    def parts() -> Generator[tuple[Any, int, Any], None, None]:
-        done, step = 0, width * kind.itemsize
-        while data := file.read(max(SAMPLES // width, 1) * step):
-            done += len(data)
-            part = np.frombuffer(data, kind, len(data) // step * width)
-            if len(shape) == 2:
-                part = packed(part.reshape(-1, width)[:, places])
-            else:
-                part = part.view(f"{kind.byteorder if kind.itemsize > 1 else ''}u{kind.itemsize}")
-                part = part.astype(f"u{kind.itemsize}", copy=False)
-            yield part, done, None
 
-    return Signals(of_samples(parts(), masks), 1 / rate if rate else None, True)
+def _array(file: BinaryIO, path: str, names: Names, rate: float | None) -> Signals:
+    """Return the signals of a ``.npy`` file."""
+    kind, channels = _array_form(file, path)
+    channel_count = 8 * kind.itemsize if channels is None else channels
+    places = names.places([str(number) for number in range(1, channel_count + 1)], path)
+    bits = places if channels is None else range(len(places))
+    parts = _array_parts(file, kind, channels, places)
+    edges = of_samples(parts, tuple(1 << bit for bit in bits))
+    return Signals(edges, 1 / rate if rate else None, True)
+
+
+def _array_parts(
+    file: BinaryIO, kind: Any, channels: int | None, places: Sequence[int]
+) -> Generator[tuple[Any, int, Any], None, None]:
+    """Yield the samples of some rows as unsigned numbers, and the amount read."""
+    row_width = 1 if channels is None else channels
+    row_bytes = row_width * kind.itemsize
+    done = 0
+    while data := file.read(max(SAMPLES // row_width, 1) * row_bytes):
+        done += len(data)
+        samples = np.frombuffer(data, kind, len(data) // row_bytes * row_width)
+        if channels is not None:
+            yield packed(samples.reshape(-1, row_width)[:, places]), done, None
+            continue
+        byte_order = kind.byteorder if kind.itemsize > 1 else ""
+        samples = samples.view(f"{byte_order}u{kind.itemsize}")
+        yield samples.astype(f"u{kind.itemsize}", copy=False), done, None
 
 
 def _array_archive(archive: zipfile.ZipFile, path: str, names: Names, rate: float | None) -> Signals:
@@ -221,27 +243,32 @@ def _array_archive(archive: zipfile.ZipFile, path: str, names: Names, rate: floa
     if total > _MOST_UNPACKED:
         raise InputError(path, "", f"the samples have {total / 1e9:.1f} GB unpacked: save a shorter capture")
     arrays: dict[str, Any] = {}
-    for name in archive.namelist():
-        try:
-            array = np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False)
-        except Exception:  # The parser of the header raises many types.
-            raise InputError(path, "", f"{short(name)} is not a valid NumPy array") from None
+    for file_name in archive.namelist():
+        name, array = file_name.removesuffix(".npy"), _array_in(archive, file_name, path)
         if array.ndim:
-            arrays[name.removesuffix(".npy")] = array
-        elif name.removesuffix(".npy").lower() in _RATES and array.dtype.kind in "uif" and array > 0:
+            arrays[name] = array
+        elif name.lower() in _RATES and array.dtype.kind in "uif" and array > 0:
             rate = rate or float(array)
-    if len(arrays) == 1 and (only := next(iter(arrays.values()))).dtype.kind in "uib":
-        return of_array(only, names, rate)
-    lengths = {array.shape for array in arrays.values()}
-    if len(lengths) != 1 or any(array.dtype.kind not in "uib" or array.ndim != 1 for array in arrays.values()):
+    columns = list(arrays.values())
+    are_whole_numbers = all(column.dtype.kind in "uib" for column in columns)
+    if len(columns) == 1 and are_whole_numbers:
+        return of_array(columns[0], names, rate)
+    have_one_length = len({column.shape for column in columns}) == 1
+    if not have_one_length or not are_whole_numbers or any(column.ndim != 1 for column in columns):
         raise InputError(
             path, "", "expected one array of samples, or an array of 0 and 1 of the same length per channel"
         )
     places = names.places([*arrays], path)
-    columns = [[*arrays.values()][place] for place in places]
-    samples = packed(np.stack(columns, 1))
+    samples = packed(np.stack([columns[place] for place in places], 1))
     masks = tuple(1 << bit for bit in range(len(places)))
     return Signals(of_samples([(samples, len(samples), None)], masks), 1 / rate if rate else None, True, len(samples))
+
+
+def _array_in(archive: zipfile.ZipFile, name: str, path: str) -> Any:
+    try:
+        return np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False)
+    except Exception:  # The parser of the header raises many types.
+        raise InputError(path, "", f"{short(name)} is not a valid NumPy array") from None
 
 
 #: Names of a sample rate in Hz next to the arrays of a file.

@@ -71,13 +71,16 @@ class Names(NamedTuple):
         return places[::-1] if self.exchanged else places
 
     def _places(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
+        """Return the index of each signal, the clock first, without an exchange of them."""
         signals: list[tuple[str, tuple[str, ...], str]] = [(self.data, _SERIAL, "--data")]
         if self.clock is not None:
             signals = [(self.clock, _CLOCKS, "--clock"), (self.data, _DATA, "--data")]
         places: list[int | None] = []
         for name, usual_names, _ in signals:
             places.append(_place(channels, name) if name else _usual_place(channels, usual_names))
-        if None in places and len(channels) == len(signals) and not any(name for name, _, _ in signals):
+        has_choice = any(name for name, _, _ in signals)
+        if None in places and not has_choice and len(channels) == len(signals):
+            # Of two channels with other names, the first one is the clock.
             return tuple(range(len(signals)))
         for (name, _, option), place in zip(signals, places, strict=True):
             if place is None:
@@ -94,17 +97,22 @@ _SERIAL: Final = ("rx", "data", "rxd", "a", "d+", "tx", "txd", "dat")
 
 
 def _place(channels: Sequence[str], name: str) -> int | None:
+    """Return the index of a channel with a unique name, or with this number from 1. None if there is none."""
     if channels.count(name) == 1:
         return channels.index(name)
-    place = int(name) - 1 if name.isascii() and name.isdigit() and len(name) < 4 else -1
-    return place if 0 <= place < len(channels) else None
+    is_number = name.isascii() and name.isdigit() and len(name) < 4
+    if is_number and 1 <= int(name) <= len(channels):
+        return int(name) - 1
+    return None
 
 
 def _usual_place(channels: Sequence[str], names: Iterable[str]) -> int | None:
+    """Return the index of the channel with the first of these names that is unique. None if there is none."""
     if len(channels) == 1:
         return 0
     lower = [channel.lower() for channel in channels]
-    return next((lower.index(name) for name in names if lower.count(name) == 1), None)
+    unique_names = [name for name in names if lower.count(name) == 1]
+    return lower.index(unique_names[0]) if unique_names else None
 
 
 # Samples
@@ -116,27 +124,29 @@ def of_samples(parts: Iterable[tuple[Any, int, Any]], masks: tuple[int, ...]) ->
     Each part has one number per sample, the amount read so far, and the time of each sample. Without times, samples are
     numbered from 0. ``masks`` contains the bit of each signal in a sample.
     """
-    start, before = 0, None
+    signals_mask = sum(masks)
+    first_number, last_sample = 0, None
     for samples, done, times in parts:
         if not len(samples):
             continue
         kind = samples.dtype.type
         changes = np.bitwise_xor(samples[1:], samples[:-1])
-        changes &= kind(sum(masks))
+        changes &= kind(signals_mask)
         places = np.flatnonzero(changes != 0)
-        bits, places = changes[places], places + 1
-        first = int(samples[0])
-        levels = first if before is None else before
-        if (levels ^ first) & sum(masks):
-            places, bits = np.insert(places, 0, 0), np.insert(bits, 0, kind((levels ^ first) & sum(masks)))
-        places_by_signal = [places[(bits & kind(mask)) != 0] for mask in masks]
+        changed_bits, places = changes[places], places + 1
+        levels = int(samples[0]) if last_sample is None else last_sample
+        changed_between = (levels ^ int(samples[0])) & signals_mask
+        if changed_between:
+            # Signals also change between the last sample of a part and the first one of the next.
+            places, changed_bits = np.insert(places, 0, 0), np.insert(changed_bits, 0, kind(changed_between))
+        places_by_signal = [places[(changed_bits & kind(mask)) != 0] for mask in masks]
         if times is None:
-            edge_times = [(signal_places + start).astype(np.float64) for signal_places in places_by_signal]
-            begin, end = float(start), float(start + len(samples))
+            edge_times = [(signal_places + first_number).astype(np.float64) for signal_places in places_by_signal]
+            begin, end = float(first_number), float(first_number + len(samples))
         else:
             edge_times = [times[signal_places] for signal_places in places_by_signal]
             begin, end = float(times[0]), float(times[-1])
-        start, before = start + len(samples), int(samples[-1])
+        first_number, last_sample = first_number + len(samples), int(samples[-1])
         first_levels = tuple(int(levels & mask != 0) for mask in masks)
         yield Edges(first_levels, tuple(edge_times), begin, end, done)
 
@@ -163,23 +173,25 @@ def of_array(samples: Any, names: Names, rate: float | None = None) -> Signals:
         TypeError: ``samples`` is not such an array.
     """
     array = np.asarray(samples)
-    if array.dtype.kind not in "uib" or array.ndim not in (1, 2) or (array.ndim == 2 and not array.shape[1]):
+    has_rows = array.ndim == 2
+    if array.dtype.kind not in "uib" or array.ndim not in (1, 2) or (has_rows and not array.shape[1]):
         raise TypeError(f"expected whole numbers in one or two dimensions, got {array.dtype} {array.shape}")
-    count = array.shape[1] if array.ndim == 2 else 8 * array.dtype.itemsize
-    places = names.places([str(place + 1) for place in range(count)], "the array")
-    bits = range(len(places)) if array.ndim == 2 else places
-    masks = tuple(1 << bit for bit in bits)
+    channel_count = array.shape[1] if has_rows else 8 * array.dtype.itemsize
+    places = names.places([str(number) for number in range(1, channel_count + 1)], "the array")
+    bits = range(len(places)) if has_rows else places
+    edges = of_samples(_parts_of_array(array, places), tuple(1 << bit for bit in bits))
+    return Signals(edges, 1 / rate if rate else None, True, len(array))
 
-    def parts() -> Generator[tuple[Any, int, Any], None, None]:
-        for start in range(0, len(array), SAMPLES):
-            part = array[start : start + SAMPLES]
-            if array.ndim == 2:
-                part = packed(part[:, places])
-            elif part.dtype.kind != "u":
-                part = part.astype(f"u{part.dtype.itemsize}")
-            yield part, start + len(part), None
 
-    return Signals(of_samples(parts(), masks), 1 / rate if rate else None, True, len(array))
+def _parts_of_array(array: Any, places: tuple[int, ...]) -> Generator[tuple[Any, int, Any], None, None]:
+    """Yield some samples as unsigned numbers, and the number of samples so far. ``places`` are channels in rows."""
+    for start in range(0, len(array), SAMPLES):
+        part = array[start : start + SAMPLES]
+        if array.ndim == 2:
+            part = packed(part[:, places])
+        elif part.dtype.kind != "u":
+            part = part.astype(f"u{part.dtype.itemsize}")
+        yield part, start + len(part), None
 
 
 # Edges of signals that are stored separately
@@ -193,30 +205,29 @@ def merged(
     Each generator yields the level before some edges, their times, and the amount read so far. ``end`` returns the end
     of the capture once all of them are exhausted.
     """
-    levels: list[int] = []
-    waiting: list[Any] = []
-    done: list[int] = []
-    for signal in signals:
-        level, times, amount = next(signal)
-        levels, waiting, done = [*levels, level], [*waiting, times], [*done, amount]
+    first_parts = [next(signal) for signal in signals]
+    levels = [level for level, _, _ in first_parts]
+    waiting_times = [times for _, times, _ in first_parts]
+    amounts_read = [amount for _, _, amount in first_parts]
+    unfinished = set(range(len(signals)))
     begin = -np.inf
-    alive = [True] * len(signals)
-    while any(alive):
+    while unfinished:
         # Continue with the signal whose edges end first.
-        signal_index = min(_true_indices(alive), key=lambda index: _last(waiting[index]))
-        part = next(signals[signal_index], None)
-        alive[signal_index] = part is not None
-        if part is not None:
-            _, times, amount = part
-            waiting[signal_index] = np.concatenate([waiting[signal_index], times])
-            done[signal_index] = amount
-        until = min((_last(waiting[index]) for index in _true_indices(alive)), default=end())
-        counts = [int(np.searchsorted(times, until, "right")) for times in waiting]
-        edge_times = tuple(times[:count] for times, count in zip(waiting, counts, strict=True))
-        yield Edges(tuple(levels), edge_times, begin, until, sum(done))
+        index = min(sorted(unfinished), key=lambda signal_index: _last(waiting_times[signal_index]))
+        part = next(signals[index], None)
+        if part is None:
+            unfinished.remove(index)
+        else:
+            _, times, amounts_read[index] = part
+            waiting_times[index] = np.concatenate([waiting_times[index], times])
+        # Up to the earliest end, the edges of all signals are known.
+        until = min((_last(waiting_times[signal_index]) for signal_index in unfinished), default=end())
+        counts = [int(np.searchsorted(times, until, "right")) for times in waiting_times]
+        edge_times = tuple(times[:count] for times, count in zip(waiting_times, counts, strict=True))
+        yield Edges(tuple(levels), edge_times, begin, until, sum(amounts_read))
         begin = until
         levels = [level ^ (count & 1) for level, count in zip(levels, counts, strict=True)]
-        waiting = [times[count:] if count else times for times, count in zip(waiting, counts, strict=True)]
+        waiting_times = [times[count:] for times, count in zip(waiting_times, counts, strict=True)]
 
 
 def _last(times: Any) -> float:

@@ -20,20 +20,23 @@ def of_text(text: str, shape: Shape, digits: DigitKind | None) -> int | bytes:
     """Return the frame that a string contains as hex bytes or as a number. Raises ValueError if there is none."""
     packed = text.replace(" ", "").replace("_", "")
     if shape.length:
-        packed = packed[2:] if packed[:2] in ("0x", "0X") else packed
-        if not _HEX.fullmatch(packed) or len(packed) % 2:
+        hex_digits = packed[2:] if packed[:2] in ("0x", "0X") else packed
+        if not _HEX.fullmatch(hex_digits) or len(hex_digits) % 2:
             raise ValueError(f"{short(text)} is not a row of hexadecimal bytes")
-        return bytes.fromhex(packed)
+        return bytes.fromhex(hex_digits)
     if _PREFIXED.fullmatch(packed):
         return int(packed, 0)
-    pattern, base = (_DECIMAL, 10) if digits == "decimal" else (_HEX, 16)
-    if not pattern.fullmatch(packed):
-        raise ValueError(f"{short(text)} is not a {'decimal' if base == 10 else 'hexadecimal'} number")
+    if digits == "decimal":
+        if not _DECIMAL.fullmatch(packed):
+            raise ValueError(f"{short(text)} is not a decimal number")
+        return int(packed, 10)
+    if not _HEX.fullmatch(packed):
+        raise ValueError(f"{short(text)} is not a hexadecimal number")
     if digits is None:
         raise ValueError(
             f"{short(text)} can be decimal or hexadecimal: choose --digits decimal or --digits hex, or put 0x in front"
         )
-    return int(packed, base)
+    return int(packed, 16)
 
 
 class Cells:

@@ -37,16 +37,17 @@ class Chunk:
     def take(self, low: int, width: int, out: Any = None) -> Any:
         """Return the ``width`` bits that start at ``low``, as 64-bit numbers in ``out`` if it is given."""
         if width == 0 or low % 8 + width <= 8:
-            count = len(self.limbs[0])
-            bits = self.small(low, (1 << width) - 1) if width else np.zeros(count, np.uint8)
+            bits = self.small(low, (1 << width) - 1) if width else np.zeros(len(self.limbs[0]), np.uint8)
             return bits if out is None else np.copyto(out, bits)
-        at, shift = divmod(low, 64)
-        whole = shift + width in (64, self.bits - 64 * at)
-        number = np.right_shift(self.limbs[at], np.uint64(shift), out=out)
-        if shift + width > 64:
-            number |= self.limbs[at + 1] << np.uint64(64 - shift)
-            whole = low + width == self.bits or width == 64
-        if not whole:
+        limb_index, shift = divmod(low, 64)
+        number = np.right_shift(self.limbs[limb_index], np.uint64(shift), out=out)
+        if shift + width <= 64:
+            # Nothing is above the last bits of a limb or of the frame.
+            has_bits_above = shift + width not in (64, self.bits - 64 * limb_index)
+        else:
+            number |= self.limbs[limb_index + 1] << np.uint64(64 - shift)
+            has_bits_above = low + width != self.bits and width != 64
+        if has_bits_above:
             number &= np.uint64((1 << width) - 1)
         return number
 
@@ -68,7 +69,10 @@ class Chunk:
 
 
 def limbs_of(rows: Any, shape: Shape) -> list[Any]:
-    """Return rows of bytes as limbs, read eight bytes at a time. Bytes of a neighbouring limb are shifted out."""
+    """Return rows of bytes as limbs, read eight bytes at a time, the lowest limb first.
+
+    The highest limb also has eight bytes, so that it overlaps the next one. The bytes of that are shifted out.
+    """
     rows = np.ascontiguousarray(rows)
     count, length = rows.shape
     is_little = shape.order == "little"
@@ -77,17 +81,22 @@ def limbs_of(rows: Any, shape: Shape) -> list[Any]:
         return [_short(rows, kind, is_little)]
     limbs: list[Any] = []
     for low in range(0, length, 8):
-        excess = max(low + 8 - length, 0)
-        offset = low - excess if is_little else length - low - 8 + excess
+        overlap = max(low + 8 - length, 0)
+        first_byte = low - overlap
+        # In the other byte order, the lowest byte is the last one of the row.
+        offset = first_byte if is_little else length - 8 - first_byte
         limb = np.ndarray((count,), kind, rows, offset, (length,)).astype(np.uint64)
-        if excess:
-            limb >>= np.uint64(8 * excess)
+        if overlap:
+            limb >>= np.uint64(8 * overlap)
         limbs.append(limb)
     return limbs
 
 
 def _short(rows: Any, kind: str, is_little: bool) -> Any:
-    """Return rows of fewer than eight bytes as numbers. Reads go past the end of all rows except the last eight."""
+    """Return rows of fewer than eight bytes as numbers.
+
+    Eight bytes are read for each row. Those of the last rows would be outside the array, so these rows are copied.
+    """
     count, length = rows.shape
     direct_count = max(count - 8, 0)
     limb = np.empty(count, np.uint64)
@@ -119,12 +128,14 @@ def parity_bits(chunk: Chunk, check: Check) -> Any:
     if len(fields) > 1:
         bits = np.bitwise_xor.reduce([field.astype(np.uint64) for field in fields])
     width = max(width for _, width in check.parity_of)
-    kind, shift = bits.dtype.type, 1 << max(width - 1, 0).bit_length() >> 1
+    kind = bits.dtype.type
     if check.mask:
         bits = bits & kind(check.mask & (1 << width) - 1)
-    while shift:
-        bits = bits ^ bits >> kind(shift)
-        shift >>= 1
+    # Fold the upper half of the bits onto the lower half until one bit is left.
+    half = (1 << max(width - 1, 0).bit_length()) // 2
+    while half:
+        bits = bits ^ bits >> kind(half)
+        half //= 2
     return bits & kind(1) ^ kind(check.odd)
 
 

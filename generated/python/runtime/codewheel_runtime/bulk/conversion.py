@@ -61,10 +61,10 @@ def arrow_columns(table: Columns, names: Iterable[str], raw: bool = False) -> di
 
 def _arrow_array(pa: Any, column: Any, hidden: Any) -> Any:
     """Return a column as an Arrow array. Values at ``hidden``, and NaN, become null."""
-    kind = getattr(column, "dtype", None)
-    if getattr(kind, "kind", "") == "S":
+    if _is_text(column):
         return pa.array(texts_of(column), pa.string())
-    return pa.array(column, mask=hidden, from_pandas=True) if hasattr(kind, "kind") else pa.array(column)
+    is_numpy_array = hasattr(getattr(column, "dtype", None), "kind")
+    return pa.array(column, mask=hidden, from_pandas=True) if is_numpy_array else pa.array(column)
 
 
 def pandas_columns(table: Columns, names: Iterable[str], raw: bool = False) -> dict[str, Any]:
@@ -79,9 +79,14 @@ def pandas_columns(table: Columns, names: Iterable[str], raw: bool = False) -> d
             cells = column.tolist()
             columns[name] = cells if hidden is None else none_where(hidden, cells)
         elif hidden is not None:
-            is_flag = column.dtype == bool
-            columns[name] = (pd.arrays.BooleanArray if is_flag else pd.arrays.IntegerArray)(column, hidden)
+            nullable_array = pd.arrays.BooleanArray if column.dtype == bool else pd.arrays.IntegerArray
+            columns[name] = nullable_array(column, hidden)
         else:
-            is_text = getattr(getattr(column, "dtype", None), "kind", "") == "S"
-            columns[name] = texts_of(column) if is_text else column
+            columns[name] = texts_of(column) if _is_text(column) else column
     return columns
+
+
+def _is_text(column: Any) -> bool:
+    """Return whether a column is an array of byte strings. Other columns of a file may have no type of NumPy."""
+    kind = getattr(column, "dtype", None)
+    return getattr(kind, "kind", "") == "S"

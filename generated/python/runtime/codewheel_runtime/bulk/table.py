@@ -267,22 +267,26 @@ class Table(_TableOf[_Name, _Unit]):
 
         ``fault`` is an :class:`ErrorKind` and ``verdict`` a :class:`Verdict`. A position that is not usable is None.
         """
-        order = [*Verdict]
+        # Cells as objects take much memory, so only some rows are converted at once.
         for start in range(0, self.count, _ROWS):
             rows = slice(start, start + _ROWS)
-            columns: list[list[Any]] = []
-            for name in self.names:
-                hidden, column = self.hidden(name), self._column(name)[rows]
-                cells: list[Any] = column.tolist() if hasattr(column, "tolist") else list(column)
-                if name == "fault":
-                    cells = [ErrorKind(cell) for cell in cells]
-                elif name == "verdict":
-                    cells = [order[cell] for cell in cells]
-                elif hidden is not None:
-                    cells = none_where(hidden[rows].tolist(), cells)
-                columns.append([cell.decode("latin-1") if isinstance(cell, bytes) else cell for cell in cells])
+            columns = [self._cells(name, rows) for name in self.names]
             for row in zip(*columns, strict=True):
                 yield dict(zip(self.names, row, strict=True))
+
+    def _cells(self, name: str, rows: slice) -> list[Any]:
+        """Return the values of a column in some rows as objects of Python."""
+        column = self._column(name)[rows]
+        cells: list[Any] = column.tolist() if hasattr(column, "tolist") else list(column)
+        if name == "fault":
+            return [ErrorKind(cell) for cell in cells]
+        if name == "verdict":
+            verdicts = [*Verdict]
+            return [verdicts[cell] for cell in cells]
+        hidden = self.hidden(name)
+        if hidden is not None:
+            cells = none_where(hidden[rows].tolist(), cells)
+        return [cell.decode("latin-1") if isinstance(cell, bytes) else cell for cell in cells]
 
     def _column(self, name: str) -> Any:
         if name in self._others:
@@ -413,25 +417,33 @@ class Table(_TableOf[_Name, _Unit]):
     def _speed(self, seconds: Any, unit: SpeedUnit, previous: tuple[int, float] | None) -> Any:
         """Return speeds. ``previous`` is the unwrapped position and the time of the last usable frame before these."""
         np: Any = load("numpy")
+        times = self._times(seconds)
+        if unit not in (*_UNITS, "rpm"):
+            raise ValueError(f"'{unit[:40]}' is not a unit of speeds: use {', '.join((*_UNITS, 'rpm'))}")
+        usable_rows = np.flatnonzero(self.usable)
+        rows_with_speed = usable_rows[1:]
+        previous_position = previous[0] if previous is not None else None
+        positions, times = self.unwrapped(previous_position)[usable_rows], times[usable_rows]
+        if previous is not None:
+            rows_with_speed = usable_rows
+            positions, times = np.insert(positions, 0, previous[0]), np.insert(times, 0, previous[1])
+        unit_size, parts = self._unit("turns" if unit == "rpm" else unit)
+        per_minute = 60 if unit == "rpm" else 1
+        column = np.full(self.count, np.nan)
+        column[rows_with_speed] = np.diff(positions) * (per_minute * unit_size) / parts / np.diff(times)
+        return column
+
+    def _times(self, seconds: Any) -> Any:
+        """Return the time of each frame. ``seconds`` is the time between two frames, or an array of times."""
+        np: Any = load("numpy")
         if seconds is None:
             if "time" not in self._others:
                 raise ValueError("the table has no column 'time'; pass the time between two frames in seconds")
             seconds = self._others["time"]
-        usable_rows = np.flatnonzero(self.usable)
         times = np.arange(self.count) * seconds if np.ndim(seconds) == 0 else np.asarray(seconds)
         if len(times) != self.count:
             raise ValueError(f"expected {self.count} times, one per frame, got {len(times)}")
-        if unit not in (*_UNITS, "rpm"):
-            raise ValueError(f"'{unit[:40]}' is not a unit of speeds: use {', '.join((*_UNITS, 'rpm'))}")
-        counts, times = self.unwrapped(previous and previous[0])[usable_rows], times[usable_rows]
-        unit_size, parts = self._unit("turns" if unit == "rpm" else unit)
-        if previous is not None:
-            counts, times = np.insert(counts, 0, previous[0]), np.insert(times, 0, previous[1])
-        column = np.full(self.count, np.nan)
-        per_minute = 60 if unit == "rpm" else 1
-        speeds = np.diff(counts) * (per_minute * unit_size) / parts / np.diff(times)
-        column[usable_rows if previous is not None else usable_rows[1:]] = speeds
-        return column
+        return times
 
     def in_si(self, previous: tuple[int, float] | None = None) -> Table:
         """Return a table that also has the position and the speed in SI units.

@@ -38,12 +38,16 @@ class Access(NamedTuple):
     result: str
 
     def __str__(self) -> str:
-        name = "write" if self.is_write else "read"
-        sign = "=" if self.is_write else "->"
-        value = "" if self.value is None else f" {sign} {self.value:#04x}"
-        slave = f" of slave {self.slave_id}" if self.slave_id else ""
-        result = "" if self.done else f": {self.result}"
-        return f"{name} {self.address:02X}h{slave}{value}{result}"
+        text = "write" if self.is_write else "read"
+        text += f" {self.address:02X}h"
+        if self.slave_id:
+            text += f" of slave {self.slave_id}"
+        if self.value is not None:
+            sign = "=" if self.is_write else "->"
+            text += f" {sign} {self.value:#04x}"
+        if not self.done:
+            text += f": {self.result}"
+        return text
 
 
 class Accesses:
@@ -145,20 +149,23 @@ class Accesses:
             self._leave()
 
     def _byte(self, cds: int, cdm: int) -> Iterator[Access]:
+        """Follow a byte on both sides: eight bits and their CRC, which the other side repeats, and a stop bit."""
         self._at += 1
         if self._at < 12:
             self._answers, self._sent = self._answers << 1 | cds, self._sent << 1 | cdm
         elif self._at == 12:
             self._answers = self._answers << 1 | cds
             value = _value(self._sent if self._is_write else self._answers)
-            if not self._is_write:
-                outcome = Outcome.DONE if value is not None else Outcome.BAD_CRC
+            if self._is_write:
+                is_repeated = self._answers == self._sent
+                outcome = Outcome.DONE if is_repeated and value is not None else Outcome.BAD_ECHO
             else:
-                outcome = Outcome.DONE if self._answers == self._sent and value is not None else Outcome.BAD_ECHO
+                outcome = Outcome.DONE if value is not None else Outcome.BAD_CRC
             yield self._access(value, outcome.value, outcome is Outcome.DONE)
             if outcome is not Outcome.DONE or cdm:
                 self._leave()
         elif cdm:
+            # The master continues with the next register.
             self._head += 1
             self._state = self._start
         else:

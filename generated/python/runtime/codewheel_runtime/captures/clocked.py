@@ -148,42 +148,61 @@ class _CycleFinder:
     """Finder of cycles. It keeps the edges of the last cycle until the next stretch of the capture arrives."""
 
     def __init__(self, kind: Literal["biss", "ssi"], bits: int, pause: float | None, early: float, unit: float) -> None:
-        self._is_biss, self._bits, self._chosen_pause, self._early = kind == "biss", bits, pause, early
-        self._begin, self._unit = -np.inf, unit
-        self._clock, self._data, self._levels = np.zeros(0), np.zeros(0), (1, 1)
+        self._is_biss = kind == "biss"
+        self._bits = bits
+        self._chosen_pause = pause
+        self._early = early
+        self._unit = unit
+        #: Edges of the cycles that are not complete, and the levels of both lines before these edges.
+        self._clock, self._data = np.zeros(0), np.zeros(0)
+        self._levels = (1, 1)
+        #: Beginning of the capture, of which the first cycle may be cut off. Minus infinity after the first cycles.
+        self._begin = -np.inf
+        #: End of the stretch of the capture so far, and the amount of the file that has been read.
+        self._end, self._done = 0.0, 0
+        #: Time without an edge of the clock after which a cycle has ended. 0 while it is not known.
         self._rest = 0.0
-        self._end, self._done, self.is_clocked, self._is_new = 0.0, 0, False, True
+        self.is_clocked, self._is_new = False, True
 
     def feed(self, part: Edges, name: str) -> CapturedFrames | None:
         """Return the frames that the next stretch of the capture completes."""
-        if self._is_new:
-            self._levels, self._begin, self._is_new = (part.levels[0], part.levels[1]), part.begin, False
-        self._clock = np.concatenate([self._clock, part.times[0]])
-        self._data = np.concatenate([self._data, part.times[1]])
-        self._end, self._done = part.end, part.done
+        self._append(part)
         count = len(self._clock)
-        self.is_clocked = self.is_clocked or count > 0
-        if count < _FEW and not self._rest:
-            return None
         if not self._rest:
+            if count < _FEW:
+                return None
             self._set_rest()
         ends = self._ends()
         # The last cycle may continue, or its data may still arrive.
-        if not len(ends) or self._end - self._clock[-1] < _DELAY * self._rest:
+        is_last_open = not len(ends) or self._end - self._clock[-1] < _DELAY * self._rest
+        if is_last_open:
             ends = ends[:-1]
-        if not len(ends):
-            if count > _ENDLESS:
-                raise InputError(name, "", "the clock never rests: choose another channel with --clock")
-            return None
-        return self._cut(ends)
+        if len(ends):
+            return self._cut(ends)
+        if count > _ENDLESS:
+            raise InputError(name, "", "the clock never rests: choose another channel with --clock")
+        return None
+
+    def _append(self, part: Edges) -> None:
+        """Append the edges of the next stretch of the capture."""
+        if self._is_new:
+            self._levels, self._begin = (part.levels[0], part.levels[1]), part.begin
+            self._is_new = False
+        self._clock = np.concatenate([self._clock, part.times[0]])
+        self._data = np.concatenate([self._data, part.times[1]])
+        self._end, self._done = part.end, part.done
+        self.is_clocked = self.is_clocked or len(self._clock) > 0
 
     def finish(self) -> CapturedFrames:
         """Return the frames at the end of the capture."""
         if not self._rest and len(self._clock) > 2:
             self._set_rest()
-        # Two edges have no period.
-        self._rest = self._rest or self._chosen_pause or max(self._end - float(self._clock[:1].sum()), _LEAST)
-        return self._cut(self._ends() if len(self._clock) else np.zeros(0, np.int64), True)
+        if not self._rest:
+            # Two edges have no period, so all edges are one cycle.
+            first_edge = float(self._clock[0]) if len(self._clock) else 0.0
+            self._rest = self._chosen_pause or max(self._end - first_edge, _LEAST)
+        ends = self._ends() if len(self._clock) else np.zeros(0, np.int64)
+        return self._cut(ends, is_last=True)
 
     def _set_rest(self) -> None:
         # Within a cycle, two edges are one period, regardless of the duty cycle.
@@ -223,22 +242,31 @@ class _CycleFinder:
         bits = self._biss_bits(cycles) if self._is_biss else self._ssi_bits(cycles)
         bits.reasons[self._shortest_gaps(cycles) < _SPIKE * cycles.period] = _SPIKED
         good = np.flatnonzero(bits.reasons == 0)
-        # Over BiSS, CDS comes first.
-        count = self._bits + 1 if self._is_biss else self._bits
-        levels = self._levels_of(cycles, bits, good, count)
+        # Over BiSS, CDS is in front of the frame.
+        front_bits = 1 if self._is_biss else 0
+        levels = self._levels_of(cycles, bits, good, front_bits + self._bits)
         words = np.zeros(len(good), np.uint64)
-        for place in range(count - self._bits, count):
+        for place in range(front_bits, front_bits + self._bits):
             words = words << np.uint64(1) | levels[:, place].astype(np.uint64)
         lost = self._lost(cycles, bits)
-        if lost and is_last and bits.reasons[-1] and self._end - cycles.last[-1] < self._rest:
+        is_cut_off = is_last and bits.reasons[-1] and self._end - cycles.last[-1] < self._rest
+        if lost and is_cut_off:
             lost[-1] = Lost(lost[-1].time, _MESSAGES[_CUT])
-        control = None
-        if self._is_biss:
-            cds = np.full(len(cycles.falls), -1, np.int64)
-            cds[good] = levels[:, 0]
-            cdm = self._levels[0] ^ (cycles.ends & 1) ^ 1
-            control = (cycles.begin * self._unit, cds, cdm)
-        return CapturedFrames(words, cycles.begin[good] * self._unit, lost, self._done, control)
+        return CapturedFrames(
+            frames=words,
+            times=cycles.begin[good] * self._unit,
+            lost=lost,
+            done=self._done,
+            control=self._control(cycles, good, levels) if self._is_biss else None,
+        )
+
+    def _control(self, cycles: _Cycles, good: Any, levels: Any) -> tuple[Any, Any, Any]:
+        """Return the time, CDS bit and CDM bit of each cycle. The CDS bit of a lost cycle is -1."""
+        cds = np.full(len(cycles.falls), -1, np.int64)
+        cds[good] = levels[:, 0]
+        # CDM is the inverse of the clock's level during the time-out.
+        timeout_level = self._levels[0] ^ (cycles.ends & 1)
+        return cycles.begin * self._unit, cds, timeout_level ^ 1
 
     def _cycles(self, starts: Any, ends: Any) -> _Cycles:
         """Return the cycles with edges from ``starts`` to ``ends``."""

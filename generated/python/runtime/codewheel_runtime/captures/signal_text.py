@@ -278,19 +278,22 @@ class _RowReader:
             raise InputError(self._path, f"from line {line}", reason) from None
 
     def read(self, block: bytes, line: int) -> tuple[Any, Any]:
-        """Return the times and the levels of some rows."""
-        between, has_time = self._form.between, bool(self._form.unit)
-        is_plain = not has_time and self._voltages is None
-        if is_plain and (levels := _regular(block, between, self._columns)) is not None:
-            return None, levels
+        """Return the times and the levels of some rows. Without a time column, the times are None."""
+        has_time = bool(self._form.unit)
+        if not has_time:
+            if self._voltages is None:
+                levels = _regular(block, self._form.between, self._columns)
+                if levels is not None:
+                    return None, levels
+            return None, self._levels(self._table(block, line, self._columns), line)
         stamps: Any = None
         if self._form.is_stamped:
             stamps, block = self._without_stamps(block, line)
-        table = self._table(block, line, [0, *self._columns] if has_time else self._columns)
-        if has_time and not np.isfinite(table[:, 0]).all():
+        table = self._table(block, line, [0, *self._columns])
+        if not np.isfinite(table[:, 0]).all():
             raise InputError(self._path, f"from line {line}", "expected times in the first column")
-        times = np.ascontiguousarray(table[:, 0]) if has_time else None
-        return times if stamps is None else stamps, self._levels(table[:, has_time:], line)
+        times = np.ascontiguousarray(table[:, 0]) if stamps is None else stamps
+        return times, self._levels(table[:, 1:], line)
 
     def _levels(self, cells: Any, line: int) -> Any:
         """Return the levels of some rows as numbers."""
@@ -302,17 +305,23 @@ class _RowReader:
 
     def _without_stamps(self, block: bytes, line: int) -> tuple[Any, bytes]:
         """Return the time stamps as seconds from the first one, and the rows with 0 in their place."""
-        rows = [row for row in block.splitlines() if row.strip()]
-        between = (self._form.between or " ").encode()
-        cells = [row.partition(between) for row in rows]
-        stamps = [_STAMP.match(first.strip(b' "')) for first, _, _ in cells]
-        if not all(stamps):
-            raise InputError(self._path, f"from line {line}", "expected a time stamp in the first column")
-        texts = [stamp[0].decode().replace(" ", "T") for stamp in stamps if stamp is not None]
-        times = np.array(texts, "datetime64[ns]")
-        self._first_stamp = times[0] if self._first_stamp is None else self._first_stamp
+        delimiter = (self._form.between or " ").encode()
+        stamp_texts: list[str] = []
+        rows_without_stamps: list[bytes] = []
+        for row in block.splitlines():
+            if not row.strip():
+                continue
+            first_cell, _, following_cells = row.partition(delimiter)
+            stamp = _STAMP.match(first_cell.strip(b' "'))
+            if stamp is None:
+                raise InputError(self._path, f"from line {line}", "expected a time stamp in the first column")
+            stamp_texts.append(stamp[0].decode().replace(" ", "T"))
+            rows_without_stamps.append(b"0" + delimiter + following_cells)
+        times = np.array(stamp_texts, "datetime64[ns]")
+        if self._first_stamp is None:
+            self._first_stamp = times[0]
         seconds = (times - self._first_stamp).astype(np.int64) / 1e9
-        return seconds, b"\n".join(b"0" + between + following for _, _, following in cells) + b"\n"
+        return seconds, b"\n".join(rows_without_stamps) + b"\n"
 
 
 class _Voltages:
@@ -340,19 +349,24 @@ class _Voltages:
 
 def _regular(block: bytes, between: str | None, columns: list[int]) -> Any:
     """Return the levels if all rows have the same form, or None."""
-    first = block[: block.index(b"\n") + 1]
-    if len(block) % len(first):
+    first_row = block[: block.index(b"\n") + 1]
+    row_bytes = len(first_row)
+    if len(block) % row_bytes:
         return None
-    sign = (between or " ").encode()
-    cells = first.rstrip(b"\r\n").split(sign)
-    if any(place >= len(cells) or len(cells[place]) != 1 for place in columns):
+    cells = first_row.rstrip(b"\r\n").split((between or " ").encode())
+    if any(column >= len(cells) or len(cells[column]) != 1 for column in columns):
         return None
-    starts = np.cumsum([0, *(len(cell) + 1 for cell in cells)])
-    rows = np.frombuffer(block, np.uint8).reshape(-1, len(first))
-    fixed = [int(at) - 1 for at in starts[1:-1]] + [len(first) - 1]
-    if not all((rows[:, at] == first[at]).all() for at in fixed):
-        return None
-    levels = rows[:, [int(starts[place]) for place in columns]] - np.uint8(ord("0"))
+    # Each cell is followed by one byte: a delimiter, or the end of the line.
+    offsets: list[int] = []
+    next_offset = 0
+    for cell in cells:
+        offsets.append(next_offset)
+        next_offset += len(cell) + 1
+    rows = np.frombuffer(block, np.uint8).reshape(-1, row_bytes)
+    for fixed_offset in (*(offset - 1 for offset in offsets[1:]), row_bytes - 1):
+        if not (rows[:, fixed_offset] == first_row[fixed_offset]).all():
+            return None
+    levels = rows[:, [offsets[column] for column in columns]] - np.uint8(ord("0"))
     return packed(levels) if (levels <= 1).all() else None
 
 
@@ -368,45 +382,81 @@ def vcd_signals(file: BinaryIO, path: str, names: Names) -> Signals:
     size = size_of(file)
     head = file.read(_BLOCK)
     end = re.search(rb"\$enddefinitions\s+\$end", head)
-    text = head[: end.start()].decode("ascii", "replace") if end else ""
-    scale = _SCALE.search(text)
+    header = head[: end.start()].decode("ascii", "replace") if end is not None else ""
+    scale = _SCALE.search(header)
     if end is None or scale is None:
         raise InputError(path, "", "this is not a valid VCD file: the header has no time scale or no end")
     file.seek(end.end())
-    variables = [(variable[2], variable[3]) for variable in _VAR.finditer(text) if variable[1] == "1"]
-    places = names.places([name for _, name in variables], path)
-    codes = [variables[place][0].encode() for place in places]
-    return Signals(_changes(file, path, codes), int(scale[1]) * _UNITS[scale[2]], False, size)
+    codes: list[bytes] = []
+    signal_names: list[str] = []
+    for bits, code, name in _VAR.findall(header):
+        if bits == "1":
+            codes.append(code.encode())
+            signal_names.append(name)
+    places = names.places(signal_names, path)
+    edges = _changes(file, path, [codes[place] for place in places])
+    return Signals(edges, int(scale[1]) * _UNITS[scale[2]], False, size)
 
 
 def _changes(file: BinaryIO, path: str, codes: Sequence[bytes]) -> Generator[Edges, None, None]:
     """Yield the edges of the signals with these codes."""
-    tokens = {level + code: (place, int(level)) for place, code in enumerate(codes) for level in (b"0", b"1")}
-    levels: list[int | None] = [None for _ in codes]
-    now = begin = -1
+    changes = _ValueChanges(path, codes)
     for block, done in _blocks(file, path, "VCD"):
-        before = tuple(level or 0 for level in levels)
-        times: list[list[int]] = [[] for _ in codes]
-        is_code = False
-        for token in block.split():
-            if is_code:
-                # The code of a vector or a real number, whose value came before.
-                is_code = False
-            elif token in tokens:
-                place, level = tokens[token]
-                if levels[place] is None:
-                    before = (*before[:place], level, *before[place + 1 :])
-                elif levels[place] != level:
-                    times[place].append(now)
-                levels[place] = level
+        yield changes.edges_in(block, done)
+
+
+#: Time before the first time stamp of a value change dump.
+_NO_TIME: Final = -1
+#: Most digits of a time.
+_MAX_TIME_DIGITS: Final = 18
+
+
+class _ValueChanges:
+    """Reader of value changes, block by block. It keeps the level of each signal, None while it is unknown."""
+
+    def __init__(self, path: str, codes: Sequence[bytes]) -> None:
+        self._path = path
+        self._changes: dict[bytes, tuple[int, int]] = {}
+        for signal, code in enumerate(codes):
+            self._changes |= {b"0" + code: (signal, 0), b"1" + code: (signal, 1)}
+        self._levels: list[int | None] = [None for _ in codes]
+        self._begin = self._now = _NO_TIME
+
+    def edges_in(self, block: bytes, done: int) -> Edges:
+        """Return the edges in a block of whole lines."""
+        changes, levels = self._changes, self._levels
+        first_levels = [level or 0 for level in levels]
+        times: list[list[int]] = [[] for _ in levels]
+        self._begin = self._now
+        tokens = iter(block.split())
+        for token in tokens:
+            if token in changes:
+                signal, level = changes[token]
+                last_level = levels[signal]
+                if last_level is None:
+                    first_levels[signal] = level
+                elif last_level != level:
+                    times[signal].append(self._now)
+                levels[signal] = level
             elif token[:1] in b"bBrR":
-                is_code = True
+                # The value of a vector or a real number. Its code is the next token of the same line.
+                next(tokens, None)
             elif token[:1] == b"#":
-                later = int(token[1:]) if token[1:].isdigit() and len(token) < 20 else -1
-                if later < now:
-                    raise InputError(path, "", f"the time {short(token.decode('ascii', 'replace'))} is out of order")
-                begin, now = (later if begin < 0 else begin), later
-        yield Edges(
-            before, tuple(np.array(signal_times, np.float64) for signal_times in times), float(begin), float(now), done
-        )
-        begin = now
+                self._advance(token)
+        edge_times = tuple(np.array(signal_times, np.float64) for signal_times in times)
+        return Edges(tuple(first_levels), edge_times, float(self._begin), float(self._now), done)
+
+    def _advance(self, token: bytes) -> None:
+        """Set the time to the one in ``token``, such as ``#1200``."""
+        digits = token[1:]
+        if not digits.isdigit() or len(digits) > _MAX_TIME_DIGITS:
+            raise InputError(self._path, "", f"the time {_shown(token)} is not a number of at most 18 digits")
+        if int(digits) < self._now:
+            raise InputError(self._path, "", f"the time {_shown(token)} is out of order")
+        self._now = int(digits)
+        if self._begin == _NO_TIME:
+            self._begin = self._now
+
+
+def _shown(token: bytes) -> str:
+    return short(token.decode("ascii", "replace"))

@@ -1,0 +1,104 @@
+"""Numbers and cited sections of the texts in a spec, and the pages of the table of contents, as facts.
+
+Two readers use different words, so that only these are compared.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from typing import Any
+
+from ..language.document import Path, label_of
+from ..language.schema_files import PROSE
+from ..loading.from_mapping import parse_sources
+from .reading import Fact, Reading, Sort
+
+#: First part of the keys of numbers in texts, and of cited sections.
+NUMBERS, CITED = "numbers", "cited"
+_UNITS = (
+    r"(?:[mµ]?[VA](?:pp)?|[km]?Nm|[mckµ]?m(?:²|/s)?|[mµn]?s|min(?:ute)?s?|[kMG]?Hz|°[CF]?|%|[kM]?Ω(?:/km)?|AWG|k?g)"
+)
+_NUMBER = re.compile(rf"[±−+-]?(?:[^\W\d_][\w-]*)?\d[\w.,-]*(?:/s|/km|²| ?{_UNITS}(?!\w))?")
+#: Maps of a second reading by path, which are not texts.
+_WITHOUT = frozenset((("found",), ("sections",)))
+_TEXTS = PROSE | {"printed", "used"}
+_COMMA = re.compile(r"(?<=\d),(?=\d{3}(?!\d))")
+
+
+def numbers_in(text: str) -> str:
+    """Return the numbers in a text, each with its unit, in their order. Empty if there is none."""
+    numbers = (match.rstrip(".,-").replace(" ", "").lstrip("+") for match in _NUMBER.findall(_COMMA.sub("", text)))
+    return " ".join(numbers).replace("−", "-")
+
+
+def contents(reading: Reading) -> Iterator[Fact]:
+    """Yield the page of every section and entry in the table of contents."""
+    for section, section_contents in reading.document.data["manual"].get("contents", {}).items():
+        place: Path = ("manual", "contents", section)
+        pages = {(*place, "page"): section_contents.get("page")}
+        for entry, page in section_contents.get("entries", {}).items():
+            pages[(*place, "entries", entry)] = page
+        for page_place, page in pages.items():
+            if page is not None:
+                description = f"page of {dotted(page_place[2:])} in the contents"
+                yield Fact(Sort.CONTENTS, ("contents", *page_place), str(page), description, page_place)
+
+
+def texts(reading: Reading) -> Iterator[Fact]:
+    """Yield the numbers in every text, and the sections that every source cites."""
+    for place, text in _texts((), reading.document.data):
+        value = _compared_text(place[-1], text)
+        if not value:
+            continue
+        if _is_source(place[-1]):
+            yield Fact(Sort.SECTION, (CITED, *place), value, f"section cited at {dotted(place)}", place)
+        else:
+            yield Fact(Sort.TEXT, (NUMBERS, *place), value, f"numbers in {dotted(place)}", place)
+
+
+def _is_source(key: str | int) -> bool:
+    return key == "source" or str(key).endswith("_source")
+
+
+def _compared_text(key: str | int, text: str) -> str:
+    """Return what is compared of a text: its numbers, or the sections of the manual itself that a source cites."""
+    if not _is_source(key):
+        return numbers_in(text)
+    return ", ".join(sorted({cited.section for cited in parse_sources(text) if not cited.document and cited.section}))
+
+
+def by_path(reading: Reading) -> dict[str, tuple[str, Path]]:
+    """Return what a second reading gives for texts and sources by their paths, with the places there."""
+    numbers_and_places: dict[str, tuple[str, Path]] = {}
+    for path, text in reading.document.data.get("found", {}).items():
+        key = path.rpartition(".")[2]
+        numbers_and_places[path] = (_compared_text(key, text), ("found", path))
+    return numbers_and_places
+
+
+def sections_by_path(reading: Reading) -> dict[str, list[str]]:
+    """Return the sections that a second reading gives for everything under a path."""
+    cited_sections: dict[str, list[str]] = {}
+    for section, paths in reading.document.data.get("sections", {}).items():
+        for path in paths:
+            cited_sections.setdefault(path, []).append(section)
+    return cited_sections
+
+
+def _texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
+    """Yield every text and source, with its place by names."""
+    if isinstance(node, dict):
+        for key, value in node.items():
+            if (*place, key) not in _WITHOUT:
+                yield from _texts((*place, key), value)
+    elif isinstance(node, list):
+        for index, value in enumerate(node):
+            yield from _texts((*place, label_of(value) or index), value)
+    elif isinstance(node, str) and (place[-1] in _TEXTS or (place[0], place[-1]) == ("characteristics", "value")):
+        yield place, node
+
+
+def dotted(place: Path) -> str:
+    """Return a place as a path with dots."""
+    return ".".join(map(str, place))
