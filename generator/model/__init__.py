@@ -18,6 +18,7 @@ from .facts import (
     Edition,
     EditionTest,
     Erratum,
+    layer_in_words,
     Evidence,
     Example,
     FrameExample,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator, Sequence
 
-from ..model import INTERFACES, LEFT_OUT, NOT_KNOWN, Alternative, Answer, Device, Erratum, Layout
+from ..model import INTERFACES, LEFT_OUT, NOT_KNOWN, Alternative, Answer, Device, Erratum, Layout, layer_in_words
 from .text import Code, Part, Ref, Statement, listed, sentence, statement
 
 #: Top-level parts of a spec that are not lists of named items.
@@ -155,7 +155,7 @@ def erratum(correction: Erratum, *, whole: bool = False) -> Statement:
     with_reason = whole or at_stake or len(correction.why) <= _SHORT
     used = sentence(correction.used) + (f" {sentence(f'Only with {correction.only}')}" if correction.only else "")
     brief = f"Used: {used}" if at_stake and correction.status == "open" else ""
-    label = f"Erratum {correction.name} ({correction.status}, {correction.severity.replace('_', ' ')})"
+    label = f"Erratum: {correction.title} ({correction.status}, {correction.severity.replace('_', ' ')})"
     parts = _labelled(("Printed", correction.printed), ("Used", used), ("Why", correction.why if with_reason else ""))
     return Statement((), label, correction.source, brief, tuple(parts))
 
@@ -165,9 +165,7 @@ def _labelled(*parts: tuple[str, str]) -> Iterator[Statement]:
 
 
 def _change(correction: Erratum) -> Statement:
-    label = f"Overlay {correction.overlay}" if correction.overlay else f"In edition {correction.edition}"
-    if correction.edition.startswith("before "):
-        label = f"Before edition {correction.edition.removeprefix('before ')}"
+    label = layer_in_words(correction.overlay, correction.edition)
     # Next to code, a hint that another edition differs is enough, since the code is correct for this edition.
     differs = "may differ" if correction.used == NOT_KNOWN else "differs"
     brief = f"{differs}. See the encoder's page." if correction.edition else None

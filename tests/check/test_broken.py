@@ -24,7 +24,7 @@ RULES_WITH_BROKEN_SPECS = """
     default-mismatch device-name duplicate-address duplicate-key duplicate-name error-usable evidence-grade
     example-shape implausible-rate interface-mismatch label-mismatch layout-keys limit-does-not-fit
     limit-source makes-position-missing meaning-mismatch measurement-shape merge-key missing-key
-    misspelt-name not-a-map not-allowed not-opened not-text number-base number-too-long order-code-ambiguous
+    misspelt-name not-a-map not-allowed not-opened not-text number-base number-too-long open-quotation order-code-ambiguous
     order-code-pattern out-of-range output-code parameter-cycle parameter-interface parameter-origin
     plain-bit printed-number procedure-name quantity-repeated quantity-text register-range repeated-item
     repeated-text revision-not-in-history rs485-exchange saved-too-early several-documents spi-exchange

@@ -14,6 +14,8 @@ from .walk import Fields, Has, Spec, by_name, expanded, field_names, interface_o
 
 #: Senders with the key of their frames in an exchange.
 KEYS: Mapping[str, str] = {"master": "request", "encoder": "reply"}
+#: Largest width of a field, in bits, that is written out. The build reports wider words.
+_WIDEST = 4096
 
 
 def check_exchanges(
@@ -304,7 +306,7 @@ def _constant_bits(layout: Spec, groups: dict[str, Spec]) -> str:
     bits = ""
     for _, field in expanded(Fields(Has.LAYOUT, layout, (), Spi.name), groups):
         width = 1 if "parity_of" in field else constant_width(field)
-        if width is None:
+        if width is None or width > _WIDEST:
             return ""
         constant = field.get("constant", field.get("unused"))
         bits += f"{constant:0{width}b}" if isinstance(constant, int) else "?" * width
