@@ -621,9 +621,9 @@ class Characteristic(NamedTuple):
 class Erratum(NamedTuple):
     """Error or ambiguity in the manual.
 
-    ``title`` says in one sentence what is wrong. ``printed`` is the text of the manual, to the letter only inside double
-    quotation marks, ``used`` the text that is used instead, and ``why`` the reason. ``only`` describes the order codes
-    that it applies to, if not all.
+    ``title`` says in one sentence what is wrong. ``printed`` is the text of the manual, to the letter only in double
+    quotation marks. ``used`` is the text that is used instead, and ``why`` the reason. ``only`` describes the order
+    codes that it applies to, if not all.
     """
 
     name: str
