@@ -32,7 +32,7 @@ RULES_WITH_BROKEN_SPECS = """
     spi-exchange spi-parity step-shape supply-range table-shape tag time-repeated timeout-mismatch
     timing-order timing-without-bound too-deep too-large too-long too-short typographic-quotes
     undefined-reference unit-mismatch unknown-key unused-bits unused-crc value-clash value-too-wide
-    value-verdict verdict-choice wait-too-short writes-mismatch wrong-type yaml-syntax
+    value-verdict verdict-choice wait-too-short words-contradict writes-mismatch wrong-type yaml-syntax
 """.split()
 
 

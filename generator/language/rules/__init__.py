@@ -23,6 +23,7 @@ from . import (
     shapes,
     sources,
     values,
+    words,
 )
 from . import procedures as banks
 from . import procedures as saving
@@ -168,5 +169,10 @@ RULES: tuple[Rule, ...] = (
     agreement.requests_repeated,
     agreement.table_repeated,
     quantities.conversions,
+    words.threshold_words,
+    words.latch_words,
+    words.level_words,
+    words.name_and_meaning,
+    words.wires_named,
     printed_twice.repeated_text,
 )
