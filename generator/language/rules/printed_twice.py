@@ -35,32 +35,36 @@ _NANOMETRES = {
 _VOLT = r"\+?([0-9]+(?:\.[0-9]+)?) ?V(?: ?DC|dc)?"
 _ONE_VOLTAGE = re.compile(rf"{_VOLT}(?: ?± ?([0-9]+(?:\.[0-9]+)?) ?%)?")
 _TWO_VOLTAGES = re.compile(rf"{_VOLT} ?(?:to|-|–|…|\.\.\.|(?=\+)) ?{_VOLT}")
+#: Way out of a contradiction between the meaning of an order code value and its settings.
+MEANING_DIFFERS = "; if the manual prints it so, give the reason in 'meaning_differs'"
 
 
 def value_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the meaning of an order code value agrees with its settings: code, length and supply."""
     for path, part in items(spec, "order_code", "parts"):
         for text, value in part["values"].items():
+            if "meaning_differs" in value:
+                continue
             meaning, value_path, sets = value.get("meaning", ""), (*path, "values", text), mapping(value, "sets")
             for name, expected in _codes_named(spec, value).items():
                 if value["sets"][name] != expected:
                     word = "Gray" if expected else "binary"
                     problem = f"the meaning of {quoted(text)} says {word}, so {quoted(name)} must be {expected}"
-                    report.add("meaning-mismatch", (*value_path, "sets", name), problem)
+                    report.add("meaning-mismatch", (*value_path, "sets", name), problem + MEANING_DIFFERS)
             lengths = _lengths_named(meaning)
             for name, number in sets.items():
                 unit = str(mapping(raw, "parameters", name).get("unit"))
                 if lengths and unit in _NANOMETRES and number * _NANOMETRES[unit] not in lengths:
                     says = next(iter(lengths.values()))
                     problem = f"the meaning of {quoted(text)} says {says}, but {quoted(name)} is {number} {unit}"
-                    report.add("meaning-mismatch", (*value_path, "sets", name), problem)
+                    report.add("meaning-mismatch", (*value_path, "sets", name), problem + MEANING_DIFFERS)
             stated_range, supply = supply_named(meaning), mapping(value, "supply")
             if stated_range and supply and stated_range != (supply["min_mv"], supply["max_mv"]):
                 problem = f"the meaning of {quoted(text)} says {stated_range[0]} to {stated_range[1]} mV"
                 report.add(
                     "meaning-mismatch",
                     (*value_path, "supply"),
-                    f"{problem}, but here it is {supply['min_mv']} to {supply['max_mv']}",
+                    f"{problem}, but here it is {supply['min_mv']} to {supply['max_mv']}{MEANING_DIFFERS}",
                 )
 
 
