@@ -225,9 +225,9 @@ def _step_hint(value: float) -> str:
     nanometres = Fraction(str(value)) * 1000
     if nanometres.denominator == 1:
         return f"; write 'step_nm: {nanometres}'"
-    length = Fraction(str(value)).limit_denominator(_MOST_COUNTS)
-    several = f"such as 'step_um: {length.numerator}' with 'per_counts: {length.denominator}'"
-    return f"; write the length of several steps, and their number in 'per_counts', {several}"
+    length = nanometres.limit_denominator(_MOST_COUNTS)
+    several = f"such as 'step_nm: {length.numerator}' with 'per_counts: {length.denominator}'"
+    return f"; write the length of several steps in nanometres, and their number in 'per_counts', {several}"
 
 
 def _polynomial_hint(text: str) -> str:

@@ -65,6 +65,7 @@ PATTERNS = {
         "a place consists of keys and names joined by dots, with numbers for unnamed items, as in"
         " procedures.set_preset.steps[3]"
     ),
+    "^\\S+ .*[^.\\s]$": "a title is a sentence of several words without a full stop at its end",
     "^[0-9]+\\.[0-9]+\\.[0-9]+$": "a version consists of three numbers joined by dots, as in 0.1.0",
 }
 

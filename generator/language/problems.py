@@ -17,6 +17,8 @@ from typing import Any
 from .document import Document
 from .document import Path as Path
 
+#: Stands for prose that is missing, so that the rest of an item can be checked.
+MISSING_PROSE = "?"
 #: Keys for prose, on which no other part of a spec depends.
 WORDS_ONLY = frozenset(("source", "note", "meaning", "title", "printed_name", "names", "why"))
 #: Rule of the problem that ends the list of a document with too many problems.

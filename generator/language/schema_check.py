@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 from .document import Document, Path
 from .messages import RENAMED, Finding, explain
-from .problems import MAX_PROBLEMS, TOO_MANY, WORDS_ONLY, Report
+from .problems import MAX_PROBLEMS, MISSING_PROSE, TOO_MANY, WORDS_ONLY, Report
 from .schema_files import is_second, load_schema
 
 if TYPE_CHECKING:
@@ -262,7 +262,7 @@ def _remove_broken_items(validator: Any, document: Document, cut: set[Path], kin
 def _stand_ins(error: Any) -> dict[str, str]:
     """Return a stand-in for each missing key of an error."""
     missing_keys = [key for key in error.validator_value if key not in error.instance]
-    stand_ins = dict.fromkeys(missing_keys, "?")
+    stand_ins = dict.fromkeys(missing_keys, MISSING_PROSE)
     if "source" in stand_ins:
         stand_ins["source"] = _SOME_SOURCE
     return stand_ins

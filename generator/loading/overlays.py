@@ -17,7 +17,7 @@ from ..language.check import check_overlay
 from ..language.document import Document
 from ..language.overlay import SUFFIX, AppliedChange, Layer, LayeredSpec, LayerKind
 from ..language.problems import Problem, Report, quoted, suggestion
-from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, Overlay
+from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, Overlay, layer_in_words
 from ..order_codes.reduction import for_codes
 from .from_mapping import record
 
@@ -181,12 +181,20 @@ def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
             Erratum,
             prose,  # The schema reports the rest.
             name=f"{_WORD.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{errata_counts[name]}",
+            title=_title(kind, name, errata_counts[name]),
             printed=shortened(without_examples([change.was for change in changes])),
             used=new_values if first.is_known else NOT_KNOWN,
             status="settled" if first.is_known else "open",
             affects=tuple(dict.fromkeys(affected_paths)),
             **{kind: name},
         )
+
+
+def _title(kind: str, layer_name: str, number: int) -> str:
+    """Return the title of a change: ``Overlay tv62.s042, change 1``."""
+    if kind == LayerKind.OVERLAY.value:
+        return f"{layer_in_words(layer_name, '')}, change {number}"
+    return f"{layer_in_words('', layer_name)}, difference {number}"
 
 
 def _reported_together(change: AppliedChange) -> tuple[str, str, object]:

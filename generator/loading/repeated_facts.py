@@ -8,6 +8,7 @@ from pathlib import PurePath
 
 from ..language.document import Document, Path
 from ..language.problems import DocumentReport, Report, quoted
+from ..language.rules.printed_twice import MEANING_DIFFERS
 from ..language.rules.walk import Spec, by_name, explained, items, mapping
 from ..model import Biss, Device, Fault, PlacedField, Register, RegisterExample, Variant, number_to_bytes
 from ..reference import codec
@@ -210,7 +211,7 @@ def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
     variants = [variant for variant in device.variants if variant.interface in interfaces]
     for index, part in enumerate(raw["order_code"]["parts"]):
         for text, value in part["values"].items():
-            meaning = (value or {}).get("meaning", "")
+            meaning = _compared_meaning(value or {})
             count_texts = [meaning] if _ALONE.fullmatch(meaning) else _COUNTED.findall(meaning)
             numbers = [int(count_text.replace(",", "")) for count_text in count_texts]
             named_counts = {number for number in numbers if number >= _LEAST}
@@ -222,9 +223,14 @@ def _check_meanings(raw: Raw, device: Device, report: DocumentReport) -> None:
                 first_count = next(number for number in numbers if number >= _LEAST)
                 message = (
                     f"the meaning of '{text}' contains {first_count:,}, but with {sets}, its order codes do not have"
-                    " this number"
+                    f" this number{MEANING_DIFFERS}"
                 )
                 report.add("meaning-mismatch", ("order_code", "parts", index, "values", text, "meaning"), message)
+
+
+def _compared_meaning(value: Raw) -> str:
+    """Return the meaning of a value, or an empty string if the spec explains why it differs from the settings."""
+    return "" if "meaning_differs" in value else value.get("meaning", "")
 
 
 def _check_bits_named(raw: Raw, device: Device, report: DocumentReport) -> None:
@@ -235,7 +241,7 @@ def _check_bits_named(raw: Raw, device: Device, report: DocumentReport) -> None:
     units = {parameter.name: parameter.unit for parameter in device.parameters}
     for index, part in enumerate(raw["order_code"]["parts"]):
         for text, value in part["values"].items():
-            named_bits = [int(number) for number in _BITS.findall((value or {}).get("meaning", ""))]
+            named_bits = [int(number) for number in _BITS.findall(_compared_meaning(value or {}))]
             sets = (value or {}).get("sets", {})
             widths = {name: sets[name] for name in sets if units.get(name) in ("bit", "bits")}
             if len(named_bits) != 1 or not widths or named_bits[0] in (*widths.values(), sum(widths.values())):
@@ -244,7 +250,9 @@ def _check_bits_named(raw: Raw, device: Device, report: DocumentReport) -> None:
             if any(named_bits[0] in _frame_and_position_widths(device, variant) for variant in variants):
                 continue
             name = next(iter(widths))
-            message = f"the meaning of '{text}' says {named_bits[0]} bits, but '{name}' is {widths[name]}"
+            message = (
+                f"the meaning of '{text}' says {named_bits[0]} bits, but '{name}' is {widths[name]}{MEANING_DIFFERS}"
+            )
             report.add("meaning-mismatch", ("order_code", "parts", index, "values", text, "sets", name), message)
 
 

@@ -43,6 +43,7 @@ from .facts import (
     Values,
     Write,
     cite,
+    layer_in_words,
 )
 from .fields import Combination, Crc, Field, Join, Piece, PlacedField, Sign
 from .interfaces import (
@@ -235,6 +236,7 @@ __all__ = [
     "choices",
     "cite",
     "first_of",
+    "layer_in_words",
     "member_named",
     "number_from_bytes",
     "number_to_bytes",

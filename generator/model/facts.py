@@ -232,11 +232,12 @@ LEFT_OUT, NOT_KNOWN = "left out", "not known"
 class Erratum:
     """An error in the manual.
 
-    With ``overlay`` or ``edition``, it is a change to the spec instead: ``printed`` is the content of the spec, and
-    ``used`` is the replacement, which may be ``LEFT_OUT`` or ``NOT_KNOWN``.
+    ``title`` says in one sentence what is wrong. With ``overlay`` or ``edition``, it is a change to the spec instead:
+    ``printed`` is the content of the spec, and ``used`` is the replacement, which may be ``LEFT_OUT`` or ``NOT_KNOWN``.
     """
 
     name: str
+    title: str
     printed: str
     used: str
     why: str
@@ -247,6 +248,15 @@ class Erratum:
     overlay: str = ""
     edition: str = ""
     only: str = ""
+
+
+def layer_in_words(overlay: str, edition: str) -> str:
+    """Return the overlay or edition that changes the spec: ``Before edition 1.4``."""
+    if overlay:
+        return f"Overlay {overlay}"
+    if edition.startswith("before "):
+        return f"Before edition {edition.removeprefix('before ')}"
+    return f"In edition {edition}"
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Collection, Iterator, Sequence, Set
 
-from ..model import INTERFACES, LEFT_OUT, NOT_KNOWN, Alternative, Answer, Device, Erratum, Layout
+from ..model import INTERFACES, LEFT_OUT, NOT_KNOWN, Alternative, Answer, Device, Erratum, Layout, layer_in_words
 from .text import Code, Part, Ref, Statement, listed, sentence, statement
 
 #: Top-level parts of a spec that are not lists of named items.
@@ -169,7 +169,7 @@ def erratum(correction: Erratum, *, whole: bool = False) -> Statement:
     severity = correction.severity.replace("_", " ")
     return Statement(
         parts=(),
-        label=f"Erratum {correction.name} ({correction.status}, {severity})",
+        label=f"Erratum: {correction.title} ({correction.status}, {severity})",
         source=correction.source,
         brief=f"Used: {used}" if may_send_wrong_bytes and correction.status == "open" else "",
         below=tuple(_labelled(("Printed", correction.printed), ("Used", used), ("Why", reason))),
@@ -182,17 +182,12 @@ def _labelled(*parts: tuple[str, str]) -> Iterator[Statement]:
 
 def _change(correction: Erratum) -> Statement:
     """Return a change by an overlay, by another edition, or by the editions before one."""
-    if correction.edition.startswith("before "):
-        label = f"Before edition {correction.edition.removeprefix('before ')}"
-    elif correction.overlay:
-        label = f"Overlay {correction.overlay}"
-    else:
-        label = f"In edition {correction.edition}"
     brief = None
     if correction.edition:
         # Next to code, a hint that another edition differs is enough, since the code is correct for this edition.
         differs = "may differ" if correction.used == NOT_KNOWN else "differs"
         brief = f"{differs}. See the encoder's page."
+    label = layer_in_words(correction.overlay, correction.edition)
     below = tuple(_labelled(*changed(correction), ("Why", correction.why)))
     return Statement(parts=(), label=label, source=correction.source, brief=brief, below=below)
 

@@ -194,7 +194,7 @@ def test_an_erratum_is_one_line(c_devices: tuple[Device, ...]) -> None:
         stem = f"c/include/{FAMILIES[device.name]}/{device.name}_"
         text = "".join(text for path, text in files.items() if path.startswith(stem))
         header = " ".join(text.replace("\n *", "\n").split())
-        mentioned = [erratum for erratum in device.errata if f"Erratum {erratum.name} (" in header]
+        mentioned = [erratum for erratum in device.errata if f"Erratum: {erratum.title} (" in header]
         assert len(mentioned) > (5 if device.evidence.grade == "manual" else 0)
         for erratum in mentioned:
             assert in_comment(erratum.printed) not in header

@@ -21,17 +21,18 @@ RULES_WITH_BROKEN_SPECS = """
     access-mismatch addresses-mismatch alarm-name alias also-written alternative-default alternative-use
     argument-not-written bad-expression bad-key bad-pattern bad-source bank-not-selected biss-protocol
     byte-order-missing cable-order cited-place clock-range column-units combination crc-impossible date
-    default-mismatch device-name duplicate-address duplicate-key duplicate-name error-usable evidence-grade
-    example-shape implausible-rate interface-mismatch label-mismatch layout-keys limit-does-not-fit
-    limit-source makes-position-missing meaning-mismatch measurement-shape merge-key missing-key
-    misspelt-name not-a-map not-allowed not-opened not-text number-base number-too-long order-code-ambiguous
+    default-mismatch device-name duplicate-address duplicate-key duplicate-name error-usable
+    evidence-grade example-shape implausible-rate incomplete-pair interface-mismatch label-mismatch
+    layout-keys limit-does-not-fit limit-source makes-position-missing meaning-mismatch
+    measurement-shape merge-key missing-key missing-signal misspelt-name not-a-map not-allowed
+    not-opened not-text number-base number-too-long open-quotation order-code-ambiguous
     order-code-pattern out-of-range output-code parameter-cycle parameter-interface parameter-origin
     plain-bit printed-number procedure-name quantity-repeated quantity-text register-range repeated-item
-    repeated-text revision-not-in-history rs485-exchange saved-too-early several-documents spi-exchange
-    spi-parity step-shape supply-range table-shape tag time-repeated timeout-mismatch timing-order
-    timing-without-bound too-deep too-large too-long too-short typographic-quotes undefined-reference
-    unit-mismatch unknown-key unused-bits unused-crc value-clash value-too-wide value-verdict verdict-choice
-    wait-too-short writes-mismatch wrong-type yaml-syntax
+    repeated-text revision-not-in-history rs485-exchange saved-too-early several-documents signal-twice
+    spi-exchange spi-parity step-shape supply-range table-shape tag time-repeated timeout-mismatch
+    timing-order timing-without-bound too-deep too-large too-long too-short typographic-quotes
+    undefined-reference unit-mismatch unknown-key unused-bits unused-crc value-clash value-too-wide
+    value-verdict verdict-choice wait-too-short words-contradict writes-mismatch wrong-type yaml-syntax
 """.split()
 
 

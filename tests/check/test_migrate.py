@@ -87,3 +87,16 @@ def test_a_later_language_needs_a_later_version(tmp_path: Path, capsys: pytest.C
     text = device_text("my_encoder", "example", "d.json").replace("codewheel: 1\n", "codewheel: 2\n")
     assert main(["check", str(write_specs(tmp_path / "specs", text))]) == 1
     assert "'codewheel' must be 1, not 2; a later version of codewheel can read this file" in capsys.readouterr().out
+
+
+def test_an_erratum_without_a_title_is_a_place_to_decide(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    erratum = (
+        "errata:\n  - {name: width, source: '1', printed: a, used: b, why: c, status: settled, severity: wording}\n"
+    )
+    folder = write_specs(tmp_path / "specs", device_text("my_encoder", "example", "d.json") + erratum)
+    assert main(["migrate", str(folder)]) == 1
+    out = capsys.readouterr().out.splitlines()
+    line = (folder / "my_encoder.yaml").read_text(encoding="utf-8").count("\n")
+    assert out[0].startswith(f"{folder}/my_encoder.yaml:{line}:")
+    assert "missing-key: 'title' is missing; an erratum needs it" in out[0]
+    assert out[-1] == "0 changes applied, 1 place to decide by hand"

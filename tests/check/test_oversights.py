@@ -56,7 +56,8 @@ MISTAKES = {
     ),
     "part of a micrometre": (
         "linear", "step_um: resolution_um", "step_um: 0.9765625", "wrong-type",
-        "such as 'step_um: 125' with 'per_counts: 128'",
+        # 0.9765625 µm are 976.5625 nm, or 15,625 nm in 16 steps.
+        "such as 'step_nm: 15625' with 'per_counts: 16'",
     ),
     "baud rate with its unit": ("rs485", "baud: 2500000", "baud: 2.5 Mbaud", "wrong-type", "write 2500000, in baud"),
     "baud rate with a fraction": (
@@ -88,6 +89,22 @@ def test_a_mistake_is_reported_with_a_way_out(
     ((name, message),) = [problem for problem in reported if problem[0] == rule]
     assert name == rule
     assert words in message
+
+
+#: Steps that the template and the message about ``step_um`` suggest, with the words of the template.
+ADVICE = {
+    "step_nm: 500": "'step_nm: 500' for 0.5 µm",
+    "step_nm: 1000000, per_counts: 1024": "'step_nm: 1000000' with 'per_counts: 1024' for 1000/1024 µm",
+    "step_nm: 15625, per_counts: 16": "",
+}
+
+
+@pytest.mark.parametrize(("advice", "words"), ADVICE.items(), ids=ADVICE)
+def test_advice_on_fractions_of_a_micrometre_can_be_followed(tmp_path: Path, advice: str, words: str) -> None:
+    text = device_text("my_encoder", "example", "d.json", "linear")
+    assert words in " ".join(text.replace("\n#", " ").split())
+    reported = problems(tmp_path, text.replace("step_um: resolution_um", advice))
+    assert [message for rule, message in reported if rule in ("measurement-shape", "unknown-key")] == []
 
 
 def without_examples(text: str) -> str:
@@ -152,7 +169,7 @@ def test_a_true_spec_says_so(tmp_path: Path, like: str, old: str, new: str) -> N
         )
     if "1.1" in text:
         text += (
-            'errata:\n  - {name: history, source: "1", printed: "1.0", used: "1.1", why: The cover has it,'
-            " status: settled, severity: wording, affects: [manual.history]}\n"
+            'errata:\n  - {name: history, title: A revision is missing, source: "1", printed: "1.0", used: "1.1",'
+            " why: The cover has it, status: settled, severity: wording, affects: [manual.history]}\n"
         )
     assert problems(tmp_path, text) == []

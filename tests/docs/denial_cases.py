@@ -610,7 +610,18 @@ def run_names(has_gap: bool) -> str:
 
 def an_erratum(**changes: Any) -> Erratum:
     return replace(
-        Erratum("bit_order", "bit 1", "bit 2", "The table", "open", "wrong_data", ("registers.control",), ()), **changes
+        Erratum(
+            "bit_order",
+            "The bits are swapped",
+            "bit 1",
+            "bit 2",
+            "The table",
+            "open",
+            "wrong_data",
+            ("registers.control",),
+            (),
+        ),
+        **changes,
     )
 
 

@@ -38,14 +38,17 @@ def test_an_erratum_is_next_to_the_bytes_that_it_changes(pages: Mapping[str, str
     for section in sections(pages, "am36", "BiSS C-mode"):
         rows = [row for row in section.splitlines() if "49h: bit 2 = 0" in row]
         assert rows
-        assert all("[Enable preset polarity](#erratum-enable_preset_polarity)" in row for row in rows)
+        assert all(
+            "[One warning gives the bit Enable preset the opposite polarity](#erratum-enable_preset_polarity)" in row
+            for row in rows
+        )
 
 
 # AMM5 7.4.2 p.45: what data ID 8 resets is open.
 def test_an_erratum_is_next_to_the_request_that_it_changes(pages: Mapping[str, str]) -> None:
     for section in sections(pages, "amm5", "RS-485"):
         row = next(row for row in section.splitlines() if row.startswith("| `C2`"))
-        assert "⚠ open: [Data ID 8 scope](#erratum-data_id_8_scope)" in row
+        assert "⚠ open: [Table and note disagree on what data ID 8 resets](#erratum-data_id_8_scope)" in row
 
 
 def test_an_erratum_of_a_limit_is_not_next_to_the_bytes(pages: Mapping[str, str]) -> None:

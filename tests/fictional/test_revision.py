@@ -80,6 +80,7 @@ def test_a_mistake_that_the_new_manual_prints_is_an_erratum(folder: Path) -> Non
     assert main(["check"]) == 1
     erratum = """\
   - name: address_of_correction
+    title: The table still has the old address of the correction
     source: 4.3 p.3
     printed: The table has 04h, the list of changes 06h.
     used: 06h

@@ -60,7 +60,7 @@ def test_show_one_code(capsys: pytest.CaptureFixture[str]) -> None:
     assert "28:8" in out
     assert "0 to 137,438,953,471" in " ".join(out.split())
     assert "rs485" not in out
-    errata = out.partition("\nErrata of the manual\n")[2].split("\n  Erratum ")[1:]
+    errata = out.partition("\nErrata of the manual\n")[2].split("\n  Erratum: ")[1:]
     assert len(errata) > 5
     assert all("\n    Why: " in erratum for erratum in errata)
 

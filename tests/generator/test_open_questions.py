@@ -25,7 +25,7 @@ OPEN: Mapping[tuple[str, str], tuple[str, ...]] = {
     ("amm5", "busy_and_errors_in_one_bit"): ("EE_1", "Data ID 3"),
     ("amm5", "encoder_id_23h"): ("hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst", "0x17", "23 in decimal"),
     ("amm5", "error_bits_leds_alarms"): ("nE", "nW", "LED 1", "LED 2", "EE_0", "EE_1"),
-    ("amm5", "mem_busy_on_read"): ("7.5 p.46", "writing is being executed"),
+    ("amm5", "mem_busy_on_read"): ("7.5 p.46", "Writing is being executed"),
     ("amm5", "mem_busy_position"): (
         "hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst",
         "ti_sdk: tamagawa_over_soc_uart/driver/tamagawa_soc_uart_driv.c",

@@ -276,8 +276,8 @@ def test_the_input_of_a_crc_over_bits_is_not_called_reflected(
     reflection = f"refin: {str(refin).lower()}, refout: {str(refout).lower()}"
     keys = ", ".join(f"crcs.biss_6.{key}" for key, value in (("refin", refin), ("refout", refout)) if value)
     erratum = (
-        'errata:\n  - {name: reflected, source: "1", printed: Reflected, used: The same, why: No encoder does this.,'
-        f" status: settled, severity: wording, affects: [{keys}]}}\n"
+        'errata:\n  - {name: reflected, title: The CRC is reflected, source: "1", printed: Reflected, used: The same,'
+        f" why: No encoder does this., status: settled, severity: wording, affects: [{keys}]}}\n"
     )
     (tmp_path / "scale.yaml").write_text(
         text.replace("refin: false, refout: false", reflection) + erratum, encoding="utf-8"

@@ -219,6 +219,7 @@ def test_level_of_the_status_bits_of_the_el5042(sheet_of: Any) -> None:
 ERRATUM = """\
 errata:
   - name: cable
+    title: Two clocks are printed for one cable
     source: "1"
     printed: 200 kHz
     used: Below 300 kHz up to 100 m

@@ -501,7 +501,7 @@ def crc_biss_6(number: int, bits: int) -> int:
     significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
 
     Errata (full text in ERRATA):
-        biss_crc_start (open, omission): The start value is 0.
+        The start value of the BiSS CRCs is missing (open, omission): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -520,7 +520,7 @@ def crc_biss_4(number: int, bits: int) -> int:
     public BiSS documents.
 
     Errata (full text in ERRATA):
-        biss_crc_start (open, omission): The start value is 0.
+        The start value of the BiSS CRCs is missing (open, omission): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -594,10 +594,13 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     are coded as one word.
 
     Errata (full text in ERRATA):
-        output_letters (open, wrong data): BG is binary, GG is Gray.
-        ssi_bit_numbers (settled, wrong data): The words have bits 27:0 and 30:0.
-        ssi_clock_count (open, wrong limit): The generated files do not enforce either rule. n + 1 clocks satisfy both.
-        position_order (open, omission): Multiturn comes first, as the more significant part.
+        The manual does not say which of BG and GG is Gray code (open, wrong data): BG is binary, GG is Gray.
+        The bits of the SSI words are numbered from 1 instead of 0 (settled, wrong data): The words have bits 27:0 and
+            30:0.
+        Two sections disagree on the number of SSI clocks (open, wrong limit): The generated files do not enforce either
+            rule. n + 1 clocks satisfy both.
+        The order of singleturn and multiturn is missing (open, omission): Multiturn comes first, as the more
+            significant part.
     """
 
     __slots__ = ()
@@ -708,12 +711,14 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     position to the first then changes several bits at once.
 
     Errata (full text in ERRATA):
-        biss_singleturn_resolution (open, wrong data): The widths come from registers 56h and 57h, with their printed
-            defaults, regardless of the order code.
-        position_order (open, omission): Multiturn comes first, as the more significant part.
-        scd_length_at_run_time (open, omission): As soon as a resolution is written, the position has the number of bits
-            given by registers 56h and 57h.
-        error_and_warning_unused (open, omission): A frame with either bit at 0 is decoded, and the bit is reported.
+        The singleturn resolution of the BiSS models is left open (open, wrong data): The widths come from registers 56h
+            and 57h, with their printed defaults, regardless of the order code.
+        The order of singleturn and multiturn is missing (open, omission): Multiturn comes first, as the more
+            significant part.
+        The manual leaves open when the frame changes its length (open, omission): As soon as a resolution is written,
+            the position has the number of bits given by registers 56h and 57h.
+        The manual does not say what 0 means in the unused error bits (open, omission): A frame with either bit at 0 is
+            decoded, and the bit is reported.
 
     Bits of unused:
         bit 0, warning: Warning, nW: Not used, always 1. In the BiSS protocol, 0 here signals a warning. Unused,
@@ -860,8 +865,8 @@ class ProfileId(FixedRegister, _ProfileId):
     Next to this register, the manual refers to "Standard encoder profile", "data format", "Variant 0-24".
 
     Errata (full text in ERRATA):
-        profile_id_variant (open, wrong data): The value is 00 00. The generated files do not derive a data length from
-            it.
+        The profile ID 0000h does not fit the variant 0-24 (open, wrong data): The value is 00 00. The generated files
+            do not derive a data length from it.
         In edition 1.1: Not known: register profile_id, register serial_number, register command, register device_type,
             register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2
             more.
@@ -910,8 +915,8 @@ class SerialNumber(FixedRegister, _SerialNumber):
     Byte order: high byte first, at 44h.
 
     Errata (full text in ERRATA):
-        serial_number_coding (open, wrong data): The values are plain binary numbers. The year is the plain value of its
-            byte. 46h is the high byte of the serial number.
+        The coding of year, week and serial number is not given (open, wrong data): The values are plain binary numbers.
+            The year is the plain value of its byte. 46h is the high byte of the serial number.
         In edition 1.1: Not known: register profile_id, register serial_number, register command, register device_type,
             register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2
             more.
@@ -949,8 +954,8 @@ class Command(IntEnum):
     then be written again.
 
     Errata (full text in ERRATA):
-        preset_cleared_when (open, omission): set_resolution saves the resolution first, and only then writes and
-            activates the preset.
+        Two sections disagree on when a new resolution clears the preset (open, omission): set_resolution saves the
+            resolution first, and only then writes and activates the preset.
         In edition 1.1: Not known: register profile_id, register serial_number, register command, register device_type,
             register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2
             more.
@@ -1015,10 +1020,11 @@ class Configuration(FixedRegister, _Configuration):
     not used. According to the list of defaults they are 0.
 
     Errata (full text in ERRATA):
-        enable_preset_polarity (settled, wrong data): 0 enables the preset function. 1 disables it.
-        example_bit_8 (settled, wrong data): Counting direction is bit 6.
-        preset_example_bit (settled, wrong data): Register 49h is set to 20h, with bit 2 at 0 and the other bits at
-            their defaults.
+        One warning gives the bit Enable preset the opposite polarity (settled, wrong data): 0 enables the preset
+            function. 1 disables it.
+        The example calls Counting direction bit 8 instead of bit 6 (settled, wrong data): Counting direction is bit 6.
+        The preset example writes one bit instead of the whole byte (settled, wrong data): Register 49h is set to 20h,
+            with bit 2 at 0 and the other bits at their defaults.
         In edition 1.1: Instead of: the note on register configuration.
 
     Checked by decode():
@@ -1078,13 +1084,13 @@ class InformationPerRevolution(FixedLimitedRegister, _InformationPerRevolution):
     number of bits.
 
     Errata (full text in ERRATA):
-        biss_singleturn_resolution (open, wrong data): The widths come from registers 56h and 57h, with their printed
-            defaults, regardless of the order code.
-        scd_length_at_run_time (open, omission): As soon as a resolution is written, the position has the number of bits
-            given by registers 56h and 57h.
-        resolution_byte_order (open, omission): The high byte comes first.
-        resolution_byte_by_byte (open, omission): The bytes are written in ascending order of address, without another
-            access in between.
+        The singleturn resolution of the BiSS models is left open (open, wrong data): The widths come from registers 56h
+            and 57h, with their printed defaults, regardless of the order code.
+        The manual leaves open when the frame changes its length (open, omission): As soon as a resolution is written,
+            the position has the number of bits given by registers 56h and 57h.
+        The byte order of the resolution registers is not given (open, omission): The high byte comes first.
+        When a value of several bytes becomes active is not described (open, omission): The bytes are written in
+            ascending order of address, without another access in between.
     """
 
     @classmethod
@@ -1131,12 +1137,13 @@ class NumberOfRevolutions(FixedLimitedRegister, _NumberOfRevolutions):
     position is lost.
 
     Errata (full text in ERRATA):
-        revolutions_4096 (open, wrong limit): The registers and the frame use 65,536. 4096 is used only on the label.
-        scd_length_at_run_time (open, omission): As soon as a resolution is written, the position has the number of bits
-            given by registers 56h and 57h.
-        resolution_byte_order (open, omission): The high byte comes first.
-        resolution_byte_by_byte (open, omission): The bytes are written in ascending order of address, without another
-            access in between.
+        The order code has 4,096 revolutions, the registers have 65,536 (open, wrong limit): The registers and the frame
+            use 65,536. 4096 is used only on the label.
+        The manual leaves open when the frame changes its length (open, omission): As soon as a resolution is written,
+            the position has the number of bits given by registers 56h and 57h.
+        The byte order of the resolution registers is not given (open, omission): The high byte comes first.
+        When a value of several bytes becomes active is not described (open, omission): The bytes are written in
+            ascending order of address, without another access in between.
     """
 
     @classmethod
@@ -1187,10 +1194,12 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
     points of encoder and application.
 
     Errata (full text in ERRATA):
-        preset_cleared_when (open, omission): set_resolution saves the resolution first, and only then writes and
-            activates the preset.
-        enable_preset_polarity (settled, wrong data): 0 enables the preset function. 1 disables it.
-        preset_default_length (settled, wrong data): The default is five bytes of 00.
+        Two sections disagree on when a new resolution clears the preset (open, omission): set_resolution saves the
+            resolution first, and only then writes and activates the preset.
+        One warning gives the bit Enable preset the opposite polarity (settled, wrong data): 0 enables the preset
+            function. 1 disables it.
+        The printed default of Preset has six bytes instead of five (settled, wrong data): The default is five bytes of
+            00.
 
     Checked by decode():
         zero_above_position: Always zero.
@@ -1291,10 +1300,10 @@ class SingleturnBitsUsed(FixedRegister, _SingleturnBitsUsed):
     Default: ``14``.
 
     Errata (full text in ERRATA):
-        biss_singleturn_resolution (open, wrong data): The widths come from registers 56h and 57h, with their printed
-            defaults, regardless of the order code.
-        scd_length_at_run_time (open, omission): As soon as a resolution is written, the position has the number of bits
-            given by registers 56h and 57h.
+        The singleturn resolution of the BiSS models is left open (open, wrong data): The widths come from registers 56h
+            and 57h, with their printed defaults, regardless of the order code.
+        The manual leaves open when the frame changes its length (open, omission): As soon as a resolution is written,
+            the position has the number of bits given by registers 56h and 57h.
     """
 
     __slots__ = ()
@@ -1331,10 +1340,12 @@ class MultiturnBitsUsed(FixedRegister, _MultiturnBitsUsed):
     Default: ``10``.
 
     Errata (full text in ERRATA):
-        revolutions_4096 (open, wrong limit): The registers and the frame use 65,536. 4096 is used only on the label.
-        scd_length_at_run_time (open, omission): As soon as a resolution is written, the position has the number of bits
-            given by registers 56h and 57h.
-        revolution_bits_rounding (open, omission): The number of bits is read from register 57h, not computed.
+        The order code has 4,096 revolutions, the registers have 65,536 (open, wrong limit): The registers and the frame
+            use 65,536. 4096 is used only on the label.
+        The manual leaves open when the frame changes its length (open, omission): As soon as a resolution is written,
+            the position has the number of bits given by registers 56h and 57h.
+        The number of bits for 2,000 revolutions and the like is not given (open, omission): The number of bits is read
+            from register 57h, not computed.
     """
 
     __slots__ = ()
@@ -1380,8 +1391,9 @@ class DeviceId(FixedRegister, _DeviceId):
     Byte order: high byte first, at 78h.
 
     Errata (full text in ERRATA):
-        order_code_17 (settled, wrong limit): I7 is the code for BiSS. 17 is also accepted and shown as unlisted.
-        device_id_shared (open, omission): The device ID is used as printed.
+        The BiSS models are printed with 17 instead of I7 (settled, wrong limit): I7 is the code for BiSS. 17 is also
+            accepted and shown as unlisted.
+        All models share one device ID (open, omission): The device ID is used as printed.
         In edition 1.1: Not known: register profile_id, register serial_number, register command, register device_type,
             register device_id, register manufacturer_id, the printed table of defaults, timings of BiSS C-mode and 2
             more.
@@ -1617,8 +1629,8 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     Result: The position at the moment of the command becomes the preset value. All other positions shift accordingly.
 
     Errata (full text in ERRATA):
-        preset_example_bit (settled, wrong data): Register 49h is set to 20h, with bit 2 at 0 and the other bits at
-            their defaults.
+        The preset example writes one bit instead of the whole byte (settled, wrong data): Register 49h is set to 20h,
+            with bit 2 at 0 and the other bits at their defaults.
 
     Args:
         variant: The encoder.
@@ -1655,8 +1667,8 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     activates the preset.
 
     Errata (full text in ERRATA):
-        preset_example_bit (settled, wrong data): Register 49h is set to 20h, with bit 2 at 0 and the other bits at
-            their defaults.
+        The preset example writes one bit instead of the whole byte (settled, wrong data): Register 49h is set to 20h,
+            with bit 2 at 0 and the other bits at their defaults.
 
     Args:
         variant: The encoder.
@@ -1745,9 +1757,10 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     than 2,047 revolutions in either direction while the encoder is off. Otherwise the absolute position is lost.
 
     Errata (full text in ERRATA):
-        revolutions_4096 (open, wrong limit): The registers and the frame use 65,536. 4096 is used only on the label.
-        scd_length_at_run_time (open, omission): As soon as a resolution is written, the position has the number of bits
-            given by registers 56h and 57h.
+        The order code has 4,096 revolutions, the registers have 65,536 (open, wrong limit): The registers and the frame
+            use 65,536. 4096 is used only on the label.
+        The manual leaves open when the frame changes its length (open, omission): As soon as a resolution is written,
+            the position has the number of bits given by registers 56h and 57h.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1784,12 +1797,12 @@ def set_resolution(
     a position again. The order of the steps follows from the warnings of registers 48h, 4Bh, 4Eh and 50h.
 
     Errata (full text in ERRATA):
-        scd_length_at_run_time (open, omission): As soon as a resolution is written, the position has the number of bits
-            given by registers 56h and 57h.
-        preset_cleared_when (open, omission): set_resolution saves the resolution first, and only then writes and
-            activates the preset.
-        resolution_byte_by_byte (open, omission): The bytes are written in ascending order of address, without another
-            access in between.
+        The manual leaves open when the frame changes its length (open, omission): As soon as a resolution is written,
+            the position has the number of bits given by registers 56h and 57h.
+        Two sections disagree on when a new resolution clears the preset (open, omission): set_resolution saves the
+            resolution first, and only then writes and activates the preset.
+        When a value of several bytes becomes active is not described (open, omission): The bytes are written in
+            ascending order of address, without another access in between.
 
     Args:
         variant: The encoder.

@@ -589,7 +589,7 @@ def crc_biss_6(number: int, bits: int) -> int:
     significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
 
     Errata (full text in ERRATA):
-        biss_crc_start (open, omission): The start value is 0.
+        The start value of the BiSS CRCs is missing (open, omission): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -608,7 +608,7 @@ def crc_biss_4(number: int, bits: int) -> int:
     public BiSS documents.
 
     Errata (full text in ERRATA):
-        biss_crc_start (open, omission): The start value is 0.
+        The start value of the BiSS CRCs is missing (open, omission): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -627,8 +627,8 @@ def crc_rs485_8(data: bytes) -> int:
     the XOR of the bytes, so it does not detect swapped bytes. The printed code sets the start value to 0.
 
     Errata (full text in ERRATA):
-        crc_code_bit_order (settled, wrong data): The CRC is the XOR of all bytes before it, which is x^8 + 1 with input
-            and output reflected.
+        The printed CRC code expects the bits of a byte MSB first (settled, wrong data): The CRC is the XOR of all bytes
+            before it, which is x^8 + 1 with input and output reflected.
 
     Args:
         data: Bytes that the CRC covers.
@@ -674,9 +674,9 @@ class EepromAddress(Enum):
     The manual leaves this open, or other evidence contradicts it. There is no default.
 
     Errata (full text in ERRATA):
-        mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no
-            default. With the wrong choice, an access reaches twice the address or half of it, and a write overwrites
-            other data there. Read and compare before you write.
+        The place of MEM BUSY in the address byte is doubtful (open, wrong data): Either position is possible. The user
+            must choose, and there is no default. With the wrong choice, an access reaches twice the address or half of
+            it, and a write overwrites other data there. Read and compare before you write.
     """
 
     AS_PRINTED = (1, 0)
@@ -699,8 +699,8 @@ class WarningCause(Enum):
     chooses another answer.
 
     Errata (full text in ERRATA):
-        position_under_error (open, omission): The position is not usable if any of these is active: error, BUSY, PS
-            error or ST error.
+        Which errors affect the position is only partly described (open, omission): The position is not usable if any of
+            these is active: error, BUSY, PS error or ST error.
     """
 
     EITHER_CAUSE = (0,)
@@ -742,10 +742,12 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     read zeros after the word. There is no error bit, no warning bit and no CRC.
 
     Errata (full text in ERRATA):
-        ssi_output_code (settled, wrong data): Binary.
-        ssi_clock_count (open, wrong limit): The generated files do not enforce either rule. n + 1 clocks satisfy both.
-        ssi_table_65kkg1 (settled, wrong limit): 65KBG1.
-        position_order (open, omission): Multiturn comes first, as the more significant part.
+        One section says Binary or Gray, the other says Binary (settled, wrong data): Binary.
+        Two sections disagree on the number of SSI clocks (open, wrong limit): The generated files do not enforce either
+            rule. n + 1 clocks satisfy both.
+        The table of word lengths has 65KKG1 instead of 65KBG1 (settled, wrong limit): 65KBG1.
+        The order of singleturn and multiturn is missing (open, omission): Multiturn comes first, as the more
+            significant part.
     """
 
     __slots__ = ()
@@ -860,13 +862,15 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     most significant bit first.
 
     Errata (full text in ERRATA):
-        position_order (open, omission): Multiturn comes first, as the more significant part.
-        scd_length (settled, wrong data): The length is position_bits + 8.
-        error_bits_leds_alarms (open, omission): Each bit, LED and alarm is used as printed.
-        position_under_error (open, omission): The position is not usable if any of these is active: error, BUSY, PS
-            error or ST error.
-        singleturn_without_battery (open, omission): In singleturn models (.../1...), nW, BATT and MTERR have no
-            explanation.
+        The order of singleturn and multiturn is missing (open, omission): Multiturn comes first, as the more
+            significant part.
+        The frame is one bit longer than the printed length (settled, wrong data): The length is position_bits + 8.
+        Error bits, LEDs and alarms do not correspond one to one (open, omission): Each bit, LED and alarm is used as
+            printed.
+        Which errors affect the position is only partly described (open, omission): The position is not usable if any of
+            these is active: error, BUSY, PS error or ST error.
+        Battery alarms are printed for models without a battery (open, omission): In singleturn models (.../1...), nW,
+            BATT and MTERR have no explanation.
 
     Checked by decode():
         crc: CRC: CRC of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
@@ -989,7 +993,7 @@ class DataRequest(FixedBytes, _DataRequest):
 
     One byte, without a CRC.
 
-    See also in ERRATA: control_field_structure.
+    See also in ERRATA: The structure of the control field is not described.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -1055,11 +1059,11 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
     The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
     Errata (full text in ERRATA):
-        mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no
-            default. With the wrong choice, an access reaches twice the address or half of it, and a write overwrites
-            other data there. Read and compare before you write.
+        The place of MEM BUSY in the address byte is doubtful (open, wrong data): Either position is possible. The user
+            must choose, and there is no default. With the wrong choice, an access reaches twice the address or half of
+            it, and a write overwrites other data there. Read and compare before you write.
 
-    See also in ERRATA: control_field_structure.
+    See also in ERRATA: The structure of the control field is not described.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -1179,11 +1183,11 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
     The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
     Errata (full text in ERRATA):
-        mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no
-            default. With the wrong choice, an access reaches twice the address or half of it, and a write overwrites
-            other data there. Read and compare before you write.
+        The place of MEM BUSY in the address byte is doubtful (open, wrong data): Either position is possible. The user
+            must choose, and there is no default. With the wrong choice, an access reaches twice the address or half of
+            it, and a write overwrites other data there. Read and compare before you write.
 
-    See also in ERRATA: control_field_structure.
+    See also in ERRATA: The structure of the control field is not described.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -1315,11 +1319,14 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
     position = (DF2 << 16) + (DF1 << 8) + DF0. The bits above the resolution are 0: bit 23, bits 23:21 or bits 23:17.
 
     Errata (full text in ERRATA):
-        busy_and_errors_in_one_bit (open, omission): EE_1 is one flag, status_other_error.
-        crc_example_frame (settled, wrong data): The bytes are used only as a check of the CRC.
+        One bit combines BUSY with errors that keep the position (open, omission): EE_1 is one flag, status_other_error.
+        The frame of the CRC example does not fit any reply (settled, wrong data): The bytes are used only as a check of
+            the CRC.
 
-    See also in ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
-    power_on_twice, singleturn_without_battery.
+    See also in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say what other
+    values of the unused bits mean; Which errors affect the position is only partly described; The structure of the
+    control field is not described; Turning on the power twice can mean one or two power cycles; Battery alarms are
+    printed for models without a battery.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
@@ -1438,10 +1445,12 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
     Singleturn models do not use these three bytes. Unused high bits are 0.
 
     Errata (full text in ERRATA):
-        busy_and_errors_in_one_bit (open, omission): EE_1 is one flag, status_other_error.
+        One bit combines BUSY with errors that keep the position (open, omission): EE_1 is one flag, status_other_error.
 
-    See also in ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
-    power_on_twice, singleturn_without_battery.
+    See also in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say what other
+    values of the unused bits mean; Which errors affect the position is only partly described; The structure of the
+    control field is not described; Turning on the power twice can mean one or two power cycles; Battery alarms are
+    printed for models without a battery.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
@@ -1555,11 +1564,13 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
     Its ``data_id`` is 2 (encoder_id).
 
     Errata (full text in ERRATA):
-        encoder_id_23h (open, wrong data): 23h is the expected encoder ID. A frame with another ID is decoded, and the
-            ID is reported.
+        The encoder ID 23h may be the decimal number 23 (open, wrong data): 23h is the expected encoder ID. A frame with
+            another ID is decoded, and the ID is reported.
 
-    See also in ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
-    busy_and_errors_in_one_bit, power_on_twice, singleturn_without_battery.
+    See also in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say what other
+    values of the unused bits mean; Which errors affect the position is only partly described; The structure of the
+    control field is not described; One bit combines BUSY with errors that keep the position; Turning on the power twice
+    can mean one or two power cycles; Battery alarms are printed for models without a battery.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
@@ -1683,11 +1694,14 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
     ``position`` consists of ``multiturn`` and ``singleturn``, most significant first.
 
     Errata (full text in ERRATA):
-        encoder_id_23h (open, wrong data): 23h is the expected encoder ID. A frame with another ID is decoded, and the
-            ID is reported.
+        The encoder ID 23h may be the decimal number 23 (open, wrong data): 23h is the expected encoder ID. A frame with
+            another ID is decoded, and the ID is reported.
 
-    See also in ERRATA: error_bits_leds_alarms, unused_status_bits, position_under_error, control_field_structure,
-    busy_and_errors_in_one_bit, power_on_twice, singleturn_without_battery, battery_alarm_reset, busy_clear.
+    See also in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say what other
+    values of the unused bits mean; Which errors affect the position is only partly described; The structure of the
+    control field is not described; One bit combines BUSY with errors that keep the position; Turning on the power twice
+    can mean one or two power cycles; Battery alarms are printed for models without a battery; The battery alarm is
+    missing in one list of errors to be reset; The condition that clears BUSY differs within the manual.
 
     Bits of unused:
         bits 3:0, status_info: EI_3 ... EI_0: Encoder information. Unused, documented as 0. Frames with other values are
@@ -1886,11 +1900,11 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
     The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
     Errata (full text in ERRATA):
-        mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no
-            default. With the wrong choice, an access reaches twice the address or half of it, and a write overwrites
-            other data there. Read and compare before you write.
+        The place of MEM BUSY in the address byte is doubtful (open, wrong data): Either position is possible. The user
+            must choose, and there is no default. With the wrong choice, an access reaches twice the address or half of
+            it, and a write overwrites other data there. Read and compare before you write.
 
-    See also in ERRATA: control_field_structure.
+    See also in ERRATA: The structure of the control field is not described.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -2013,11 +2027,11 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
     The positions of its fields depend on your choice of ``eeprom_address``: ``as_printed`` or ``as_t_format``.
 
     Errata (full text in ERRATA):
-        mem_busy_position (open, wrong data): Either position is possible. The user must choose, and there is no
-            default. With the wrong choice, an access reaches twice the address or half of it, and a write overwrites
-            other data there. Read and compare before you write.
+        The place of MEM BUSY in the address byte is doubtful (open, wrong data): Either position is possible. The user
+            must choose, and there is no default. With the wrong choice, an access reaches twice the address or half of
+            it, and a write overwrites other data there. Read and compare before you write.
 
-    See also in ERRATA: control_field_structure.
+    See also in ERRATA: The structure of the control field is not described.
 
     Checked by decode():
         sync: Start of a frame, binary 010. Always 2.
@@ -2287,11 +2301,15 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
     and application.
 
     Errata (full text in ERRATA):
-        preset_limit (settled, wrong limit): The maximum is 2^position_bits − 1.
-        preset_revolutions (settled, wrong limit): Singleturn models have no multiturn bits.
-        preset_bits_below_lsb (open, omission): All bits below the lowest singleturn bit are 0.
-        biss_bank_select (open, omission): The registers are used as printed.
-        preset_default_length (settled, wrong data): The default is seven bytes of 00.
+        Only the Italian edition allows the total resolution as preset (settled, wrong limit): The maximum is
+            2^position_bits − 1.
+        The singleturn models are counted among those with 65,536 turns (settled, wrong limit): Singleturn models have
+            no multiturn bits.
+        The bits below the lowest singleturn bit are not described (open, omission): All bits below the lowest
+            singleturn bit are 0.
+        The preset uses registers that BiSS reserves for banks (open, omission): The registers are used as printed.
+        The printed default of Preset has five bytes instead of seven (settled, wrong data): The default is seven bytes
+            of 00.
 
     Checked by decode():
         zero_above_multiturn: Always zero.
@@ -2372,7 +2390,7 @@ class PresetSettingEnable(IntEnum):
     The list of defaults (section 10) gives 00, although the register cannot be read.
 
     Errata (full text in ERRATA):
-        biss_bank_select (open, omission): The registers are used as printed.
+        The preset uses registers that BiSS reserves for banks (open, omission): The registers are used as printed.
     """
 
     DISABLE = 0
@@ -2420,7 +2438,8 @@ class SerialNumber(FixedRegister, _SerialNumber):
     Byte order: high byte first, at 44h.
 
     Errata (full text in ERRATA):
-        serial_number_order (open, wrong data): The high byte comes first, as printed.
+        Sister manuals read the serial number in opposite byte orders (open, wrong data): The high byte comes first, as
+            printed.
         Before edition 1.7: Not known: register serial_number.
     """
 
@@ -2514,7 +2533,7 @@ class DeviceId(FixedRegister, _DeviceId):
     Byte order: high byte first, at 78h.
 
     Errata (full text in ERRATA):
-        device_id_shared (open, omission): The device ID is used as printed.
+        All models share one device ID (open, omission): The device ID is used as printed.
         Before edition 1.7: Not known: register device_id.
     """
 
@@ -2788,10 +2807,11 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
     The ten requests must follow one another directly. Stop polling the position during the reset.
 
     Errata (full text in ERRATA):
-        data_id_8_scope (open, wrong data): The generated files follow the table. Data ID 8 resets singleturn and
-            multiturn data.
-        reset_interval (open, omission): No other request is sent in between.
-        reset_standstill (open, wrong limit): The condition is standstill, which the manual defines as 300 rpm or less.
+        Table and note disagree on what data ID 8 resets (open, wrong data): The generated files follow the table. Data
+            ID 8 resets singleturn and multiturn data.
+        The interval between the ten reset requests is ambiguous (open, omission): No other request is sent in between.
+        A shaft turning at 300 rpm is called stopped (open, wrong limit): The condition is standstill, which the manual
+            defines as 300 rpm or less.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -2822,9 +2842,11 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
     The ten requests must follow one another directly. Stop polling the position during the reset.
 
     Errata (full text in ERRATA):
-        battery_alarm_reset (open, omission): Data IDs 7 and C also clear the battery alarm.
-        reset_interval (open, omission): No other request is sent in between.
-        reset_standstill (open, wrong limit): The condition is standstill, which the manual defines as 300 rpm or less.
+        The battery alarm is missing in one list of errors to be reset (open, omission): Data IDs 7 and C also clear the
+            battery alarm.
+        The interval between the ten reset requests is ambiguous (open, omission): No other request is sent in between.
+        A shaft turning at 300 rpm is called stopped (open, wrong limit): The condition is standstill, which the manual
+            defines as 300 rpm or less.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -2855,9 +2877,11 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     The ten requests must follow one another directly. Stop polling the position during the reset.
 
     Errata (full text in ERRATA):
-        battery_alarm_reset (open, omission): Data IDs 7 and C also clear the battery alarm.
-        reset_interval (open, omission): No other request is sent in between.
-        reset_standstill (open, wrong limit): The condition is standstill, which the manual defines as 300 rpm or less.
+        The battery alarm is missing in one list of errors to be reset (open, omission): Data IDs 7 and C also clear the
+            battery alarm.
+        The interval between the ten reset requests is ambiguous (open, omission): No other request is sent in between.
+        A shaft turning at 300 rpm is called stopped (open, wrong limit): The condition is standstill, which the manual
+            defines as 300 rpm or less.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

@@ -423,7 +423,7 @@ def crc_biss_6(number: int, bits: int) -> int:
     is sent) come from public BiSS documents.
 
     Errata (full text in ERRATA):
-        biss_crc_start (open, omission): The start value is 0.
+        The start value of the BiSS CRCs is missing (open, omission): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -442,7 +442,7 @@ def crc_biss_4(number: int, bits: int) -> int:
     public BiSS documents.
 
     Errata (full text in ERRATA):
-        biss_crc_start (open, omission): The start value is 0.
+        The start value of the BiSS CRCs is missing (open, omission): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -463,9 +463,10 @@ class ZeroBit(Enum):
     The manual leaves this open, or other evidence contradicts it. There is no default.
 
     Errata (full text in ERRATA):
-        scd_length (open, wrong data): Either layout is possible. The user must choose, and there is no default:
-            position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
-            If the CRC of every frame fails, the other layout is likely.
+        The table of the frame has one bit more than the printed length (open, wrong data): Either layout is possible.
+            The user must choose, and there is no default: position_bits + 9 bits with the 0 bit between position and
+            error bit, or position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is
+            likely.
     """
 
     AS_PRINTED = (1,)
@@ -503,9 +504,11 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     also absent.
 
     Errata (full text in ERRATA):
-        ssi_code_letters (open, wrong data): BG is binary, GG is Gray.
-        ssi_clock_count (open, wrong limit): The generated files do not enforce either rule. n + 1 clocks satisfy both.
-        ssi_bit_numbers (settled, wrong data): The bits are 19:0 to 24:0, with bit 0 as the LSB.
+        The manual does not say which of BG and GG is Gray code (open, wrong data): BG is binary, GG is Gray.
+        Two sections disagree on the number of SSI clocks (open, wrong limit): The generated files do not enforce either
+            rule. n + 1 clocks satisfy both.
+        The bits of the SSI words are numbered from 1 instead of 0 (settled, wrong data): The bits are 19:0 to 24:0,
+            with bit 0 as the LSB.
     """
 
     __slots__ = ()
@@ -589,13 +592,16 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
     The positions of its fields depend on your choice of ``zero_bit``: ``as_printed`` or ``left_out``.
 
     Errata (full text in ERRATA):
-        scd_length (open, wrong data): Either layout is possible. The user must choose, and there is no default:
-            position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
-            If the CRC of every frame fails, the other layout is likely.
-        profile_id_data_length (open, wrong data): The profile ID is 281Ah for all models, as printed. It does not
-            indicate the resolution or the zero bit of the frame.
-        warning_sources (open, omission): No bit of the error register is interpreted as a warning.
-        position_under_error (open, omission): Error bit active: the position is not usable.
+        The table of the frame has one bit more than the printed length (open, wrong data): Either layout is possible.
+            The user must choose, and there is no default: position_bits + 9 bits with the 0 bit between position and
+            error bit, or position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is
+            likely.
+        One profile ID is given for models with different data lengths (open, wrong data): The profile ID is 281Ah for
+            all models, as printed. It does not indicate the resolution or the zero bit of the frame.
+        The manual does not say which errors cause a warning (open, omission): No bit of the error register is
+            interpreted as a warning.
+        How errors and warnings affect the position is not described (open, omission): Error bit active: the position is
+            not usable.
 
     Checked by decode():
         zero: 0: Always 0, between position and error bit.
@@ -755,11 +761,12 @@ class ProfileId(FixedRegister, _ProfileId):
     format.
 
     Errata (full text in ERRATA):
-        scd_length (open, wrong data): Either layout is possible. The user must choose, and there is no default:
-            position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
-            If the CRC of every frame fails, the other layout is likely.
-        profile_id_data_length (open, wrong data): The profile ID is 281Ah for all models, as printed. It does not
-            indicate the resolution or the zero bit of the frame.
+        The table of the frame has one bit more than the printed length (open, wrong data): Either layout is possible.
+            The user must choose, and there is no default: position_bits + 9 bits with the 0 bit between position and
+            error bit, or position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is
+            likely.
+        One profile ID is given for models with different data lengths (open, wrong data): The profile ID is 281Ah for
+            all models, as printed. It does not indicate the resolution or the zero bit of the frame.
     """
 
     __slots__ = ()
@@ -801,7 +808,8 @@ class SerialNumber(FixedRegister, _SerialNumber):
     Byte order: high byte first, at 44h.
 
     Errata (full text in ERRATA):
-        serial_number_digits (open, omission): The serial number is a single number.
+        The meaning of the digits of the serial number is not given (open, omission): The serial number is a single
+            number.
     """
 
     __slots__ = ()
@@ -903,7 +911,8 @@ class Command(IntEnum):
     Reading the same address accesses ``status`` instead.
 
     Errata (full text in ERRATA):
-        cycle_counter (open, omission): The command and the error are described as printed.
+        A singleturn encoder has a cycle counter without explanation (open, omission): The command and the error are
+            described as printed.
     """
 
     REQUEST_POSITION = 0
@@ -1003,10 +1012,13 @@ class Status(FixedRegister, _Status):
     is 1, as in the procedure request_position.
 
     Errata (full text in ERRATA):
-        absolute_data_valid_bit (settled, wrong data): Absolute data valid is bit 1.
-        internal_data_bus_busy_bit (settled, wrong data): Internal data bus busy is bit 2.
-        warning_sources (open, omission): No bit of the error register is interpreted as a warning.
-        eds_bank_missing (open, omission): The generated files have no EDS.
+        Absolute data valid is bit 2 in one place and bit 1 in another (settled, wrong data): Absolute data valid is bit
+            1.
+        Internal data bus busy is bit 3 in one place and bit 2 in another (settled, wrong data): Internal data bus busy
+            is bit 2.
+        The manual does not say which errors cause a warning (open, omission): No bit of the error register is
+            interpreted as a warning.
+        The registers of the EDS are not listed (open, omission): The generated files have no EDS.
     """
 
     __slots__ = ()
@@ -1062,12 +1074,15 @@ class Position(RegisterOf["BissEncoder"], _Position):
     the other multi-byte registers.
 
     Errata (full text in ERRATA):
-        scd_length (open, wrong data): Either layout is possible. The user must choose, and there is no default:
-            position_bits + 9 bits with the 0 bit between position and error bit, or position_bits + 8 bits without it.
-            If the CRC of every frame fails, the other layout is likely.
-        position_register_bits (open, wrong data): The exponents are the bit numbers of the register. The position is
-            left-aligned at bit 31 and position_bits wide. The bits below it are unspecified.
-        error_reset (open, omission): Reading the position register resets the messages.
+        The table of the frame has one bit more than the printed length (open, wrong data): Either layout is possible.
+            The user must choose, and there is no default: position_bits + 9 bits with the 0 bit between position and
+            error bit, or position_bits + 8 bits without it. If the CRC of every frame fails, the other layout is
+            likely.
+        The position register is described for one resolution only (open, wrong data): The exponents are the bit numbers
+            of the register. The position is left-aligned at bit 31 and position_bits wide. The bits below it are
+            unspecified.
+        Two kinds of reading the position could reset the errors (open, omission): Reading the position register resets
+            the messages.
     """
 
     __slots__ = ()
@@ -1137,9 +1152,12 @@ class ErrorRegister(FixedRegister, _ErrorRegister):
     position clears a message. The message appears again while its cause persists.
 
     Errata (full text in ERRATA):
-        cycle_counter (open, omission): The command and the error are described as printed.
-        warning_sources (open, omission): No bit of the error register is interpreted as a warning.
-        error_reset (open, omission): Reading the position register resets the messages.
+        A singleturn encoder has a cycle counter without explanation (open, omission): The command and the error are
+            described as printed.
+        The manual does not say which errors cause a warning (open, omission): No bit of the error register is
+            interpreted as a warning.
+        Two kinds of reading the position could reset the errors (open, omission): Reading the position register resets
+            the messages.
     """
 
     __slots__ = ()
@@ -1190,7 +1208,7 @@ class DeviceId(FixedRegister, _DeviceId):
     The revision table of the manual lists hardware 0 and software 1, which are the two characters of the release.
 
     Errata (full text in ERRATA):
-        device_id_shared (open, omission): The device ID is used as printed.
+        All models share one device ID (open, omission): The device ID is used as printed.
     """
 
     __slots__ = ()
@@ -1312,7 +1330,8 @@ def request_position(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: The position register contains the requested position.
 
     Errata (full text in ERRATA):
-        error_reset (open, omission): Reading the position register resets the messages.
+        Two kinds of reading the position could reset the errors (open, omission): Reading the position register resets
+            the messages.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1343,7 +1362,8 @@ def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     The configuration registers, 00h to 2Dh, are reserved for the manufacturer.
 
     Errata (full text in ERRATA):
-        internal_data_bus_busy_bit (settled, wrong data): Internal data bus busy is bit 2.
+        Internal data bus busy is bit 3 in one place and bit 2 in another (settled, wrong data): Internal data bus busy
+            is bit 2.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1373,8 +1393,10 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     read, the bit does not become 1. Stop after a while and read the error register.
 
     Errata (full text in ERRATA):
-        cycle_counter (open, omission): The command and the error are described as printed.
-        absolute_data_valid_bit (settled, wrong data): Absolute data valid is bit 1.
+        A singleturn encoder has a cycle counter without explanation (open, omission): The command and the error are
+            described as printed.
+        Absolute data valid is bit 2 in one place and bit 1 in another (settled, wrong data): Absolute data valid is bit
+            1.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1434,7 +1456,8 @@ def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]
     Result: Configuration error shows whether the configuration registers match their checksum.
 
     Errata (full text in ERRATA):
-        internal_data_bus_busy_bit (settled, wrong data): Internal data bus busy is bit 2.
+        Internal data bus busy is bit 3 in one place and bit 2 in another (settled, wrong data): Internal data bus busy
+            is bit 2.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1507,7 +1530,8 @@ def reset_errors(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: The messages are reset. Messages with a persistent cause appear again.
 
     Errata (full text in ERRATA):
-        error_reset (open, omission): Reading the position register resets the messages.
+        Two kinds of reading the position could reset the errors (open, omission): Reading the position register resets
+            the messages.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -1541,7 +1565,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     the label shows the rest of the order code.
 
     Errata (full text in ERRATA):
-        device_id_shared (open, omission): The device ID is used as printed.
+        All models share one device ID (open, omission): The device ID is used as printed.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

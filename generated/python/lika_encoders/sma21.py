@@ -637,7 +637,7 @@ def crc_biss_6(number: int, bits: int) -> int:
     significant bit first) and the range (position, error and warning bit) come from public BiSS documents.
 
     Errata (full text in ERRATA):
-        biss_crc_start (open, omission): The start value is 0.
+        The start value of the BiSS CRCs is missing (open, omission): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -656,7 +656,7 @@ def crc_biss_4(number: int, bits: int) -> int:
     public BiSS documents.
 
     Errata (full text in ERRATA):
-        biss_crc_start (open, omission): The start value is 0.
+        The start value of the BiSS CRCs is missing (open, omission): The start value is 0.
 
     Args:
         number: Number that the CRC covers, most significant bit first.
@@ -770,10 +770,11 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     position is bit 1. The manual's name is "Struttura dell'informazione di posizione".
 
     Errata (full text in ERRATA):
-        ssi_clock_count (open, wrong limit): The generated files do not enforce either rule.
-        gray_scope (open, omission): Only the position is coded.
-        position_under_error (open, omission): The position is not usable if any of these is active: nE, ea1 or an alarm
-            that is part of ea1.
+        Two sections disagree on the number of SSI clocks (open, wrong limit): The generated files do not enforce either
+            rule.
+        The manual does not say which bits are in Gray code (open, omission): Only the position is coded.
+        How single alarms affect the position is not described (open, omission): The position is not usable if any of
+            these is active: nE, ea1 or an alarm that is part of ea1.
     """
 
     __slots__ = ()
@@ -866,15 +867,17 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     zeros, so it does not matter whether they are converted. The error and warning bits are assumed not to be converted.
 
     Errata (full text in ERRATA):
-        gray_scope (open, omission): Only the position is coded.
-        scd_length (settled, wrong data): The frame has 32 bits at resolutions of 50 µm to 2 µm and 33 bits at 1 µm.
-        offset_in_the_padding (open, wrong data): While an offset is selected in the Configuration register, 6.4
-            applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2 applies: the bits above the
-            position are zero, and a frame with a nonzero bit there is rejected.
-        position_below_zero (open, omission): Over SSI and BiSS, the position wraps around after 2^position_bits counts.
-        warning_level (open, omission): 0 means a warning, as with the error bit.
-        position_under_error (open, omission): The position is not usable if any of these is active: nE, ea1 or an alarm
-            that is part of ea1.
+        The manual does not say which bits are in Gray code (open, omission): Only the position is coded.
+        The frame is one bit longer than printed at 1 µm (settled, wrong data): The frame has 32 bits at resolutions of
+            50 µm to 2 µm and 33 bits at 1 µm.
+        Bits that should be 0 carry data with an offset (open, wrong data): While an offset is selected in the
+            Configuration register, 6.4 applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2
+            applies: the bits above the position are zero, and a frame with a nonzero bit there is rejected.
+        The values of positions below zero are not given (open, omission): Over SSI and BiSS, the position wraps around
+            after 2^position_bits counts.
+        The level of an active warning is not given (open, omission): 0 means a warning, as with the error bit.
+        How single alarms affect the position is not described (open, omission): The position is not usable if any of
+            these is active: nE, ea1 or an alarm that is part of ea1.
 
     Checked by decode():
         padding: Zeros above the position, part of the manual's Posizione. There are none while an offset is selected.
@@ -969,7 +972,7 @@ class DataRequest(FixedBytes, _DataRequest):
 
     One byte, without a CRC.
 
-    See also in ERRATA: control_field_structure.
+    See also in ERRATA: The parity bit of the control field is printed as part of the ID.
 
     Checked by decode():
         sync: SC: Sync code, binary 010. Always 2.
@@ -1073,14 +1076,17 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
     bits 23:20.
 
     Errata (full text in ERRATA):
-        position_below_zero (open, omission): Over SSI and BiSS, the position wraps around after 2^position_bits counts.
-        abs_range_24 (settled, wrong limit): The highest value is FFFFFFh.
-        rs485_position_width (open, omission): The position has 20 bits at 50 µm, 22 at 10 µm, 23 at 5 µm, and 24 at 2
-            µm and 1 µm.
-        position_sending_order (settled, wrong data): ABS0 is sent first.
+        The values of positions below zero are not given (open, omission): Over SSI and BiSS, the position wraps around
+            after 2^position_bits counts.
+        The highest 24-bit position has one digit too many (settled, wrong limit): The highest value is FFFFFFh.
+        The width of the position over RS-485 is not given by model (open, omission): The position has 20 bits at 50 µm,
+            22 at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
+        Arrows show the bytes of the position in the opposite order (settled, wrong data): ABS0 is sent first.
 
-    See also in ERRATA: control_field_structure, position_under_error, data_id_5_example_status, error_bit_level,
-    edition_before_1_1_1, edition_before_1_1_2, edition_before_1_1_3.
+    See also in ERRATA: The parity bit of the control field is printed as part of the ID; How single alarms affect the
+    position is not described; The reply in the example sets an unused status bit; The level of the error bit is given
+    without its interface; Before edition 1.1, difference 1; Before edition 1.1, difference 2; Before edition 1.1,
+    difference 3.
 
     Bits of unused:
         bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, documented as 0. Frames with
@@ -1227,14 +1233,17 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
     field reports errors.
 
     Errata (full text in ERRATA):
-        position_below_zero (open, omission): Over SSI and BiSS, the position wraps around after 2^position_bits counts.
-        abs_range_48 (settled, wrong limit): The highest value is 7FFFFFFFFFFFh.
-        wide_position_sign (open, omission): The position is signed and uses all 48 bits.
-        data_id_5_example_status (open, wrong data): dd0 to dd3 are unused and 0, as in 7.3.2. A reply with other values
-            is decoded, and the bits are reported.
-        position_sending_order (settled, wrong data): ABS0 is sent first.
+        The values of positions below zero are not given (open, omission): Over SSI and BiSS, the position wraps around
+            after 2^position_bits counts.
+        The highest 48-bit position lacks two digits (settled, wrong limit): The highest value is 7FFFFFFFFFFFh.
+        High bits of the signed 48-bit position are said to be 0 (open, omission): The position is signed and uses all
+            48 bits.
+        The reply in the example sets an unused status bit (open, wrong data): dd0 to dd3 are unused and 0, as in 7.3.2.
+            A reply with other values is decoded, and the bits are reported.
+        Arrows show the bytes of the position in the opposite order (settled, wrong data): ABS0 is sent first.
 
-    See also in ERRATA: control_field_structure, position_under_error, error_bit_level.
+    See also in ERRATA: The parity bit of the control field is printed as part of the ID; How single alarms affect the
+    position is not described; The level of the error bit is given without its interface.
 
     Bits of unused:
         bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, documented as 0. Frames with
@@ -1379,13 +1388,15 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
     Its ``data_id`` is A (identification).
 
     Errata (full text in ERRATA):
-        abs_range_24 (settled, wrong limit): The highest value is FFFFFFh.
-        rs485_position_width (open, omission): The position has 20 bits at 50 µm, 22 at 10 µm, 23 at 5 µm, and 24 at 2
-            µm and 1 µm.
-        position_sending_order (settled, wrong data): ABS0 is sent first.
+        The highest 24-bit position has one digit too many (settled, wrong limit): The highest value is FFFFFFh.
+        The width of the position over RS-485 is not given by model (open, omission): The position has 20 bits at 50 µm,
+            22 at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
+        Arrows show the bytes of the position in the opposite order (settled, wrong data): ABS0 is sent first.
 
-    See also in ERRATA: control_field_structure, position_under_error, data_id_5_example_status, error_bit_level,
-    edition_before_1_1_1, edition_before_1_1_2, edition_before_1_1_3.
+    See also in ERRATA: The parity bit of the control field is printed as part of the ID; How single alarms affect the
+    position is not described; The reply in the example sets an unused status bit; The level of the error bit is given
+    without its interface; Before edition 1.1, difference 1; Before edition 1.1, difference 2; Before edition 1.1,
+    difference 3.
 
     Bits of unused:
         bits 3:0, status_info: dd0 ... dd3: Information, not used in this encoder. Unused, documented as 0. Frames with
@@ -1657,7 +1668,7 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
     for 1 µm.
 
     Errata (full text in ERRATA):
-        profile_variants (open, wrong data): Each is used as printed.
+        The data lengths in the profile IDs count different bits (open, wrong data): Each is used as printed.
     """
 
     __slots__ = ()
@@ -1708,8 +1719,8 @@ class SerialNumber(FixedRegister, _SerialNumber):
     Byte order: high byte first, at 44h.
 
     Errata (full text in ERRATA):
-        serial_number_coding (open, omission): The values are three binary numbers: one byte, one byte, and two bytes
-            with the high byte first.
+        The coding of year, week and serial number is not given (open, omission): The values are three binary numbers:
+            one byte, one byte, and two bytes with the high byte first.
     """
 
     __slots__ = ()
@@ -1799,7 +1810,7 @@ class Configuration(FixedRegister, _Configuration):
     A new setting is active immediately after its transmission. Save it with the Command register.
 
     Errata (full text in ERRATA):
-        configuration_bit_8 (settled, wrong data): Counting direction is bit 6.
+        The example calls Counting direction bit 8 instead of bit 6 (settled, wrong data): Counting direction is bit 6.
 
     Checked by decode():
         unused_7: Non utilizzato: Not used. Always 0.
@@ -1915,11 +1926,12 @@ class PresetOffset(FixedLimitedRegister, _PresetOffset):
     resolution: F0 00 00h at 50 µm, C0 00 00h at 10 µm, 80 00 00h at 5 µm, 0 at 2 µm and 1 µm.
 
     Errata (full text in ERRATA):
-        offset_in_the_padding (open, wrong data): While an offset is selected in the Configuration register, 6.4
-            applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2 applies: the bits above the
-            position are zero, and a frame with a nonzero bit there is rejected.
-        offset_meaning (open, wrong data): All transmitted values are shifted by the offset.
-        offset_range (settled, wrong limit): The highest value is that sum minus 1.
+        Bits that should be 0 carry data with an offset (open, wrong data): While an offset is selected in the
+            Configuration register, 6.4 applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2
+            applies: the bits above the position are zero, and a frame with a nonzero bit there is rejected.
+        The offset is described as a preset and as a shift (open, wrong data): All transmitted values are shifted by the
+            offset.
+        The highest value with an offset is one too high (settled, wrong limit): The highest value is that sum minus 1.
     """
 
     @classmethod
@@ -2053,7 +2065,7 @@ class PositionCheck(FixedRegister, _PositionCheck):
     Do not change the value. It is only for Lika's technicians.
 
     Errata (full text in ERRATA):
-        position_check_default (open, omission): 00h.
+        One default is missing in the list of defaults (open, omission): 00h.
     """
 
     __slots__ = ()
@@ -2093,7 +2105,7 @@ class DeviceId(FixedRegister, _DeviceId):
     Byte order: high byte first, at 78h.
 
     Errata (full text in ERRATA):
-        device_id_shared (open, omission): The device ID is used as printed.
+        All models share one device ID (open, omission): The device ID is used as printed.
     """
 
     __slots__ = ()
@@ -2353,10 +2365,11 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
     whole field of the single cycle data, so a decoder must know the content of the Configuration register.
 
     Errata (full text in ERRATA):
-        offset_in_the_padding (open, wrong data): While an offset is selected in the Configuration register, 6.4
-            applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2 applies: the bits above the
-            position are zero, and a frame with a nonzero bit there is rejected.
-        offset_meaning (open, wrong data): All transmitted values are shifted by the offset.
+        Bits that should be 0 carry data with an offset (open, wrong data): While an offset is selected in the
+            Configuration register, 6.4 applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2
+            applies: the bits above the position are zero, and a frame with a nonzero bit there is rejected.
+        The offset is described as a preset and as a shift (open, wrong data): All transmitted values are shifted by the
+            offset.
 
     Args:
         variant: The encoder.
@@ -2445,7 +2458,7 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     Result: Manufacturer, device, resolution and serial number are known. The supply is not.
 
     Errata (full text in ERRATA):
-        device_id_shared (open, omission): The device ID is used as printed.
+        All models share one device ID (open, omission): The device ID is used as printed.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -2477,8 +2490,8 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     Reset an "Initialization error" only after the initialization is complete and normal operation has started again.
 
     Errata (full text in ERRATA):
-        reset_interval (open, omission): No other request is sent in between.
-        rs485_reset_duration (open, omission): The generated files specify no wait time.
+        The interval between the ten reset requests is ambiguous (open, omission): No other request is sent in between.
+        The duration of a reset over RS-485 is missing (open, omission): The generated files specify no wait time.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.
@@ -2509,9 +2522,10 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     manual does not say how long it takes.
 
     Errata (full text in ERRATA):
-        zero_setting_rs485 (open, wrong limit): Data ID F is used as described in 7.3.1 and 7.3.3.2.
-        reset_interval (open, omission): No other request is sent in between.
-        rs485_reset_duration (open, omission): The generated files specify no wait time.
+        Zero setting over RS-485 is denied and described (open, wrong limit): Data ID F is used as described in 7.3.1
+            and 7.3.3.2.
+        The interval between the ten reset requests is ambiguous (open, omission): No other request is sent in between.
+        The duration of a reset over RS-485 is missing (open, omission): The generated files specify no wait time.
 
     Args:
         variant: The encoder. It is checked, but the steps are the same for the whole family.

@@ -11,6 +11,7 @@ from . import (
     agreement,
     biss,
     bits,
+    connectors,
     names,
     order_code,
     parameters,
@@ -22,6 +23,7 @@ from . import (
     shapes,
     sources,
     values,
+    words,
 )
 from . import procedures as banks
 from . import procedures as saving
@@ -75,6 +77,7 @@ RULES: tuple[Rule, ...] = (
     order_code.also_written,
     names.device_name,
     names.duplicate_name,
+    names.duplicate_title,
     names.duplicate_field,
     names.duplicate_selection,
     names.duplicate_address,
@@ -116,6 +119,7 @@ RULES: tuple[Rule, ...] = (
     parameters.parameter_interface,
     parameters.units,
     sources.revision_in_history,
+    sources.open_quotation,
     printed_twice.printed_number,
     printed_twice.interface_named,
     printed_twice.value_words,
@@ -123,6 +127,9 @@ RULES: tuple[Rule, ...] = (
     printed_twice.labels,
     printed_twice.default_lists,
     printed_twice.writes,
+    connectors.signal_twice,
+    connectors.incomplete_pair,
+    connectors.connector_and_cable,
     bits.makes_position_missing,
     position_verdicts.value_verdicts,
     position_verdicts.report_names,
@@ -162,5 +169,10 @@ RULES: tuple[Rule, ...] = (
     agreement.requests_repeated,
     agreement.table_repeated,
     quantities.conversions,
+    words.threshold_words,
+    words.latch_words,
+    words.level_words,
+    words.name_and_meaning,
+    words.wires_named,
     printed_twice.repeated_text,
 )

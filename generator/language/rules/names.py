@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from ..problems import DocumentReport, Path, quoted
+from ..problems import MISSING_PROSE, DocumentReport, Path, quoted
 from ..schema_files import family_of
 from .walk import Spec, by_name, expanded, field_lists, interface_of, items, last_address, layouts, mapping
 
@@ -94,6 +94,19 @@ def duplicate_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
         for path, owner in items(spec, key):
             inner_items = [((*path, *inner_path), inner) for inner_path, inner in items(owner, inner_key)]
             _check_unique(_labels(inner_items, label), word, report)
+
+
+def duplicate_title(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that no two errata have the same title, because readers see only the title."""
+    first_paths: dict[object, Path] = {}
+    for path, erratum in items(spec, "errata"):
+        if erratum["title"] == MISSING_PROSE:
+            continue
+        first_path = first_paths.setdefault(erratum["title"], path)
+        if first_path != path:
+            line = report.document.position((*first_path, "title"))[0]
+            message = f"the erratum on line {line} has the same title; say what differs in this one"
+            report.add("duplicate-name", (*path, "title"), message)
 
 
 def duplicate_field(spec: Spec, raw: Spec, report: DocumentReport) -> None:

@@ -35,31 +35,35 @@ _NANOMETRES = {
 _VOLT = r"\+?([0-9]+(?:\.[0-9]+)?) ?V(?: ?DC|dc)?"
 _ONE_VOLTAGE = re.compile(rf"{_VOLT}(?: ?± ?([0-9]+(?:\.[0-9]+)?) ?%)?")
 _TWO_VOLTAGES = re.compile(rf"{_VOLT} ?(?:to|-|–|…|\.\.\.|(?=\+)) ?{_VOLT}")
+#: Way out of a contradiction between the meaning of an order code value and its settings.
+MEANING_DIFFERS = "; if the manual prints it so, give the reason in 'meaning_differs'"
 
 
 def value_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that the meaning of an order code value agrees with its settings: code, length and supply."""
     for path, part in items(spec, "order_code", "parts"):
         for text, value in part["values"].items():
+            if "meaning_differs" in value:
+                continue
             value_path, problem = (*path, "values", text), f"the meaning of {quoted(text)} says"
             meaning, sets = value.get("meaning", ""), mapping(value, "sets")
             for name, code in _codes_named(spec, value).items():
                 if sets[name] != code:
                     word = "Gray" if code else "binary"
-                    message = f"{problem} {word}, so {quoted(name)} must be {code}"
+                    message = f"{problem} {word}, so {quoted(name)} must be {code}{MEANING_DIFFERS}"
                     report.add("meaning-mismatch", (*value_path, "sets", name), message)
             lengths = _lengths_named(meaning)
             for name, number in sets.items():
                 unit = str(mapping(raw, "parameters", name).get("unit"))
                 if lengths and unit in _NANOMETRES and number * _NANOMETRES[unit] not in lengths:
                     first_length, *_ = lengths.values()
-                    message = f"{problem} {first_length}, but {quoted(name)} is {number} {unit}"
+                    message = f"{problem} {first_length}, but {quoted(name)} is {number} {unit}{MEANING_DIFFERS}"
                     report.add("meaning-mismatch", (*value_path, "sets", name), message)
             stated_range, supply = supply_named(meaning), mapping(value, "supply")
             if stated_range and supply and stated_range != (supply["min_mv"], supply["max_mv"]):
                 low_mv, high_mv = stated_range
                 actual_range = f"{supply['min_mv']} to {supply['max_mv']}"
-                message = f"{problem} {low_mv} to {high_mv} mV, but here it is {actual_range}"
+                message = f"{problem} {low_mv} to {high_mv} mV, but here it is {actual_range}{MEANING_DIFFERS}"
                 report.add("meaning-mismatch", (*value_path, "supply"), message)
 
 

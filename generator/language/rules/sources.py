@@ -362,3 +362,11 @@ def revision_in_history(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     problem = f"the manual has revision {quoted(revision)}, but its history lists {', '.join(revisions)}"
     remedy = "correct one of the two, or add an erratum that affects manual.history if the manual prints this"
     report.add("revision-not-in-history", ("manual", "revision"), f"{problem}; {remedy}")
+
+
+def open_quotation(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that double quotation marks in the printed text of an erratum come in pairs."""
+    for path, erratum in items(spec, "errata"):
+        if erratum["printed"].count('"') % 2:
+            message = "a quotation mark has no partner; text between two of them is quoted to the letter"
+            report.add("open-quotation", (*path, "printed"), message)

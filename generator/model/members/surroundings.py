@@ -127,7 +127,8 @@ SURROUNDINGS = (
         "erratum",
         "A place where the manual must not be followed literally.",
         NAME,
-        Member("printed", "text", "Printed text."),
+        Member("title", "text", "Sentence that says what is wrong in the manual."),
+        Member("printed", "text", "Printed text. Text in double quotation marks is quoted to the letter."),
         Member("used", "text", "Fact used instead."),
         Member("why", "text", "Evidence for this choice."),
         Member(

@@ -116,7 +116,8 @@ def example_facts(device: Device, example: Example) -> Iterator[tuple[str, str]]
             yield label, content
     listed_errata = {erratum.name for erratum in errata(device, f"examples.{example.name}", wording=True)}
     if example.erratum and example.erratum not in listed_errata:
-        yield "Erratum", link(code(example.erratum), f"{ERRATA}#erratum-{example.erratum}")
+        titles = {erratum.name: erratum.title for erratum in device.errata}
+        yield "Erratum", link(text(titles[example.erratum]), f"{ERRATA}#erratum-{example.erratum}")
     if example.note:
         yield "Note", text(example.note)
     yield "Source", cited(example.source)

@@ -289,8 +289,9 @@ def _edition_rows(device: Device) -> Iterator[tuple[str, ...]]:
 
 def _edition_errata(device: Device, edition_name: str) -> str:
     """Return links to the differences in an edition."""
-    names = (erratum.name for erratum in device.errata if erratum.edition == edition_name)
-    return ", ".join(link(code(name), f"{page_links.ERRATA}#erratum-{name}") for name in names)
+    differences = [erratum for erratum in device.errata if erratum.edition == edition_name]
+    links = [link(text(erratum.title), f"{page_links.ERRATA}#erratum-{erratum.name}") for erratum in differences]
+    return "; ".join(links)
 
 
 def revision_and_date(manual: Manual) -> str:

@@ -10,7 +10,6 @@ from ...model import Device, Erratum
 from ...say.errata import errata
 from ...say.errata import erratum as erratum_statement
 from ...say.markdown import STYLE, anchor, cited, code, link, text
-from ...say.names_and_places import heading
 from ...say.text import sentence
 from . import fact_tables
 from .page_links import ERRATA, link_to_erratum
@@ -48,7 +47,7 @@ class ErrataLines:
         wording_errata = [erratum for erratum in manual_errata if erratum.severity == "wording"]
         if wording_errata:
             mistakes = "mistake" if len(wording_errata) == 1 else "mistakes"
-            links = ", ".join(self._link(erratum, text(heading(erratum.name))) for erratum in wording_errata)
+            links = "; ".join(self._link(erratum, text(erratum.title)) for erratum in wording_errata)
             lines.append(f"- Wording {mistakes} in the manual: {links}")
         if differences:
             edition_links = (self._link(difference, text(_edition_phrase(difference))) for difference in differences)
@@ -58,15 +57,15 @@ class ErrataLines:
     def links_in_cell(self, *paths: str) -> str:
         """Return the errata about these paths as links for a table cell."""
         affecting_errata = errata(self._device, *paths, wording=True)
-        links = [f"{status_badge(erratum)} {self._link(erratum, code(erratum.name))}" for erratum in affecting_errata]
-        return ", ".join(links)
+        links = [f"{status_badge(erratum)} {self._link(erratum, text(erratum.title))}" for erratum in affecting_errata]
+        return "; ".join(links)
 
     def _link(self, erratum: Erratum, label: str) -> str:
         return link(label, f"{self._page}#erratum-{erratum.name}")
 
     def _line(self, erratum: Erratum) -> str:
         if erratum.name in self._names_on_page:
-            first_mention = link(text(heading(erratum.name)), f"#erratum-{erratum.name}")
+            first_mention = link(text(erratum.title), f"#erratum-{erratum.name}")
             return f"- {status_badge(erratum)} {first_mention}, see above"
         self._names_on_page.add(erratum.name)
         return f"- {anchor(f'erratum-{erratum.name}')}{erratum_line(erratum, self._page)}"
@@ -96,9 +95,9 @@ class ErrataLinks:
         self._errata |= {erratum.name: erratum for erratum in linked_errata}
         parts = []
         for status, mark in _MARKS.items():
-            names = [erratum.name for erratum in linked_errata if erratum.status == status]
-            if names:
-                links = ", ".join(link(text(heading(name)), f"#erratum-{name}") for name in names)
+            with_status = [erratum for erratum in linked_errata if erratum.status == status]
+            if with_status:
+                links = "; ".join(link(text(erratum.title), f"#erratum-{erratum.name}") for erratum in with_status)
                 parts.append(f"{mark} {status}: {links}")
         return " ".join(parts)
 
@@ -146,20 +145,13 @@ def _edition_phrase(difference: Erratum) -> str:
     return f"{label[0].lower()}{label[1:]}"
 
 
-def _title(titled_erratum: Erratum) -> str:
-    """Return the title of an erratum. Differences in another edition are numbered."""
-    if not titled_erratum.edition:
-        return heading(titled_erratum.name)
-    return f"{erratum_statement(titled_erratum).label}, difference {titled_erratum.name.rpartition('_')[2]}"
-
-
 def erratum_line(listed_erratum: Erratum, page: str) -> str:
     """Return the status and title of an erratum, and the value used. The link leads to the full text.
 
     A change by an overlay has its reason and source, because the user of a special model needs them.
     """
     name = listed_erratum.name
-    head = f"{status_badge(listed_erratum)} {link(text(heading(name)), f'{page}#erratum-{name}')}"
+    head = f"{status_badge(listed_erratum)} {link(text(listed_erratum.title), f'{page}#erratum-{name}')}"
     if listed_erratum.overlay:
         reasons = map(STYLE.sentence, erratum_statement(listed_erratum).below)
         return " ".join([f"{head} {STYLE.cited(listed_erratum.source)}:", *reasons])
@@ -206,7 +198,7 @@ def _erratum_section(erratum: Erratum) -> dict[str, Any]:
         ("Affects", ", ".join(map(code, erratum.affects))),
         ("Source", cited(erratum.source)),
     ]
-    return {"erratum": erratum, "title": text(_title(erratum)), "rows": rows}
+    return {"erratum": erratum, "title": text(erratum.title), "rows": rows}
 
 
 def _summary(count: int, open_count: int) -> str:
@@ -228,10 +220,10 @@ def _links_by_status_and_impact(listed_errata: Sequence[Erratum]) -> Iterator[tu
     """Yield status and impact with links to such errata, open ones first and wrong bytes before wording."""
     for status in ("open", "settled"):
         for severity in fact_tables.SEVERITIES:
-            names = [erratum.name for erratum in listed_errata if _is_of(erratum, status, severity)]
-            if names:
+            of_kind = [erratum for erratum in listed_errata if _is_of(erratum, status, severity)]
+            if of_kind:
                 label = text(f"{status}, {fact_tables.severity_text(severity)}")
-                yield label, [link(code(name), f"#erratum-{name}") for name in names]
+                yield label, [link(text(erratum.title), f"#erratum-{erratum.name}") for erratum in of_kind]
 
 
 def _is_of(erratum: Erratum, status: str, severity: str) -> bool:
@@ -249,7 +241,7 @@ def all_values(devices: Sequence[Device]) -> AllErrataPage:
 
 
 def _rows_of_all_families(devices: Sequence[Device], status: str) -> Iterator[tuple[str, ...]]:
-    """Yield rows of impact, family, name, printed text and value used. Wrong bytes come before wording."""
+    """Yield rows of impact, family, title, printed text and value used. Wrong bytes come before wording."""
     for severity in fact_tables.SEVERITIES:
         for device in devices:
             for erratum in _errata_of_manual(device):
@@ -257,7 +249,7 @@ def _rows_of_all_families(devices: Sequence[Device], status: str) -> Iterator[tu
                     yield (
                         text(fact_tables.severity_text(severity)),
                         link(text(device.name.upper()), f"{device.name}.md"),
-                        link_to_erratum(device, erratum.name),
+                        link_to_erratum(device, erratum),
                         text(erratum.printed),
                         text(erratum.used),
                     )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import partial
 from math import prod
 from typing import Annotated, Any, TypedDict
@@ -70,11 +70,16 @@ def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, A
         "anchor": interface.name,
         "facts": [*order_code_rows, *((text(name), value) for name, value in common_rows)],
         "tables": tables,
-        "cable_errata": ", ".join(link_to_erratum(device, name) for name in groups[0].record.cables.errata),
+        "cable_errata": _links_to_errata(device, groups[0].record.cables.errata),
         "notes": list(dict.fromkeys(text(note) for group in groups for note in group.record.notes)),
         "masters": master_sections,
         "silent": unsupporting_masters,
     }
+
+
+def _links_to_errata(device: Device, names: Collection[str]) -> str:
+    """Return links to the errata with these names."""
+    return "; ".join(link_to_erratum(device, erratum) for erratum in device.errata if erratum.name in names)
 
 
 def _fact_rows(group: Group) -> dict[Any, Row]:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable
 from dataclasses import replace
 
-from ...model import Alarm, Device, Interface, Layout, Procedure, Register
+from ...model import Alarm, Device, Erratum, Interface, Layout, Procedure, Register
 from ...say.markdown import STYLE, code, link, reference, text
 from ...say.names_and_places import heading
 from ...say.text import Ref, Style
@@ -37,8 +37,8 @@ def link_to_procedure(device: Device, procedure: Procedure) -> str:
     return link(interface.title, f"{interface_page_path(device, interface)}#procedure-{procedure.name}")
 
 
-def link_to_erratum(device: Device, name: str) -> str:
-    return link(code(name), f"{device.name}/{ERRATA}#erratum-{name}")
+def link_to_erratum(device: Device, erratum: Erratum) -> str:
+    return link(text(erratum.title), f"{device.name}/{ERRATA}#erratum-{erratum.name}")
 
 
 def with_errata_linked(device: Device, page: str, page_text: str) -> str:
@@ -46,11 +46,12 @@ def with_errata_linked(device: Device, page: str, page_text: str) -> str:
     if not device.errata:
         return page_text
     folder = "" if page.startswith(f"{device.name}/") else f"{device.name}/"
-    longest_first = sorted((erratum.name for erratum in device.errata), key=len, reverse=True)
+    titles = {erratum.name: erratum.title for erratum in device.errata}
+    longest_first = sorted(titles, key=len, reverse=True)
     name = f"(?:{'|'.join(longest_first)})\\b"
 
     def name_link(erratum_name: re.Match[str]) -> str:
-        return link(code(erratum_name[0]), f"{folder}{ERRATA}#erratum-{erratum_name[0]}")
+        return link(text(titles[erratum_name[0]]), f"{folder}{ERRATA}#erratum-{erratum_name[0]}")
 
     def with_names_linked(mention: re.Match[str]) -> str:
         return re.sub(name, name_link, mention[0])

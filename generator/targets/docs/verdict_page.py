@@ -207,4 +207,4 @@ def _errata_links(device: Device, interface: Interface, layout: Layout, field: F
             paths.add(f"field_groups.{deciding_field.group}")
     errata = [erratum for erratum in device.errata if not erratum.edition and erratum.severity != "wording"]
     affecting_errata = [erratum for erratum in errata if not paths.isdisjoint(erratum.affects)]
-    return ", ".join(link_to_erratum(device, erratum.name) for erratum in affecting_errata)
+    return "; ".join(link_to_erratum(device, erratum) for erratum in affecting_errata)

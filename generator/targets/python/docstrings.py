@@ -148,11 +148,11 @@ def _labelled(statement: Statement) -> tuple[str, str]:
 
 
 def _short_erratum(statement: Statement) -> tuple[str, str]:
-    """Return the name of an erratum and the first sentence of its correction, or all of it if a user must choose."""
+    """Return the title of an erratum and the first sentence of its correction, or all of it if a user must choose."""
     parts = {part.label: S.phrase(part) for part in statement.below}
     corrected = parts.get("Used") or f"{statement.below[0].label}: {S.phrase(statement.below[0])}"
     text = corrected if statement.brief and "Used" in parts else _FIRST.split(corrected)[0]
-    return statement.label.removeprefix("Erratum "), sentence(text)
+    return statement.label.removeprefix("Erratum: "), sentence(text)
 
 
 def notes(device: Device, interface: Interface) -> list[list[str]]:
@@ -223,7 +223,7 @@ def of_layout(device: Device, interface: Interface, frame: Layout) -> tuple[str,
     names_of_groups = dict.fromkeys(member.group for member in frame.fields if member.group)
     groups = [f"field_groups.{name}" for name in names_of_groups]
     frame_errata = errata(device, f"interfaces.{interface.name}.{frame.name}")
-    shared = ", ".join(erratum.name for erratum in errata(device, *groups) if erratum not in frame_errata)
+    shared = "; ".join(erratum.title for erratum in errata(device, *groups) if erratum not in frame_errata)
     more = f"See also in ERRATA: {shared}." if shared else ""
     return summary, [*paragraphs(layout.layout(device, interface, frame)), more]
 

@@ -621,11 +621,13 @@ class Characteristic(NamedTuple):
 class Erratum(NamedTuple):
     """Error or ambiguity in the manual.
 
-    ``printed`` is the text of the manual, ``used`` the text that is used instead, and ``why`` the reason. ``only``
-    describes the order codes that it applies to, if not all.
+    ``title`` says in one sentence what is wrong. ``printed`` is the text of the manual, to the letter only in double
+    quotation marks. ``used`` is the text that is used instead, and ``why`` the reason. ``only`` describes the order
+    codes that it applies to, if not all.
     """
 
     name: str
+    title: str
     printed: str
     used: str
     why: str

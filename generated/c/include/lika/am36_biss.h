@@ -113,14 +113,16 @@ extern "C" {
  * both numbers in every enquiry. Technical data are in the catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum order_code_17 (settled, wrong limit).
- * Erratum order_code_edition_1_1 (open, wrong limit).
- * Erratum output_letters (open, wrong data): Used: BG is binary, GG is Gray.
- * Erratum biss_singleturn_resolution (open, wrong data): Used: The widths come from registers 56h
- * and 57h, with their printed defaults, regardless of the order code.
- * Erratum revolutions_4096 (open, wrong limit).
- * Erratum scd_length_at_run_time (open, omission).
- * Erratum revolution_bits_rounding (open, omission).
+ * Erratum: The BiSS models are printed with 17 instead of I7 (settled, wrong limit).
+ * Erratum: Edition 1.1 writes the order codes in another way (open, wrong limit).
+ * Erratum: The manual does not say which of BG and GG is Gray code (open, wrong data): Used: BG is
+ * binary, GG is Gray.
+ * Erratum: The singleturn resolution of the BiSS models is left open (open, wrong data): Used: The
+ * widths come from registers 56h and 57h, with their printed defaults, regardless of the order
+ * code.
+ * Erratum: The order code has 4,096 revolutions, the registers have 65,536 (open, wrong limit).
+ * Erratum: The manual leaves open when the frame changes its length (open, omission).
+ * Erratum: The number of bits for 2,000 revolutions and the like is not given (open, omission).
  * In edition 1.1: differs. See the encoder's page.
  * In edition 1.1: may differ. See the encoder's page.
  */
@@ -236,8 +238,8 @@ typedef enum lika_am36_biss_report {
  * Control data: Each frame carries one bit of control data, which is used to read and write the
  * registers. The manual describes the main fields and refers to the BiSS C protocol description for
  * the complete structure.
- * Erratum revolutions_4096 (open, wrong limit).
- * Erratum biss_timeout_length (open, omission).
+ * Erratum: The order code has 4,096 revolutions, the registers have 65,536 (open, wrong limit).
+ * Erratum: The rule for the BiSS time-out is missing (open, omission).
  * In edition 1.1: differs. See the encoder's page.
  * In edition 1.1: may differ. See the encoder's page.
  */
@@ -330,11 +332,12 @@ typedef enum lika_am36_biss_report {
  *   bits 5:0                                  crc         CRC: CRC of the transmission, sent
  *                                                         inverted. CRC biss_6 over everything
  *                                                         before it.
- * Erratum biss_singleturn_resolution (open, wrong data): Used: The widths come from registers 56h
- * and 57h, with their printed defaults, regardless of the order code.
- * Erratum position_order (open, omission).
- * Erratum scd_length_at_run_time (open, omission).
- * Erratum error_and_warning_unused (open, omission).
+ * Erratum: The singleturn resolution of the BiSS models is left open (open, wrong data): Used: The
+ * widths come from registers 56h and 57h, with their printed defaults, regardless of the order
+ * code.
+ * Erratum: The order of singleturn and multiturn is missing (open, omission).
+ * Erratum: The manual leaves open when the frame changes its length (open, omission).
+ * Erratum: The manual does not say what 0 means in the unused error bits (open, omission).
  */
 typedef struct lika_am36_biss_frame {
     uint16_t multiturn; /**< Number of revolutions. Unit: revolutions. */
@@ -360,7 +363,7 @@ static inline uint32_t lika_am36_biss_bits(const lika_am36_biss *variant)
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
  * order (most significant bit first) and the range (position, error and warning bit) come from
  * public BiSS documents.
- * Erratum biss_crc_start (open, omission).
+ * Erratum: The start value of the BiSS CRCs is missing (open, omission).
  * How it folds: the remainder of x^6 is x + 1. By squaring, the remainder of x^12 is x^2 + 1, and
  * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done
  * with the shifts 12 and 2, then 6 and 1, until 6 bits are left.

@@ -110,13 +110,15 @@ extern "C" {
  * both numbers in every enquiry. Technical data are in the catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum order_code_17 (settled, wrong limit).
- * Erratum order_code_edition_1_1 (open, wrong limit).
- * Erratum output_letters (open, wrong data): Used: BG is binary, GG is Gray.
- * Erratum biss_singleturn_resolution (open, wrong data): Used: The widths come from registers 56h
- * and 57h, with their printed defaults, regardless of the order code.
- * Erratum revolutions_4096 (open, wrong limit).
- * Erratum ssi_positions_28_bits (settled, wrong limit).
+ * Erratum: The BiSS models are printed with 17 instead of I7 (settled, wrong limit).
+ * Erratum: Edition 1.1 writes the order codes in another way (open, wrong limit).
+ * Erratum: The manual does not say which of BG and GG is Gray code (open, wrong data): Used: BG is
+ * binary, GG is Gray.
+ * Erratum: The singleturn resolution of the BiSS models is left open (open, wrong data): Used: The
+ * widths come from registers 56h and 57h, with their printed defaults, regardless of the order
+ * code.
+ * Erratum: The order code has 4,096 revolutions, the registers have 65,536 (open, wrong limit).
+ * Erratum: The number of positions with 28 bits has a wrong digit (settled, wrong limit).
  * In edition 1.1: differs. See the encoder's page.
  * In edition 1.1: may differ. See the encoder's page.
  */
@@ -170,9 +172,9 @@ static inline uint32_t lika_am36_ssi_position_bits(const lika_am36_ssi *variant)
  * Alignment: left: the most significant bit comes with the first clock, and zeros follow the word
  * [5.2].
  * Code: binary or Gray, by order code [5.2].
- * Erratum ssi_cable_400_m (open, wrong limit).
- * Erratum ssi_cable_50_m (open, wrong limit).
- * Erratum ssi_pause (open, wrong limit).
+ * Erratum: The clock for cables under 400 m is below the allowed range (open, wrong limit).
+ * Erratum: The table of cable lengths has no cable for 400 kHz to 3 MHz (open, wrong limit).
+ * Erratum: The SSI pause is "at least" 12 us in words and above it in signs (open, wrong limit).
  * In edition 1.1: may differ. See the encoder's page.
  */
 #define LIKA_AM36_SSI_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 3 MHz [5.3]. */
@@ -251,10 +253,11 @@ static inline uint32_t lika_am36_ssi_clock_limit_hz(uint32_t cable_m)
  * In Gray code, multiturn and singleturn are coded as one word.
  *   starting at bit singleturn_bits  multiturn   multiturn_bits bits.
  *   starting at bit 0                singleturn  singleturn_bits bits.
- * Erratum output_letters (open, wrong data): Used: BG is binary, GG is Gray.
- * Erratum ssi_bit_numbers (settled, wrong data).
- * Erratum ssi_clock_count (open, wrong limit).
- * Erratum position_order (open, omission).
+ * Erratum: The manual does not say which of BG and GG is Gray code (open, wrong data): Used: BG is
+ * binary, GG is Gray.
+ * Erratum: The bits of the SSI words are numbered from 1 instead of 0 (settled, wrong data).
+ * Erratum: Two sections disagree on the number of SSI clocks (open, wrong limit).
+ * Erratum: The order of singleturn and multiturn is missing (open, omission).
  */
 typedef struct lika_am36_ssi_frame {
     uint16_t multiturn; /**< Number of revolutions. Unit: revolutions. */

@@ -75,11 +75,11 @@ static inline uint64_t lika_amm5_biss_reg_preset_max(const lika_amm5_biss *varia
  * register again with "Preset setting enable" and save the value. Then activate it, if it should
  * take effect immediately. The manual suggests activating it at a standstill. The preset can be
  * used, for instance, to align the zero points of encoder and application.
- * Erratum preset_limit (settled, wrong limit).
- * Erratum preset_revolutions (settled, wrong limit).
- * Erratum preset_bits_below_lsb (open, omission).
- * Erratum biss_bank_select (open, omission).
- * Erratum preset_default_length (settled, wrong data).
+ * Erratum: Only the Italian edition allows the total resolution as preset (settled, wrong limit).
+ * Erratum: The singleturn models are counted among those with 65,536 turns (settled, wrong limit).
+ * Erratum: The bits below the lowest singleturn bit are not described (open, omission).
+ * Erratum: The preset uses registers that BiSS reserves for banks (open, omission).
+ * Erratum: The printed default of Preset has five bytes instead of seven (settled, wrong data).
  *   bits 55:49                            -           Always zero.
  *   starting at bit 49 - multiturn_bits   multiturn   multiturn_bits bits.
  *   starting at bit 33                    -           16 - multiturn_bits bits. Always zero.
@@ -218,7 +218,7 @@ static inline cw_result lika_amm5_biss_write_preset(
  * C-mode [6.4 p.38, 10 p.52, it: 6.4 p.38].
  * Opens and closes the Preset registers for writing.
  * The list of defaults (section 10) gives 00, although the register cannot be read.
- * Erratum biss_bank_select (open, omission).
+ * Erratum: The preset uses registers that BiSS reserves for banks (open, omission).
  * State.
  */
 #define LIKA_AMM5_BISS_REG_PRESET_SETTING_ENABLE_ADDRESS 0x40U
@@ -258,7 +258,8 @@ static inline cw_result lika_amm5_biss_write_preset_setting_enable(
  * it: 6.4 p.39].
  * Year and week of production and a serial number, as the decimal digits of one binary number.
  * Byte order: high byte first, at 44h.
- * Erratum serial_number_order (open, wrong data): Used: The high byte comes first, as printed.
+ * Erratum: Sister manuals read the serial number in opposite byte orders (open, wrong data): Used:
+ * The high byte comes first, as printed.
  * Before edition 1.7: may differ. See the encoder's page.
  *   bits 31:0  serial
  */
@@ -417,7 +418,7 @@ static inline cw_result lika_amm5_biss_write_command(
  * Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.39].
  * Name of the device and its hardware-software release.
  * Byte order: high byte first, at 78h.
- * Erratum device_id_shared (open, omission).
+ * Erratum: All models share one device ID (open, omission).
  * Before edition 1.7: may differ. See the encoder's page.
  *   bits 47:16  name
  *   bits 15:0   release

@@ -96,8 +96,8 @@ extern "C" {
  * catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum heading_g1 (settled, wrong limit).
- * Erratum ssi_table_65kkg1 (settled, wrong limit).
+ * Erratum: The cable table is headed G1 instead of BG1 (settled, wrong limit).
+ * Erratum: The table of word lengths has 65KKG1 instead of 65KBG1 (settled, wrong limit).
  * Before edition 1.8: differs. See the encoder's page.
  * Before edition 1.6: differs. See the encoder's page.
  */
@@ -155,7 +155,7 @@ static inline uint32_t lika_amm5_rs485_revolutions(const lika_amm5_rs485 *varian
  * The CRC covers all bytes sent before it, without start bits and delimiters, least significant bit
  * first. It equals the XOR of the bytes, so it does not detect swapped bytes. The printed code sets
  * the start value to 0.
- * Erratum crc_code_bit_order (settled, wrong data).
+ * Erratum: The printed CRC code expects the bits of a byte MSB first (settled, wrong data).
  * With this polynomial, the CRC of whole bytes is their XOR.
  */
 CW_CONSTEXPR
@@ -173,9 +173,10 @@ static inline uint8_t lika_amm5_rs485_crc_rs485_8(const uint8_t *bytes, size_t l
 /**
  * Position of the address in byte ADF of an EEPROM access over RS-485 [7.5 p.46].
  * Choose the answer for your encoder. No known source settles it, and there is no default.
- * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
- * choose, and there is no default. With the wrong choice, an access reaches twice the address or
- * half of it, and a write overwrites other data there. Read and compare before you write.
+ * Erratum: The place of MEM BUSY in the address byte is doubtful (open, wrong data): Used: Either
+ * position is possible. The user must choose, and there is no default. With the wrong choice, an
+ * access reaches twice the address or half of it, and a write overwrites other data there. Read and
+ * compare before you write.
  */
 typedef enum lika_amm5_rs485_eeprom_address {
     /** Bits 7:1, with MEM BUSY in bit 0, as the manual prints it [7.5 p.46]. */
@@ -246,18 +247,18 @@ typedef enum lika_amm5_rs485_report {
  * Memory write, busy 1: A write is in progress. The request is invalid and not executed. Address:
  * as in the request. Data: 00h [7.5 p.46].
  * Set all members of a request, because those that an initial value leaves out are 0.
- * Erratum error_bits_leds_alarms (open, omission).
- * Erratum unused_status_bits (open, omission).
- * Erratum position_under_error (open, omission).
- * Erratum control_field_structure (settled, omission).
- * Erratum power_on_twice (open, omission).
- * Erratum singleturn_without_battery (open, omission).
- * Erratum battery_alarm_reset (open, omission).
- * Erratum data_id_8_scope (open, wrong data): Used: The generated files follow the table. Data ID 8
- * resets singleturn and multiturn data.
- * Erratum reset_interval (open, omission).
- * Erratum busy_clear (open, omission).
- * Erratum rs485_reply_time (open, omission).
+ * Erratum: Error bits, LEDs and alarms do not correspond one to one (open, omission).
+ * Erratum: The manual does not say what other values of the unused bits mean (open, omission).
+ * Erratum: Which errors affect the position is only partly described (open, omission).
+ * Erratum: The structure of the control field is not described (settled, omission).
+ * Erratum: Turning on the power twice can mean one or two power cycles (open, omission).
+ * Erratum: Battery alarms are printed for models without a battery (open, omission).
+ * Erratum: The battery alarm is missing in one list of errors to be reset (open, omission).
+ * Erratum: Table and note disagree on what data ID 8 resets (open, wrong data): Used: The generated
+ * files follow the table. Data ID 8 resets singleturn and multiturn data.
+ * Erratum: The interval between the ten reset requests is ambiguous (open, omission).
+ * Erratum: The condition that clears BUSY differs within the manual (open, omission).
+ * Erratum: The reply time over RS-485 is missing (open, omission).
  * Before edition 1.6: differs. See the encoder's page.
  */
 /** Baud rate: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.41]. */
@@ -395,9 +396,10 @@ static inline cw_result lika_amm5_rs485_data_request_encode(
  *                                                     master.
  *   byte 2                                  data
  *   byte 3                                  crc       CRC. CRC rs485_8 over everything before it.
- * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
- * choose, and there is no default. With the wrong choice, an access reaches twice the address or
- * half of it, and a write overwrites other data there. Read and compare before you write.
+ * Erratum: The place of MEM BUSY in the address byte is doubtful (open, wrong data): Used: Either
+ * position is possible. The user must choose, and there is no default. With the wrong choice, an
+ * access reaches twice the address or half of it, and a write overwrites other data there. Read and
+ * compare before you write.
  */
 typedef struct lika_amm5_rs485_eeprom_write_request {
     uint8_t address; /**< ADD6 ... ADD0: EEPROM address. */
@@ -448,9 +450,10 @@ static inline cw_result lika_amm5_rs485_eeprom_write_request_encode(
  *   starting at bit mem_busy_bit + 8        mem_busy  1 bit. MEM BUSY: Always 0 when sent by the
  *                                                     master.
  *   byte 2                                  crc       CRC. CRC rs485_8 over everything before it.
- * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
- * choose, and there is no default. With the wrong choice, an access reaches twice the address or
- * half of it, and a write overwrites other data there. Read and compare before you write.
+ * Erratum: The place of MEM BUSY in the address byte is doubtful (open, wrong data): Used: Either
+ * position is possible. The user must choose, and there is no default. With the wrong choice, an
+ * access reaches twice the address or half of it, and a write overwrites other data there. Read and
+ * compare before you write.
  */
 typedef struct lika_amm5_rs485_eeprom_read_request {
     uint8_t address; /**< ADD6 ... ADD0: EEPROM address. */
@@ -504,8 +507,8 @@ static inline cw_result lika_amm5_rs485_eeprom_read_request_encode(
  *                                         still decoded, with the verdict usable_with_warning.
  *   bytes 2 to 4      singleturn          singleturn_bits bits.
  *   byte 5            crc                 CRC. CRC rs485_8 over everything before it.
- * Erratum busy_and_errors_in_one_bit (open, omission).
- * Erratum crc_example_frame (settled, wrong data).
+ * Erratum: One bit combines BUSY with errors that keep the position (open, omission).
+ * Erratum: The frame of the CRC example does not fit any reply (settled, wrong data).
  */
 typedef struct lika_amm5_rs485_singleturn_reply {
     lika_amm5_rs485_data_id data_id; /**< Data ID. */
@@ -635,7 +638,7 @@ static inline uint32_t lika_amm5_rs485_singleturn_reply_reports(
  *                                         still decoded, with the verdict usable_with_warning.
  *   bytes 2 to 4      multiturn           multiturn_bits bits.
  *   byte 5            crc                 CRC. CRC rs485_8 over everything before it.
- * Erratum busy_and_errors_in_one_bit (open, omission).
+ * Erratum: One bit combines BUSY with errors that keep the position (open, omission).
  */
 typedef struct lika_amm5_rs485_multiturn_reply {
     /**
@@ -759,8 +762,8 @@ static inline uint32_t lika_amm5_rs485_multiturn_reply_reports(
  *                                         still decoded, with the verdict usable_with_warning.
  *   byte 2            encoder_id
  *   byte 3            crc                 CRC. CRC rs485_8 over everything before it.
- * Erratum encoder_id_23h (open, wrong data): Used: 23h is the expected encoder ID. A frame with
- * another ID is decoded, and the ID is reported.
+ * Erratum: The encoder ID 23h may be the decimal number 23 (open, wrong data): Used: 23h is the
+ * expected encoder ID. A frame with another ID is decoded, and the ID is reported.
  */
 typedef struct lika_amm5_rs485_encoder_id_reply {
     /**
@@ -877,8 +880,8 @@ static inline uint32_t lika_amm5_rs485_encoder_id_reply_reports(
  *   byte 9, bit 6     mt_error
  *   byte 9, bit 7     battery_alarm
  *   byte 10           crc                 CRC. CRC rs485_8 over everything before it.
- * Erratum encoder_id_23h (open, wrong data): Used: 23h is the expected encoder ID. A frame with
- * another ID is decoded, and the ID is reported.
+ * Erratum: The encoder ID 23h may be the decimal number 23 (open, wrong data): Used: 23h is the
+ * expected encoder ID. A frame with another ID is decoded, and the ID is reported.
  */
 typedef struct lika_amm5_rs485_complete_reply {
     /**
@@ -1077,9 +1080,10 @@ static inline uint32_t lika_amm5_rs485_complete_reply_reports(
  *   starting at bit mem_busy_bit + 8        mem_busy  1 bit.
  *   byte 2                                  data
  *   byte 3                                  crc       CRC. CRC rs485_8 over everything before it.
- * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
- * choose, and there is no default. With the wrong choice, an access reaches twice the address or
- * half of it, and a write overwrites other data there. Read and compare before you write.
+ * Erratum: The place of MEM BUSY in the address byte is doubtful (open, wrong data): Used: Either
+ * position is possible. The user must choose, and there is no default. With the wrong choice, an
+ * access reaches twice the address or half of it, and a write overwrites other data there. Read and
+ * compare before you write.
  */
 typedef struct lika_amm5_rs485_eeprom_write_reply {
     uint8_t address; /**< ADD6 ... ADD0: EEPROM address of the request. */
@@ -1157,9 +1161,10 @@ static inline uint32_t lika_amm5_rs485_eeprom_write_reply_reports(
  *   starting at bit mem_busy_bit + 8        mem_busy  1 bit.
  *   byte 2                                  data
  *   byte 3                                  crc       CRC. CRC rs485_8 over everything before it.
- * Erratum mem_busy_position (open, wrong data): Used: Either position is possible. The user must
- * choose, and there is no default. With the wrong choice, an access reaches twice the address or
- * half of it, and a write overwrites other data there. Read and compare before you write.
+ * Erratum: The place of MEM BUSY in the address byte is doubtful (open, wrong data): Used: Either
+ * position is possible. The user must choose, and there is no default. With the wrong choice, an
+ * access reaches twice the address or half of it, and a write overwrites other data there. Read and
+ * compare before you write.
  */
 typedef struct lika_amm5_rs485_eeprom_read_reply {
     uint8_t address; /**< ADD6 ... ADD0: EEPROM address of the request. */

@@ -94,8 +94,8 @@ extern "C" {
  * catalogue. The order code of the tape is in its data sheet.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum order_code_key (open, omission).
- * Erratum rs485_position_width (open, omission).
+ * Erratum: The manual refers to an order code key that it does not contain (open, omission).
+ * Erratum: The width of the position over RS-485 is not given by model (open, omission).
  */
 
 /** An order code: the values that differ between the order codes of this interface. */
@@ -172,12 +172,12 @@ typedef enum lika_sma21_rs485_report {
  * from the master. A request is not valid if its sync code, data ID, parity, delimiter or length is
  * wrong.
  * Set all members of a request, because those that an initial value leaves out are 0.
- * Erratum zero_setting_rs485 (open, wrong limit).
- * Erratum control_field_structure (settled, omission).
- * Erratum position_under_error (open, omission).
- * Erratum reset_interval (open, omission).
- * Erratum error_bit_level (settled, wrong data).
- * Erratum rs485_reply_time (open, omission).
+ * Erratum: Zero setting over RS-485 is denied and described (open, wrong limit).
+ * Erratum: The parity bit of the control field is printed as part of the ID (settled, omission).
+ * Erratum: How single alarms affect the position is not described (open, omission).
+ * Erratum: The interval between the ten reset requests is ambiguous (open, omission).
+ * Erratum: The level of the error bit is given without its interface (settled, wrong data).
+ * Erratum: The reply time over RS-485 is missing (open, omission).
  * Before edition 1.1: differs. See the encoder's page.
  * Before edition 1.1: differs. See the encoder's page.
  * Before edition 1.1: differs. See the encoder's page.
@@ -297,10 +297,10 @@ static inline cw_result lika_sma21_rs485_data_request_encode(
  *   byte 5, bit 6     signal_strength_alarm
  *   byte 5, bit 7     temperature_alarm
  *   byte 6            crc                         CRC. CRC rs485_8 over everything before it.
- * Erratum position_below_zero (open, omission).
- * Erratum abs_range_24 (settled, wrong limit).
- * Erratum rs485_position_width (open, omission).
- * Erratum position_sending_order (settled, wrong data).
+ * Erratum: The values of positions below zero are not given (open, omission).
+ * Erratum: The highest 24-bit position has one digit too many (settled, wrong limit).
+ * Erratum: The width of the position over RS-485 is not given by model (open, omission).
+ * Erratum: Arrows show the bytes of the position in the opposite order (settled, wrong data).
  */
 typedef struct lika_sma21_rs485_position_reply {
     lika_sma21_rs485_data_id data_id; /**< cc0 ... cc3. */
@@ -485,12 +485,12 @@ static inline uint32_t lika_sma21_rs485_position_reply_reports(
  *                                   decoded, with the verdict usable_with_warning.
  *   bytes 2 to 7      position
  *   byte 8            crc           CRC. CRC rs485_8 over everything before it.
- * Erratum position_below_zero (open, omission).
- * Erratum abs_range_48 (settled, wrong limit).
- * Erratum wide_position_sign (open, omission).
- * Erratum data_id_5_example_status (open, wrong data): Used: dd0 to dd3 are unused and 0, as in
- * 7.3.2. A reply with other values is decoded, and the bits are reported.
- * Erratum position_sending_order (settled, wrong data).
+ * Erratum: The values of positions below zero are not given (open, omission).
+ * Erratum: The highest 48-bit position lacks two digits (settled, wrong limit).
+ * Erratum: High bits of the signed 48-bit position are said to be 0 (open, omission).
+ * Erratum: The reply in the example sets an unused status bit (open, wrong data): Used: dd0 to dd3
+ * are unused and 0, as in 7.3.2. A reply with other values is decoded, and the bits are reported.
+ * Erratum: Arrows show the bytes of the position in the opposite order (settled, wrong data).
  */
 typedef struct lika_sma21_rs485_wide_position_reply {
     /**
@@ -627,9 +627,9 @@ static inline uint32_t lika_sma21_rs485_wide_position_reply_reports(
  *   byte 7, bit 6     signal_strength_alarm
  *   byte 7, bit 7     temperature_alarm
  *   byte 8            crc                         CRC. CRC rs485_8 over everything before it.
- * Erratum abs_range_24 (settled, wrong limit).
- * Erratum rs485_position_width (open, omission).
- * Erratum position_sending_order (settled, wrong data).
+ * Erratum: The highest 24-bit position has one digit too many (settled, wrong limit).
+ * Erratum: The width of the position over RS-485 is not given by model (open, omission).
+ * Erratum: Arrows show the bytes of the position in the opposite order (settled, wrong data).
  */
 typedef struct lika_sma21_rs485_identification_reply {
     /**
@@ -857,7 +857,7 @@ static inline cw_result lika_sma21_rs485_reply_frame(
 
 /* -- positions --------------------------------------------------------------------------------- */
 
-/** Erratum position_below_zero (open, omission). */
+/** Erratum: The values of positions below zero are not given (open, omission). */
 
 /** Return the number of counts after which the position wraps around to 0 [4.10 p.18]. */
 CW_CONSTEXPR

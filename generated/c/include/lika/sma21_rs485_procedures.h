@@ -40,8 +40,8 @@ static inline const cw_step *lika_sma21_rs485_reset_errors_steps(size_t *count)
  * Send no request until the initialization, which is the same as after power-on, is complete. The
  * manual does not say how long it takes. Reset an "Initialization error" only after the
  * initialization is complete and normal operation has started again.
- * Erratum reset_interval (open, omission).
- * Erratum rs485_reset_duration (open, omission).
+ * Erratum: The interval between the ten reset requests is ambiguous (open, omission).
+ * Erratum: The duration of a reset over RS-485 is missing (open, omission).
  * Reset all errors, over RS-485. The transport needs wait_us and send_request.
  */
 CW_NODISCARD
@@ -76,9 +76,9 @@ static inline const cw_step *lika_sma21_rs485_reset_position_steps(size_t *count
  * The ten requests must follow one another directly. Stop polling the position during the reset. No
  * request is accepted during the reset, because the encoder is computing the absolute positions and
  * writing the EEPROM. The manual does not say how long it takes.
- * Erratum zero_setting_rs485 (open, wrong limit).
- * Erratum reset_interval (open, omission).
- * Erratum rs485_reset_duration (open, omission).
+ * Erratum: Zero setting over RS-485 is denied and described (open, wrong limit).
+ * Erratum: The interval between the ten reset requests is ambiguous (open, omission).
+ * Erratum: The duration of a reset over RS-485 is missing (open, omission).
  * Reset the position to 0, over RS-485. The transport needs wait_us and send_request.
  */
 CW_NODISCARD

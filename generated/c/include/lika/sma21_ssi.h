@@ -96,7 +96,7 @@ extern "C" {
  * catalogue. The order code of the tape is in its data sheet.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum order_code_key (open, omission).
+ * Erratum: The manual refers to an order code key that it does not contain (open, omission).
  */
 
 /** An order code: the values that differ between the order codes of this interface. */
@@ -164,9 +164,9 @@ typedef enum lika_sma21_ssi_report {
  * Alignment: left: the most significant bit comes with the first clock, and zeros follow the word
  * [5.2 p.20].
  * Code: binary or Gray, by order code [5.2 p.20].
- * Erratum ssi_cable_400_m (open, wrong limit).
- * Erratum ssi_cable_50_m (open, wrong limit).
- * Erratum ssi_pause (open, wrong limit).
+ * Erratum: The clock for cables under 400 m is below the allowed range (open, wrong limit).
+ * Erratum: The table of cable lengths has no cable for 400 kHz to 1 MHz (open, wrong limit).
+ * Erratum: The SSI pause is "at least" 16 us in words and above it in signs (open, wrong limit).
  */
 #define LIKA_SMA21_SSI_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 1 MHz [5.3 p.22]. */
 #define LIKA_SMA21_SSI_CLOCK_MAX_HZ 1000000U /**< highest clock in Hz */
@@ -288,9 +288,9 @@ static inline uint32_t lika_sma21_ssi_clock_limit_hz(uint32_t cable_m)
  * dell'informazione di posizione".
  *   starting at bit 1  position  position_bits bits.
  *   bit 0              error
- * Erratum ssi_clock_count (open, wrong limit).
- * Erratum gray_scope (open, omission).
- * Erratum position_under_error (open, omission).
+ * Erratum: Two sections disagree on the number of SSI clocks (open, wrong limit).
+ * Erratum: The manual does not say which bits are in Gray code (open, omission).
+ * Erratum: How single alarms affect the position is not described (open, omission).
  */
 typedef struct lika_sma21_ssi_frame {
     /** Position in counts. Multiplied by the resolution, it is a length. Unit: counts. */
@@ -381,7 +381,7 @@ static inline uint32_t lika_sma21_ssi_reports(
 
 /* -- positions --------------------------------------------------------------------------------- */
 
-/** Erratum position_below_zero (open, omission). */
+/** Erratum: The values of positions below zero are not given (open, omission). */
 
 /** Return the number of counts after which the position wraps around to 0 [5.2 p.20, 6.2 p.25]. */
 CW_CONSTEXPR

@@ -184,16 +184,16 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 # SSI
 #
-# Erratum ssi_cable_400_m (open, wrong limit) [5.3]:
+# Erratum: The clock for cables under 400 m is below the allowed range (open, wrong limit) [5.3]:
 # Printed: With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 3 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
-# Erratum ssi_cable_50_m (open, wrong limit) [5.3]:
+# Erratum: The table of cable lengths has no cable for 400 kHz to 3 MHz (open, wrong limit) [5.3]:
 # Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 3 MHz.
 # Used: Both limits are listed as printed.
 #
-# Erratum ssi_pause (open, wrong limit) [5.1, 5.3, amm5: 5.3]:
+# Erratum: The SSI pause is "at least" 12 µs in words and above it in signs (open, wrong limit) [5.1, 5.3, amm5: 5.3]:
 # Printed: 5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12 µs (Tp > 12 µs).
 # Used: The minimum is 12 µs. Use a longer pause.
 #
@@ -247,12 +247,12 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum revolutions_4096 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
+# Erratum: The order code has 4,096 revolutions, the registers have 65,536 (open, wrong limit) [6.5 p.28, 6.5 p.31]:
 # Printed: Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: if more than 4,096
 # are set, the shaft may turn by at most 2,047 revolutions in either direction while the encoder is switched off.
 # Used: The registers and the frame use 65,536. 4096 is used only on the label.
 #
-# Erratum biss_timeout_length (open, omission) [6.6 p.32, prot: p.18]:
+# Erratum: The rule for the BiSS time-out is missing (open, omission) [6.6 p.32, prot: p.18]:
 # Printed: BiSS time-out: "Self-adaptable to the clock, 10 µs max.".
 # Used: The time-out is at most 10 µs. No rule is given.
 #
@@ -940,7 +940,8 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
 ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="emc_directive_superseded",
-        printed="In compliance with the 2004/108/EC norm on electromagnetic compatibility",
+        title="The EMC directive that the manual cites has been replaced",
+        printed="\"in compliance with the 2004/108/EC norm on electromagnetic compatibility\"",
         used="The generated files give the directive as printed.",
         why=(
             "Directive 2014/30/EU replaced 2004/108/EC on 20 April 2016. The manual is from 2014. Only the "
@@ -953,7 +954,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="do_not_tool",
-        printed="Do not tool the encoder or its shaft.",
+        title="The verb tool, which means machining, is easily misread",
+        printed="\"do not tool the encoder or its shaft\"",
         used="The generated files say that neither the encoder nor its shaft may be machined.",
         why="\"To tool\" means to work a part with a tool.",
         status=Status.SETTLED,
@@ -963,6 +965,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="input_levels",
+        title="The voltage of the low and high input levels is not given clearly",
         printed="The inputs are connected to 0VDC or +VDC, low and high logic level.",
         used="0VDC is the low level. +VDC is the high level.",
         why=(
@@ -976,6 +979,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="order_code_17",
+        title="The BiSS models are printed with 17 instead of I7",
         printed="AMx36xx/xxxx-17-... and AMx36xx/4096-17-...",
         used="I7 is the code for BiSS. 17 is also accepted and shown as unlisted.",
         why=(
@@ -990,6 +994,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="order_code_edition_1_1",
+        title="Edition 1.1 writes the order codes in another way",
         printed=(
             "Edition 1.0: AMx36xx/4096-BG-..., AMx36xx/4096-17-... Edition 1.1: AMx36xx/4096SCx-..., in a table "
             "AMM3616/4096SCx..."
@@ -1010,8 +1015,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="output_letters",
+        title="The manual does not say which of BG and GG is Gray code",
         printed=(
-            "AMx36xx/4096-BG-... and AMx36xx/4096-GG-..., with the remark that the output code can be Gray or Binary, "
+            "AMx36xx/4096-BG-... and AMx36xx/4096-GG-..., with the remark \"The output code can be GRAY or BINARY\", "
             "see the order code"
         ),
         used="BG is binary, GG is Gray.",
@@ -1028,14 +1034,18 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_singleturn_resolution",
+        title="The singleturn resolution of the BiSS models is left open",
         printed=(
             "AMx36xx/xxxx for BiSS, without a value for xx. Registers 4Bh and 56h have 20 bits as default and maximum "
-            "in all BiSS models"
+            "in all BiSS models. 4Bh accepts numbers up to the \"number of physical information per revolution (= "
+            "default value)\""
         ),
         used="The widths come from registers 56h and 57h, with their printed defaults, regardless of the order code.",
         why=(
             "The only singleturn resolutions with an order code are 16 and 19 bits, over SSI. Edition 1.1 lists the "
-            "same two for BiSS, as frames of 16 + 12 and 19 + 12 bits. It still prints the default of 20 bits."
+            "same two for BiSS, as frames of 16 + 12 and 19 + 12 bits. It still prints the default of 20 bits. The "
+            "limit of 4Bh is the physical resolution and equals the default, so the default of 4Bh in an encoder "
+            "would decide between 16, 19 and 20 bits."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
@@ -1049,6 +1059,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="revolutions_4096",
+        title="The order code has 4,096 revolutions, the registers have 65,536",
         printed=(
             "Device type: AMx36xx/4096. Number of revolutions: 65,536 as default and maximum. Warning: if more than "
             "4,096 are set, the shaft may turn by at most 2,047 revolutions in either direction while the encoder is "
@@ -1074,9 +1085,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="supply_by_order_code",
+        title="No order code contains the supply voltage that it should give",
         printed=(
-            "For the supply voltage refer to the ordering code. The connection table lists +10VDC +30VDC "
-            "unconditionally"
+            "Supply voltage: \"Refer to the ordering code\". The connection table lists +10VDC +30VDC unconditionally"
         ),
         used="All models have +10 V to +30 V.",
         why="None of the printed order codes has a part for the supply.",
@@ -1087,7 +1098,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="cable_impedance",
-        printed="Impedance: 148 Ω/km (0.14 mm²), 90 Ω/km (0.22 mm²)",
+        title="The conductor resistance of the cable is called an impedance",
+        printed="Impedance: \"148 Ω/km (0.14 mm²), 90 Ω/km (0.22 mm²)\"",
         used="The values are conductor resistances.",
         why=(
             "A value in ohms per kilometre that depends on the cross-section of the conductor is a resistance. An "
@@ -1101,6 +1113,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_positions_28_bits",
+        title="The number of positions with 28 bits has a wrong digit",
         printed="AMx3616/4096: 28 bits, 268,425,456",
         used="268,435,456",
         why="2^28 is 268,435,456. The next row, 2^31, is correct.",
@@ -1111,6 +1124,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_bit_numbers",
+        title="The bits of the SSI words are numbered from 1 instead of 0",
         printed="The bits of the SSI words are numbered 28 ... 1 and 31 ... 1",
         used="The words have bits 27:0 and 30:0.",
         why="The table counts from 1. Section 6 of the same manual counts from 0, as this spec does everywhere.",
@@ -1121,6 +1135,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_clock_count",
+        title="Two sections disagree on the number of SSI clocks",
         printed="5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks as data bits",
         used="The generated files do not enforce either rule. n + 1 clocks satisfy both.",
         why=(
@@ -1134,6 +1149,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_order",
+        title="The order of singleturn and multiturn is missing",
         printed="The manual gives only the length of the position, not the order of singleturn and multiturn",
         used=(
             "Multiturn comes first, as the more significant part. Singleturn follows. In Gray code, both form one "
@@ -1150,6 +1166,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_400_m",
+        title="The clock for cables under 400 m is below the allowed range",
         printed=(
             "With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 3 MHz"
         ),
@@ -1162,6 +1179,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_50_m",
+        title="The table of cable lengths has no cable for 400 kHz to 3 MHz",
         printed=(
             "With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 3 MHz"
         ),
@@ -1177,6 +1195,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_pause",
+        title="The SSI pause is \"at least\" 12 µs in words and above it in signs",
         printed="5.1: ready again after Tm, typically 12 µs. 5.3: pause of at least 12 µs (Tp > 12 µs)",
         used="The minimum is 12 µs. Use a longer pause.",
         why=(
@@ -1191,6 +1210,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_documents",
+        title="Three names are used for one BiSS document",
         printed=(
             "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.4: \"BiSS C Protocol "
             "Description\""
@@ -1207,6 +1227,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_crc_start",
+        title="The start value of the BiSS CRCs is missing",
         printed=(
             "The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic "
             "circuits are lost"
@@ -1224,6 +1245,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="command_default",
+        title="A write-only register has a default",
         printed="Register 48h is write only (wo). Its default is 00, here and in the list of defaults",
         used="The register is write only. 00 is the value to which it returns.",
         why=(
@@ -1237,7 +1259,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="control_data_bit",
-        printed="Control Data is the transmission of a single bit that follows the SCD data.",
+        title="The bit of the control frame is described at the wrong place",
+        printed="Control Data is the \"transmission of a single bit\" that follows the SCD data.",
         used="The generated files do not derive a layout of the control frame from this sentence.",
         why=(
             "In the BiSS protocol description, to which 6.4 refers, the encoder's bit comes before the data. After "
@@ -1250,7 +1273,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="scd_length_at_run_time",
-        printed="Position has a variable length according to the resolution of the encoder, at most 36 bits",
+        title="The manual leaves open when the frame changes its length",
+        printed="Position \"has a variable length according to the resolution of the encoder\", at most 36 bits",
         used="As soon as a resolution is written, the position has the number of bits given by registers 56h and 57h.",
         why=(
             "56h and 57h show the bits used for the current resolution, and a new resolution is active at once. The "
@@ -1273,6 +1297,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="revolution_bits_rounding",
+        title="The number of bits for 2,000 revolutions and the like is not given",
         printed="Number of revolutions may be any number. Register 57h shows the bits used for it",
         used="The number of bits is read from register 57h, not computed.",
         why=(
@@ -1286,21 +1311,27 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="profile_id_variant",
+        title="The profile ID 0000h does not fit the variant 0-24",
         printed="Profile ID 00 00. See Standard encoder profile, Variant 0-24",
         used="The value is 00 00. The generated files do not derive a data length from it.",
         why=(
-            "In the BiSS protocol description, 0000 means no profile. The SMA21 and ASC85 manuals have 28xx, with the "
-            "data length in the low byte, for variants 0-24 and similar ones. A position of up to 36 bits also does "
-            "not fit into 24 bits."
+            "In the BiSS protocol description, 0000 means no profile. In profilebiss.xml, it is BP0, the universal "
+            "profile, with a data channel of zero length, because bits 15:13 and 12:8 are 0. The SMA21 and ASC85 "
+            "manuals have 28xx, with the data length in the low byte, for variants 0-24 and similar ones. A position "
+            "of up to 36 bits also does not fit into 24 bits."
         ),
         status=Status.OPEN,
         severity=Severity.WRONG_DATA,
         affects=("registers.profile_id",),
-        source="6.5 p.24, 6.3.1 p.21, prot: p.14, sma21: 6.4, asc85: 6.4",
+        source="6.5 p.24, 6.3.1 p.21, prot: p.14, profiles: BP0, sma21: 6.4, asc85: 6.4",
     ),
     Erratum(
         name="serial_number_coding",
-        printed="In hexadecimal notation. Register 44: year, register 45: week, registers 46 and 47: serial number",
+        title="The coding of year, week and serial number is not given",
+        printed=(
+            "\"in hexadecimal notation. Register 44: year\", register 45: week, \"Registers 46 and 47: serial "
+            "number\""
+        ),
         used=(
             "The values are plain binary numbers. The year is the plain value of its byte. 46h is the high byte of "
             "the serial number."
@@ -1319,6 +1350,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_cleared_when",
+        title="Two sections disagree on when a new resolution clears the preset",
         printed=(
             "4Bh, 4Eh: after a new value has been entered the preset is set to zero. 48h, 50h: with a new resolution "
             "and a new preset set together, Save parameters and activate Preset stores the resolution but zeroes the "
@@ -1337,6 +1369,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="enable_preset_polarity",
+        title="One warning gives the bit Enable preset the opposite polarity",
         printed=(
             "Enable preset: \"set to 1 the bit 2\" to enable. Preset: values can be entered only if the bit is \"1\". "
             "The Configuration table says that 0 is Enable and 1 is Disable"
@@ -1353,7 +1386,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="example_bit_8",
-        printed="Bit 8 Counting direction, in the list of the configuration example",
+        title="The example calls Counting direction bit 8 instead of bit 6",
+        printed="\"Bit 8 Counting direction\", in the list of the configuration example",
         used="Counting direction is bit 6.",
         why=(
             "In the list, the entry is between bits 5 and 7. The register has only 8 bits. The table lists it as bit "
@@ -1366,6 +1400,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="italian_words",
+        title="Italian words remain in the English manual",
         printed="\"non usato\" in the configuration example, \"e seg.\" in the index",
         used="The generated files use \"Not used\" and \"and the following page\".",
         why=(
@@ -1379,6 +1414,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="resolution_byte_order",
+        title="The byte order of the resolution registers is not given",
         printed=(
             "The manual prints 10 00 00h for 4B ... 4D, and 00 01h and the like for 4E - 4F, without a table of the "
             "bytes"
@@ -1395,8 +1431,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="resolution_byte_by_byte",
+        title="When a value of several bytes becomes active is not described",
         printed=(
-            "A new value is active immediately after transmission. Values that are not a power of two cannot be "
+            "A new value is \"active immediately after transmission\". Values that are not a power of two cannot be "
             "accepted."
         ),
         used="The bytes are written in ascending order of address, without another access in between.",
@@ -1416,7 +1453,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="revolutions_above_max",
-        printed="A value greater than the maximum allowed value is forced to the default value.",
+        title="The rule for too many revolutions can never apply",
+        printed="A value greater than the maximum allowed value \"is forced to the default value\".",
         used="The generated files do not apply this rule. Every value of the register is allowed.",
         why="The two bytes cover 1 to 65,535 and, as 00 00h, the maximum 65,536. A greater value cannot be entered.",
         status=Status.SETTLED,
@@ -1426,7 +1464,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_default_length",
-        printed="Default = 00 00 00 00 00 00h",
+        title="The printed default of Preset has six bytes instead of five",
+        printed="\"Default = 00 00 00 00 00 00h\"",
         used="The default is five bytes of 00.",
         why=(
             "The register has five bytes, 50h to 54h. The default in the list and both limits also have five bytes. "
@@ -1439,6 +1478,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="error_and_warning_unused",
+        title="The manual does not say what 0 means in the unused error bits",
         printed="Error and warning: not used, always 1",
         used=(
             "A frame with either bit at 0 is decoded, and the bit is reported. The position is not usable if nE is 0. "
@@ -1455,6 +1495,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="device_id_shared",
+        title="All models share one device ID",
         printed="The manual gives one device ID, AM I7 2 with the software version, for all models",
         used="The device ID is used as printed.",
         why=(
@@ -1469,6 +1510,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_timeout_length",
+        title="The rule for the BiSS time-out is missing",
         printed="BiSS time-out: \"Self-adaptable to the clock, 10 µs max.\"",
         used="The time-out is at most 10 µs. No rule is given.",
         why=(
@@ -1482,6 +1524,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_example_bit",
+        title="The preset example writes one bit instead of the whole byte",
         printed="Table of the preset example: address 49, bit 2, data 0",
         used="Register 49h is set to 20h, with bit 2 at 0 and the other bits at their defaults.",
         why="A register is written as a whole byte. 00h in 49h would also set the output code to Gray (bit 5).",
@@ -1492,7 +1535,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="insulating",
-        printed="Possibility of insulting the circuits galvanically",
+        title="Circuits are insulted instead of insulated",
+        printed="\"possibility of insulting the circuits galvanically\"",
         used="The generated files do not use the sentence.",
         why="The sentence is about optocouplers, which insulate circuits.",
         status=Status.SETTLED,
@@ -1501,6 +1545,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_1",
+        title="In edition 1.1, difference 1",
         printed=(
             "order_code.parts.singleturn.open, order_code.parts.singleturn.open_only_with, "
             "order_code.parts.turns.open, order_code.parts.turns.open_only_with"
@@ -1519,6 +1564,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_2",
+        title="In edition 1.1, difference 2",
         printed=(
             "order_code.parts.output.values.BG, order_code.parts.output.values.GG, interfaces.ssi, parameters.modulus"
         ),
@@ -1531,6 +1577,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_3",
+        title="In edition 1.1, difference 3",
         printed="order_code.also_written[1].values.output, order_code.also_written[2].values.output",
         used="SC = I7",
         why="The labels of the SSI models are not known either.",
@@ -1541,6 +1588,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_4",
+        title="In edition 1.1, difference 4",
         printed="configuration.note",
         used=(
             "For edition 1.1, only two facts are known: the address of the register, and that one of its bits must be "
@@ -1556,6 +1604,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_5",
+        title="In edition 1.1, difference 5",
         printed="interfaces.biss.note",
         used=(
             "The clock range is taken from edition 1.0. It is not known for 1.1. The encoder is always a slave, and "
@@ -1569,6 +1618,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_6",
+        title="In edition 1.1, difference 6",
         printed=(
             "profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults, "
             "interfaces.biss.timings and 2 more"
@@ -1597,6 +1647,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_7",
+        title="In edition 1.1, difference 7",
         printed=(
             "examples.configuration_register, examples.configuration_default, examples.configuration_procedure, "
             "examples.preset_register, examples.preset_maximum, examples.preset_procedure, "
@@ -1621,6 +1672,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_8",
+        title="In edition 1.1, difference 8",
         printed="connectors, inputs, supply",
         used="not known",
         why="No page on connections is public.",
@@ -1631,6 +1683,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_9",
+        title="In edition 1.1, difference 9",
         printed=(
             "characteristics.personnel, characteristics.explosive_areas, characteristics.emc_directive, "
             "characteristics.emc_precautions, characteristics.shield_connection, characteristics.mechanical_safety, "
@@ -1670,6 +1723,11 @@ DOCUMENTS: Final[tuple[Document, ...]] = (
     Document("prot", "BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus"),
     Document("renishaw", "L-9709-9005-03-F, BiSS data sheet, Renishaw"),
     Document("icmu", "iC-MU data sheet, iC-Haus", url="http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm"),
+    Document(
+        "profiles",
+        "profilebiss.xml, BiSS profiles, its public opening of about 2000 characters",
+        url="http://www.biss-interface.com/identifier/profilebiss.xml",
+    ),
     Document("moteus", "mjbots/moteus, servo drive with a BiSS C receiver", url="https://github.com/mjbots/moteus"),
     Document(
         "ti_sdk",

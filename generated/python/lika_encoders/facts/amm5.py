@@ -197,23 +197,23 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 # SSI
 #
-# Erratum ssi_output_code (settled, wrong data) [5.1, 5.2]:
-# Printed: 5.1: the output code can be Binary or Gray, see the order code. 5.2: the output code is BINARY, see the order
-# code.
+# Erratum: One section says Binary or Gray, the other says Binary (settled, wrong data) [5.1, 5.2]:
+# Printed: 5.1: "The output code can be Binary or Gray", see the order code. 5.2: "The output code is BINARY", see the
+# order code.
 # Used: Binary.
 # Why: Section 5.1 describes SSI in general, and 5.2 describes this encoder. The order code has no part for the output
 # code and only one SSI variant, BG1.
 #
-# Erratum ssi_cable_400_m (open, wrong limit) [5.3]:
+# Erratum: The clock for cables under 400 m is below the allowed range (open, wrong limit) [5.3]:
 # Printed: With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
-# Erratum ssi_cable_50_m (open, wrong limit) [5.3]:
+# Erratum: The table of cable lengths has no cable for 400 kHz to 4 MHz (open, wrong limit) [5.3]:
 # Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 #
-# Erratum ssi_pause (open, wrong limit) [5.1, 5.3, it: 5.3]:
+# Erratum: The SSI pause is "at least" 20 µs in words and above it in signs (open, wrong limit) [5.1, 5.3, it: 5.3]:
 # Printed: Pause of at least 20 µs (Tp > 20 µs).
 # Used: The minimum is 20 µs. Use a longer pause.
 # Why: The words "at least" allow 20 µs, but the sign ">" does not.
@@ -268,11 +268,11 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum profile_id_missing (open, omission) [6 p.31, 6.4 p.35, prot: p.14-15]:
+# Erratum: The registers of the profile ID are not listed (open, omission) [6 p.31, 6.4 p.35, prot: p.14-15]:
 # Printed: The encoder complies with the "Standard encoder profile". No register 42h to 43h is listed.
 # Used: The generated files have no profile ID.
 #
-# Erratum biss_min_clock (open, wrong limit) [6.5 p.40, prot: p.18]:
+# Erratum: The lowest clock is below the range of BiSS (open, wrong limit) [6.5 p.40, prot: p.18]:
 # Printed: The clock frequency is at least 50 kHz. The time-out is also calculated for 50 kHz.
 # Used: The lowest clock is 50 kHz.
 # Why: In the BiSS protocol description, the clock range starts at 80 kHz.
@@ -353,15 +353,15 @@ BISS: Final = BissFacts(
 
 # RS-485
 #
-# Erratum encoder_id_23h (open, wrong data) [7.3.1 p.42, 7.4 p.43, hpm_sdk:
+# Erratum: The encoder ID 23h may be the decimal number 23 (open, wrong data) [7.3.1 p.42, 7.4 p.43, hpm_sdk:
 # samples/drivers/sei/slave/tamagawa/README_en.rst]:
-# Printed: ENID: encoder ID, fixed value = 23h.
+# Printed: "ENID: encoder ID, fixed value = 23h".
 # Used: 23h is the expected encoder ID. A frame with another ID is decoded, and the ID is reported.
 # Why: T-format encoders of 23 bits usually have 17h, which is 23 in decimal. HPMicro's sample prints ENID 0x17. The 23h
 # may be a decimal 23 that was mistaken for hexadecimal. The ID does not show whether the frame is valid. The sync code,
 # data ID, length and CRC do.
 #
-# Erratum data_id_8_scope (open, wrong data) [7.4.2 p.45, ti_sdk:
+# Erratum: Table and note disagree on what data ID 8 resets (open, wrong data) [7.4.2 p.45, ti_sdk:
 # docs_src/docs/api_guide/components/position_sense/tamagawa_design.md]:
 # Printed: Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting after Data ID 8.
 # Used: The generated files follow the table. Data ID 8 resets singleturn and multiturn data.
@@ -369,11 +369,11 @@ BISS: Final = BissFacts(
 # data in one revolution, of the multiturn data, and of errors. C and 7 are two of them, so the first would be this
 # request.
 #
-# Erratum reset_interval (open, omission) [7.4.2 p.45, it: 7.4.2 p.45]:
+# Erratum: The interval between the ten reset requests is ambiguous (open, omission) [7.4.2 p.45, it: 7.4.2 p.45]:
 # Printed: The request is sent ten times in succession, at transmission intervals of 40 µs or more.
 # Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 #
-# Erratum rs485_reply_time (open, omission) [7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2 p.41]:
+# Erratum: The reply time over RS-485 is missing (open, omission) [7.1 p.41, 7.2 p.41, it: 7.1 p.41, it: 7.2 p.41]:
 # Printed: The manual describes requests and replies, but not the time between them.
 # Used: The generated files have no reply time and no time-out. The master chooses its time-out.
 #
@@ -1866,7 +1866,8 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
 ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="do_not_tool",
-        printed="Do not tool the encoder or the disk/ring.",
+        title="The verb tool, which means machining, is easily misread",
+        printed="\"do not tool the encoder or the disk/ring\"",
         used="The generated files say that neither the encoder nor the disk or ring may be machined.",
         why="The Italian edition says \"non eseguire lavorazioni meccaniche\", which means \"do not machine\".",
         status=Status.SETTLED,
@@ -1876,6 +1877,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ground_wire",
+        title="The ground pin must be used, but the cable has no wire for it",
         printed=(
             "Pin 1 is the ground of the encoder and must be used. The tables of the mating cable list no wire for it."
         ),
@@ -1891,7 +1893,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="heading_g1",
-        printed="Heading of the cable table: ...G1-... and ...SC1-... order codes",
+        title="The cable table is headed G1 instead of BG1",
+        printed="Heading of the cable table: \"...G1-... and ...SC1-... order codes\"",
         used="The cable belongs to the ...BG1-... and ...SC1-... order codes.",
         why="The connector that mates with the cable (4.1.1) and all lists of models have BG1. No model has G1.",
         status=Status.SETTLED,
@@ -1901,6 +1904,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="cable_fahrenheit",
+        title="The temperature of +20 °C is converted to -4 °F",
         printed="Conductor resistance at +20°C / -4°F",
         used="The temperature is +20 °C, which is 68 °F.",
         why="−4 °F is −20 °C. The Italian edition gives only +20 °C.",
@@ -1911,6 +1915,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="battery_range",
+        title="The allowed battery voltage includes voltages that raise an alarm",
         printed=(
             "Battery voltage between 3 V and 5.5 V. Alarms below 3.15 V (Battery alarm) and below 3.05 V (MT error)"
         ),
@@ -1924,9 +1929,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_output_code",
+        title="One section says Binary or Gray, the other says Binary",
         printed=(
-            "5.1: the output code can be Binary or Gray, see the order code. 5.2: the output code is BINARY, see the "
-            "order code"
+            "5.1: \"The output code can be Binary or Gray\", see the order code. 5.2: \"The output code is BINARY\", "
+            "see the order code"
         ),
         used="Binary",
         why=(
@@ -1940,6 +1946,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_clock_count",
+        title="Two sections disagree on the number of SSI clocks",
         printed=(
             "5.1: up to n + 1 rising edges for n bits (Italian: n + 1 are necessary), 14 for 13 bits. 5.2: at least "
             "as many clocks as data bits"
@@ -1956,6 +1963,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_table_65kkg1",
+        title="The table of word lengths has 65KKG1 instead of 65KBG1",
         printed="AMM5A17/65KKG1... and five more in the English table of word lengths",
         used="65KBG1",
         why="The table just below it and the Italian edition have 65KBG1. No model has KG1.",
@@ -1966,6 +1974,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cpr",
+        title="The positions over all revolutions are called counts per revolution",
         printed="8,589,934,592 cpr, 137,438,953,472 cpr and 549,755,813,888 cpr for the multiturn models",
         used="The numbers are positions over all 65,536 revolutions, not counts per revolution.",
         why=(
@@ -1979,6 +1988,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_order",
+        title="The order of singleturn and multiturn is missing",
         printed=(
             "The manual prints only \"17 + 16 bits\" and the like, not the order of singleturn and multiturn in the "
             "position"
@@ -1995,6 +2005,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_400_m",
+        title="The clock for cables under 400 m is below the allowed range",
         printed=(
             "With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 4 MHz"
         ),
@@ -2007,6 +2018,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_50_m",
+        title="The table of cable lengths has no cable for 400 kHz to 4 MHz",
         printed=(
             "With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 4 MHz"
         ),
@@ -2022,6 +2034,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="profile_id_missing",
+        title="The registers of the profile ID are not listed",
         printed="The encoder complies with the \"Standard encoder profile\". No register 42h to 43h is listed.",
         used="The generated files have no profile ID.",
         why=(
@@ -2035,7 +2048,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="control_data_bit",
-        printed="Control Data is the transmission of a single bit that follows the SCD data.",
+        title="The bit of the control frame is described at the wrong place",
+        printed="Control Data is the \"transmission of a single bit\" that follows the SCD data.",
         used="The generated files do not derive a layout of the control frame from this sentence.",
         why=(
             "In the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data. After "
@@ -2048,6 +2062,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="scd_length",
+        title="The frame is one bit longer than the printed length",
         printed="SCD data is nbitres+7 long.",
         used="The length is position_bits + 8.",
         why=(
@@ -2061,6 +2076,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_documents",
+        title="Three names are used for one BiSS document",
         printed=(
             "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.3: \"BiSS C Protocol "
             "Description\""
@@ -2077,6 +2093,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_crc_start",
+        title="The start value of the BiSS CRCs is missing",
         printed=(
             "The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic "
             "circuits are lost"
@@ -2094,6 +2111,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="error_bits_leds_alarms",
+        title="Error bits, LEDs and alarms do not correspond one to one",
         printed=(
             "nE and LED 1: misalignment and the like, or a depleted battery, see MT error. nW and LED 2: an error in "
             "the magnetic multiturn system, or a low battery, see Battery alarm. RS-485: EE_0 for ST error, EE_1 for "
@@ -2120,6 +2138,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="unused_status_bits",
+        title="The manual does not say what other values of the unused bits mean",
         printed="EI_3 to EI_0 and four more bits of SF and ALMC are printed as 0",
         used="A reply with other values is decoded, and the bits are reported. Its position is usable with a warning.",
         why=(
@@ -2138,6 +2157,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_under_error",
+        title="Which errors affect the position is only partly described",
         printed=(
             "BUSY: all position data are 0. \"The battery is spent. The encoder cannot operate.\" Low battery "
             "(warning only): the position is kept. The manual does not say how the other errors affect the position."
@@ -2172,7 +2192,11 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_limit",
-        printed="English: less than the total hardware resolution. Italian: less than or equal to it (minore o uguale)",
+        title="Only the Italian edition allows the total resolution as preset",
+        printed=(
+            "English: less than the total hardware resolution. Italian: less than or equal to it (\"minore o "
+            "uguale\")"
+        ),
         used="The maximum is 2^position_bits − 1.",
         why="The total resolution itself needs one bit more than the register provides.",
         status=Status.SETTLED,
@@ -2182,7 +2206,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_byte_11",
-        printed="Bytes 11h to 14h are used for singleturn information.",
+        title="Byte 11h is assigned to singleturn bits that it does not contain",
+        printed="Bytes 11h to 14h \"are used for singleturn information\".",
         used="Byte 11h contains no singleturn bit.",
         why=(
             "The same list says that all bits of byte 11h are always 0. The lowest singleturn bit of any model is bit "
@@ -2195,7 +2220,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_revolutions",
-        printed="English: the number of revolutions is always 65,536 in all models. Italian: in all multiturn models",
+        title="The singleturn models are counted among those with 65,536 turns",
+        printed=(
+            "English: \"the number of revolutions is always 65,536\" in all models. Italian: in all multiturn models"
+        ),
         used="Singleturn models have no multiturn bits. Their bits 48:33 are taken as 0.",
         why=(
             "Models with 1 revolution exist (preliminary information, 5.2, 6.2.1). The manual does not give the "
@@ -2208,6 +2236,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_bits_below_lsb",
+        title="The bits below the lowest singleturn bit are not described",
         printed=(
             "The manual says only that bits 9:8 and byte 11h are 0. The lowest singleturn bit is bit 12 for 21 bits "
             "and bit 16 for 17 bits."
@@ -2224,6 +2253,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_binary_digits",
+        title="The example of a preset has 39 binary digits instead of 37",
         printed=(
             "1,000,003 in binary: 39 digits in the English edition, 37 in the Italian, both called the 21-bit format"
         ),
@@ -2236,6 +2266,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_bank_select",
+        title="The preset uses registers that BiSS reserves for banks",
         printed="Register 40h is Preset setting enable. The preset is at 11h to 17h.",
         used="The registers are used as printed.",
         why=(
@@ -2249,6 +2280,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="device_id_shared",
+        title="All models share one device ID",
         printed="The manual gives one device ID, AMM5 with the release, for all models",
         used="The device ID is used as printed.",
         why=(
@@ -2262,7 +2294,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="serial_number_order",
-        printed="44h to 47h read 0A E8 69 EE, decimal 18 30 03630",
+        title="Sister manuals read the serial number in opposite byte orders",
+        printed="44h to 47h read \"0A E8 69 EE\", decimal 18 30 03630",
         used="The high byte comes first, as printed.",
         why=(
             "The AMM36, a sister model, has the same example. Its manual reads EE 69 E8 0A from 44h to 47h and "
@@ -2276,6 +2309,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_setting_enable_default",
+        title="Two write-only registers have a default",
         printed=(
             "Registers 40h and 77h are write only (wo). The list of defaults has 00 for 40h, and 77h goes back to 00 "
             "by itself"
@@ -2292,6 +2326,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_min_clock",
+        title="The lowest clock is below the range of BiSS",
         printed="The clock frequency is at least 50 kHz. The time-out is also calculated for 50 kHz.",
         used="The lowest clock is 50 kHz.",
         why="In the BiSS protocol description, the clock range starts at 80 kHz.",
@@ -2302,6 +2337,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="control_field_structure",
+        title="The structure of the control field is not described",
         printed="The manual prints one byte for each data ID, without its structure",
         used="Bits 2:0 are 010, bits 6:3 are the data ID, and bit 7 is the even parity of the data ID.",
         why="All nine printed bytes fit this structure. Public sources give it for the T-format.",
@@ -2312,7 +2348,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="encoder_id_23h",
-        printed="ENID: encoder ID, fixed value = 23h",
+        title="The encoder ID 23h may be the decimal number 23",
+        printed="\"ENID: encoder ID, fixed value = 23h\"",
         used="23h is the expected encoder ID. A frame with another ID is decoded, and the ID is reported.",
         why=(
             "T-format encoders of 23 bits usually have 17h, which is 23 in decimal. HPMicro's sample prints ENID "
@@ -2331,7 +2368,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="busy_and_errors_in_one_bit",
-        printed="EE_1 = 1: BUSY flag, PS error, Battery alarm, or MT error",
+        title="One bit combines BUSY with errors that keep the position",
+        printed="EE_1 = 1: \"BUSY flag, PS error, Battery alarm, or MT error\"",
         used=(
             "EE_1 is one flag, status_other_error. Do not trust a position received with this flag until ALMC has "
             "been read."
@@ -2352,9 +2390,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="mem_busy_on_read",
+        title="Table and sentence give MEM BUSY different meanings for a read",
         printed=(
-            "Table, reading with MEM BUSY 1: reading is being executed, request for reading is invalid. Sentence "
-            "below: 1 = writing is being executed"
+            "Table, reading with MEM BUSY 1: \"Reading is being executed\", \"Request for reading is invalid\". "
+            "Sentence below: 1 = \"Writing is being executed\""
         ),
         used="MEM BUSY 1 means that the memory is busy and the request is not executed. Send the request again.",
         why=(
@@ -2369,6 +2408,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="reset_ids_singleturn_value",
+        title="Three reset requests are said to concern the singleturn value",
         printed="Resetting data/errors: Data ID 7, 8 and C, each (singleturn value)",
         used="The parenthesis describes the content of the reply. The reset data are described in 7.4.2.",
         why=(
@@ -2382,6 +2422,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="power_on_twice",
+        title="Turning on the power twice can mean one or two power cycles",
         printed="How to clear PS error and ST error: Turn on the main power twice or reset the error (ID 7, ID C)",
         used="The remedy is given as printed. To be safe, switch the supply off and on two times.",
         why=(
@@ -2396,8 +2437,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="blinking_error_led",
+        title="A blinking LED means success in one section, an error in another",
         printed=(
-            "Section 9: after power-on the LEDs blink for a while and go off if the installation succeeded. LED 1 "
+            "Section 9: after power-on \"the LEDs blink for a while\" and go off if the installation succeeded. LED 1 "
             "\"lights up RED when the battery is spent\". 4.3.2, steps 5 and 17: after power-on the ERROR LED is on "
             "or blinks."
         ),
@@ -2418,6 +2460,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="singleturn_without_battery",
+        title="Battery alarms are printed for models without a battery",
         printed=(
             "\"Battery power supply is only available in multiturn encoder versions (.../65K... order code)\". The "
             "warning bit, Battery alarm (BATT), MT error (MTERR), LED 2, and the step Connect the battery (3.4) are "
@@ -2449,6 +2492,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="battery_alarm_reset",
+        title="The battery alarm is missing in one list of errors to be reset",
         printed=(
             "7.4.1: Battery alarm latches and is reset with ID 7 or C. 7.4.2: these reset all latch errors (PS error, "
             "ST error, MT error)"
@@ -2471,6 +2515,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="data_id_8_scope",
+        title="Table and note disagree on what data ID 8 resets",
         printed=(
             "Table: Data ID 8 resets singleturn and multiturn data. Note: singleturn data resetting after Data ID 8"
         ),
@@ -2487,6 +2532,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="mem_busy_position",
+        title="The place of MEM BUSY in the address byte is doubtful",
         printed="MEM BUSY is bit 0 of the address field, and the address is bits 7:1, so address 5 is sent as 0Ah.",
         used=(
             "Either position is possible. The user must choose, and there is no default. With the wrong choice, an "
@@ -2518,6 +2564,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="crc_coverage",
+        title="The sentence about the bytes covered by the CRC is garbled",
         printed="Calculation \"to all 8 bits except for Start bit and Delimiter of fields rather than CRC\"",
         used="The CRC covers the 8 bits of every field before it, without start bits and delimiters.",
         why=(
@@ -2531,7 +2578,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="crc_example_frame",
-        printed="Request 02h, reply 32h 10h 01h 28h B0h 08h B3h with fields CF, SF, DF0 to DF3, CRC",
+        title="The frame of the CRC example does not fit any reply",
+        printed="Request 02h, reply \"32h 10h 01h 28h B0h 08h B3h\" with fields CF, SF, DF0 to DF3, CRC",
         used="The bytes are used only as a check of the CRC. As a reply, they are rejected because of their length.",
         why=(
             "The CRC is correct. A reply begins with the control field of its request. 32h is the control field of "
@@ -2544,6 +2592,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="crc_code_bit_order",
+        title="The printed CRC code expects the bits of a byte MSB first",
         printed="Data is configured LSB first. The printed code takes the bits of a string in order.",
         used="The CRC is the XOR of all bytes before it, which is x^8 + 1 with input and output reflected.",
         why=(
@@ -2557,6 +2606,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="crc_code_undeclared",
+        title="The printed CRC code uses a variable without a declaration",
         printed="CRC8 = 0; as the first line of the function",
         used="The generated files do not use the printed code.",
         why="CRC8 is not declared anywhere, so the printed function does not compile.",
@@ -2567,9 +2617,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="sine_cosine_view",
+        title="The editions look at the sine signals from opposite sides",
         printed=(
-            "Clockwise rotation seen from the shaft side (English) or from the flange side (Italian, vista dal lato "
-            "flangia)"
+            "Clockwise rotation seen from the shaft side (English) or from the flange side (Italian, \"vista dal lato "
+            "flangia\")"
         ),
         used="The generated files quote both.",
         why=(
@@ -2583,7 +2634,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="leds_at_power_on",
-        printed="Italian 3.4: the LEDs light up for a moment (si accendono per un attimo). Elsewhere: they blink",
+        title="The Italian edition has LEDs that light up instead of blinking",
+        printed="Italian 3.4: the LEDs light up for a moment (\"si accendono per un attimo\"). Elsewhere: they blink",
         used="The LEDs blink for a while.",
         why="Section 3.4 of the English edition and section 9 of both editions say so.",
         status=Status.SETTLED,
@@ -2593,6 +2645,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_default_length",
+        title="The printed default of Preset has five bytes instead of seven",
         printed="Default of Preset: 00 00 00 00 00",
         used="The default is seven bytes of 00.",
         why=(
@@ -2606,6 +2659,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="led_list_numbers",
+        title="Both LED meanings have the number 2",
         printed="Both items of each list of LED meanings have the number 2.",
         used="The items are listed as two meanings of the same LED, without numbers.",
         why="Nothing precedes them. The list of the bits Error and Warning (6.2.1) has the same two items as 1 and 2.",
@@ -2616,9 +2670,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="battery_replacement_position",
+        title="The multiturn position is called correct although it has changed",
         printed=(
-            "Step 9: singleturn and multiturn positions are provided properly. The multiturn position is different "
-            "than before"
+            "Step 9: \"singleturn and multiturn positions are provided properly\", and then \"the multiturn position "
+            "is different than before\""
         ),
         used=(
             "The singleturn position is the same as before. The multiturn position is different and must be set "
@@ -2636,7 +2691,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="battery_shorted_under_supply",
-        printed="Step 14: short-circuit the battery terminals. Step 15: switch the 5Vdc power supply off",
+        title="The battery terminals are shorted while the supply is on",
+        printed="Step 14: short-circuit the battery terminals. Step 15: \"switch the 5Vdc power supply off\"",
         used="The steps are given as printed.",
         why=(
             "The terminals are short-circuited while the supply is still on. The manual does not say whether the "
@@ -2651,6 +2707,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="reset_interval",
+        title="The interval between the ten reset requests is ambiguous",
         printed="The request is sent ten times in succession, at transmission intervals of 40 µs or more",
         used="No other request is sent in between. After each request, at least 40 µs pass before the next one begins.",
         why=(
@@ -2670,7 +2727,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="reset_standstill",
-        printed="Note on data IDs C and 7: while the shaft is in stop (rotational speed 300 rpm or less)",
+        title="A shaft turning at 300 rpm is called stopped",
+        printed="Note on data IDs C and 7: \"while the shaft is in stop (rotational speed 300 rpm or less)\"",
         used="The condition is standstill, which the manual defines as 300 rpm or less.",
         why=(
             "A shaft at 300 rpm is not at a standstill. The descriptions of C and 7 have no condition at all. The "
@@ -2687,9 +2745,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="busy_clear",
+        title="The condition that clears BUSY differs within the manual",
         printed=(
-            "BUSY flag: returns to 0 when the delay is over. How to clear: by itself (turning speed decreased to 300 "
-            "rpm or less)"
+            "BUSY flag: returns to 0 when the delay is over. How to clear: by itself (turning speed \"decreased to "
+            "300 rpm or less\")"
         ),
         used="Both are given as printed.",
         why=(
@@ -2703,6 +2762,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_pause",
+        title="The SSI pause is \"at least\" 20 µs in words and above it in signs",
         printed="Pause of at least 20 µs (Tp > 20 µs)",
         used="The minimum is 20 µs. Use a longer pause.",
         why="The words \"at least\" allow 20 µs, but the sign \">\" does not.",
@@ -2713,6 +2773,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="rs485_polarity",
+        title="The polarity of the RS-485 lines A and B is not given",
         printed="The manual names A (RS-485) and B (RS-485), without + or -",
         used="The names are given as printed. No polarity is assumed.",
         why=(
@@ -2727,6 +2788,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="rs485_reply_time",
+        title="The reply time over RS-485 is missing",
         printed="The manual describes requests and replies, but not the time between them",
         used="The generated files have no reply time and no time-out. The master chooses its time-out.",
         why=(
@@ -2741,11 +2803,14 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="busy_detection",
-        printed="English: when the main power is turned on. Italian: when it is on (quando l'alimentazione è on)",
+        title="The editions disagree on when BUSY is detected",
+        printed=(
+            "English: \"when the main power is turned on\". Italian: when it is on (\"quando l'alimentazione è on\")"
+        ),
         used="The flag is active when the main power is turned on.",
         why=(
             "The flag indicates a delay at power-on or a reset in progress. According to the Italian wording, the "
-            "flag can be set at any time under power, which affects how it clears (see busy_clear)."
+            "flag can be set at any time under power, which affects how it clears (see erratum busy_clear)."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -2754,11 +2819,12 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="cable_drain_wire",
-        printed="English: tinned copper braid with tinned copper drain wire. Italian: tinned copper braid only",
+        title="Only the English edition mentions the drain wire of the cable",
+        printed="English: tinned copper braid \"with tinned copper drain wire\". Italian: tinned copper braid only",
         used="The cable has a drain wire.",
         why=(
             "Both describe the same cable. Only an inspection of the cable can settle it. This also determines "
-            "whether a wire reaches pin 1 (see ground_wire)."
+            "whether a wire reaches pin 1 (see erratum ground_wire)."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
@@ -2767,9 +2833,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_at_standstill",
+        title="The editions disagree on which preset step needs a standstill",
         printed=(
-            "English: set the preset (setting) with the shaft in stop. Italian: activate it (attivare) with the shaft "
-            "in stop"
+            "English: set the preset (setting) with the shaft in stop. Italian: activate it (\"attivare\") with the "
+            "shaft in stop"
         ),
         used=(
             "A standstill is suggested for the procedures that activate a preset, not for the one that only stores "
@@ -2786,8 +2853,9 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_save_and_activate",
+        title="One edition saves and activates the preset in a single step",
         printed=(
-            "English: save, or both save and activate. Italian: save, or save and at the same time "
+            "English: save, \"or both save and activate\". Italian: save, or save and at the same time "
             "(contemporaneamente) activate"
         ),
         used="Two commands are used, 01 to save and then 02 to activate.",
@@ -2799,6 +2867,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_8_1",
+        title="Before edition 1.8, difference 1",
         printed="order_code.parts.mount.values.B",
         used="left out",
         why="This revision introduced AMM5B.",
@@ -2809,6 +2878,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_8_2",
+        title="Before edition 1.8, difference 2",
         printed=(
             "characteristics.mounting_support, characteristics.ferromagnetic_flange, characteristics.shaft_diameter, "
             "characteristics.spacer, characteristics.disk_grub_screws, characteristics.disk_grub_screw_torque, "
@@ -2838,6 +2908,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_7_1",
+        title="Before edition 1.7, difference 1",
         printed="serial_number",
         used="not known",
         why=(
@@ -2852,6 +2923,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_7_2",
+        title="Before edition 1.7, difference 2",
         printed="device_id",
         used="not known",
         why=(
@@ -2866,6 +2938,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_6_1",
+        title="Before edition 1.6, difference 1",
         printed="order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1",
         used="left out",
         why="This revision added the versions with SSI and with RS-485. All earlier encoders had BiSS.",
@@ -2876,6 +2949,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_6_2",
+        title="Before edition 1.6, difference 2",
         printed="interfaces.ssi, interfaces.rs485",
         used="left out",
         why="This revision added the versions with SSI and with RS-485. All earlier encoders had BiSS.",
@@ -2886,6 +2960,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_6_3",
+        title="Before edition 1.6, difference 3",
         printed=(
             "alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8, "
             "field_groups.control_field, field_groups.status_field, field_groups.alarm_field, "
@@ -2932,6 +3007,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_6_4",
+        title="Before edition 1.6, difference 4",
         printed="connectors.ssi_biss_connector.interfaces, connectors.ssi_biss_cable.interfaces",
         used="biss",
         why="SSI did not exist yet.",
@@ -2942,6 +3018,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_5_1",
+        title="Before edition 1.5, difference 1",
         printed="connectors.ssi_biss_connector.contacts.1, characteristics.ground",
         used="not known",
         why="This revision connected pin 1 to ground. The table does not give the earlier connection.",
@@ -2952,6 +3029,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_4_1",
+        title="Before edition 1.4, difference 1",
         printed="Register 3Bh, Counting direction",
         used="not known",
         why="This revision removed the register. The table does not say which values it took, or when.",
@@ -2961,6 +3039,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_4_2",
+        title="Before edition 1.4, difference 2",
         printed=(
             "command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset, "
             "procedures.save_parameters, procedures.activate_preset"
@@ -2985,6 +3064,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_4_3",
+        title="Before edition 1.4, difference 3",
         printed="characteristics.counting_direction",
         used="not known",
         why="The information on the counting direction was updated.",
@@ -2995,6 +3075,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_3_1",
+        title="Before edition 1.3, difference 1",
         printed="All information that was marked \"to be updated\"",
         used="not known",
         why=(
@@ -3007,6 +3088,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_2_1",
+        title="Before edition 1.2, difference 1",
         printed=(
             "characteristics.cable, characteristics.cable_model, characteristics.cable_cross_section, "
             "characteristics.cable_jacket, characteristics.cable_shield, characteristics.cable_diameter, "
@@ -3034,6 +3116,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_1_1",
+        title="Before edition 1.1, difference 1",
         printed=(
             "leds.led_1_error, leds.led_2_warning, characteristics.connection_order, "
             "characteristics.connection_order_singleturn"

@@ -140,16 +140,17 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 # SSI
 #
-# Erratum ssi_cable_400_m (open, wrong limit) [5.3 p.17]:
+# Erratum: The clock for cables under 400 m is below the allowed range (open, wrong limit) [5.3 p.17]:
 # Printed: With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
-# Erratum ssi_cable_50_m (open, wrong limit) [5.3 p.17]:
+# Erratum: The table of cable lengths has no cable for 400 kHz to 4 MHz (open, wrong limit) [5.3 p.17]:
 # Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 4 MHz.
 # Used: Both limits are listed as printed.
 #
-# Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.17, amm5: 5.3, sma21: 5.3]:
+# Erratum: The SSI pause is "at least" 12 µs in words and above it in signs (open, wrong limit) [5.1, 5.3 p.17, amm5:
+# 5.3, sma21: 5.3]:
 # Printed: Pause of at least 12 µs (Tp > 12 µs). Tm has a typical duration of 12 µs.
 # Used: The minimum is 12 µs. Use a longer pause.
 
@@ -199,7 +200,7 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum biss_timeout (open, omission) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]:
+# Erratum: The rule for the BiSS time-out is missing (open, omission) [6.5 p.32, prot: p.18, amm5: 6.5 p.40]:
 # Printed: BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz).
 # Used: Only this value is used. The generated files have no rule for other clock frequencies.
 
@@ -1107,7 +1108,8 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
 ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="do_not_touch",
-        printed="Do not touch the encoder or its shaft.",
+        title="The warning not to touch the encoder cannot be meant literally",
+        printed="\"do not touch the encoder or its shaft\"",
         used="The generated files say that neither the encoder nor its shaft may be machined.",
         why=(
             "Mounting the encoder as in 3.3 requires touching both. The same list has \"do not tool\" in the AM36 and "
@@ -1120,6 +1122,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="resistance_by_cross_section",
+        title="Conductor resistances are not assigned to the wires",
         printed=(
             "Wires 2 × 0.22 mm² + 6 × 0.14 mm². Conductor resistance ≤ 90 Ω/km / ≤ 148 Ω/km. The manual does not "
             "assign these values to the wires"
@@ -1136,6 +1139,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="torque_maximum",
+        title="The maximum torques have tolerances",
         printed="Max. tightening torque 2 ± 0.2 Nm and 2.5 ± 0.5 Nm",
         used="Both values are given as printed.",
         why="A maximum has no tolerance. The manual does not say whether 2 Nm and 2.5 Nm are target values or limits.",
@@ -1146,6 +1150,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="connector_free_pins",
+        title="The unused pins of the connectors are not listed",
         printed=(
             "The table has rows for six pins of the M12 and of the M23 connector, and two rows \"not connected\" with "
             "a dash for both connectors"
@@ -1162,6 +1167,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="supply_digit",
+        title="The supply digit is explained for the BiSS models only",
         printed=(
             "The supply voltage is explained for SC1 and SC2 only, as an example. BG and GG are printed with three "
             "dots."
@@ -1178,9 +1184,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_code_letters",
+        title="The manual does not say which of BG and GG is Gray code",
         printed=(
-            "The output code can be Gray or binary, see the order code. The order codes are BG and GG, without their "
-            "meaning."
+            "\"The output code can be GRAY or BINARY\", see the order code. The order codes are BG and GG, without "
+            "their meaning."
         ),
         used="BG is binary, GG is Gray.",
         why=(
@@ -1195,6 +1202,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_clock_count",
+        title="Two sections disagree on the number of SSI clocks",
         printed="5.1: up to n + 1 rising edges for n bits, 14 for 13 bits. 5.2: at least as many clocks as data bits",
         used="The generated files do not enforce either rule. n + 1 clocks satisfy both.",
         why=(
@@ -1208,6 +1216,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_bit_numbers",
+        title="The bits of the SSI words are numbered from 1 instead of 0",
         printed="The SSI bits are numbered 20 ... 1 to 25 ... 1",
         used="The bits are 19:0 to 24:0, with bit 0 as the LSB.",
         why=(
@@ -1222,6 +1231,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_400_m",
+        title="The clock for cables under 400 m is below the allowed range",
         printed=(
             "With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 4 MHz"
         ),
@@ -1234,6 +1244,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_50_m",
+        title="The table of cable lengths has no cable for 400 kHz to 4 MHz",
         printed=(
             "With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 4 MHz"
         ),
@@ -1249,6 +1260,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_pause",
+        title="The SSI pause is \"at least\" 12 µs in words and above it in signs",
         printed="Pause of at least 12 µs (Tp > 12 µs). Tm has a typical duration of 12 µs",
         used="The minimum is 12 µs. Use a longer pause.",
         why=(
@@ -1264,6 +1276,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_documents",
+        title="Three names are used for one BiSS document",
         printed=(
             "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.3: \"BiSS C Protocol "
             "Description\""
@@ -1280,6 +1293,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_crc_start",
+        title="The start value of the BiSS CRCs is missing",
         printed=(
             "The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic "
             "circuits are lost"
@@ -1301,8 +1315,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="cycle_counter",
+        title="A singleturn encoder has a cycle counter without explanation",
         printed=(
-            "Command 02 sets the cycle counter. Synchronization error is about the cycle counter and the interpolator"
+            "Command 02 sets the cycle counter. Synchronization error is about \"the cycle counter and the "
+            "interpolator\""
         ),
         used="The command and the error are described as printed.",
         why=(
@@ -1322,7 +1338,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="control_data_bit",
-        printed="Control Data is the transmission of a single bit that follows the SCD data.",
+        title="The bit of the control frame is described at the wrong place",
+        printed="Control Data is the \"transmission of a single bit\" that follows the SCD data.",
         used="The generated files do not derive a layout of the control frame from this sentence.",
         why=(
             "In the BiSS protocol description, to which 6.3 refers, the encoder's bit comes before the data. After "
@@ -1335,6 +1352,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="scd_length",
+        title="The table of the frame has one bit more than the printed length",
         printed=(
             "SCD data is nbitres+8 long. Its parts, including a 0 bit, add up to nbitres + 9, and the preliminary "
             "information gives 34 bits for 25"
@@ -1365,6 +1383,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="profile_id_data_length",
+        title="One profile ID is given for models with different data lengths",
         printed="The manual gives the profile ID 28 1A, data length 25 + 1 bits, for all models",
         used=(
             "The profile ID is 281Ah for all models, as printed. It does not indicate the resolution or the zero bit "
@@ -1383,19 +1402,23 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="profile_variant",
+        title="The profile variant is printed in two ways",
         printed="Variant 0-24++ in the table, Variant 0-24 in the sentence below it",
         used="0-24++",
         why=(
             "The table lists the value for this encoder. In the SMA21 manual, 0-24 is used with 20 to 24 bits and "
-            "0-24+++ with 25. No public document gives the meaning of the signs."
+            "0-24+++ with 25. In profilebiss.xml, bits 15:13 of a profile ID select the profile, and 0 is BP0. In "
+            "281Ah they are 001, which would be BP1. Its public opening ends within BP0, and no other public document "
+            "gives the meaning of the signs."
         ),
         status=Status.OPEN,
         severity=Severity.WORDING,
         affects=("registers.profile_id",),
-        source="6.4 p.23, sma21: 6.4",
+        source="6.4 p.23, profiles: BP0, sma21: 6.4",
     ),
     Erratum(
         name="serial_number_digits",
+        title="The meaning of the digits of the serial number is not given",
         printed="The manual describes a serial number in ascending order, with the example 171256846",
         used="The serial number is a single number.",
         why=(
@@ -1410,7 +1433,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="absolute_data_valid_bit",
-        printed="Command 02: the status bit 2 Absolute data valid. List of status bits: bit 1",
+        title="Absolute data valid is bit 2 in one place and bit 1 in another",
+        printed="Command 02: \"The status bit 2 Absolute data valid\". List of status bits: bit 1",
         used="Absolute data valid is bit 1.",
         why=(
             "The list gives each of the eight bits once, with \"Internal data bus busy\" at bit 2. A public "
@@ -1423,7 +1447,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="internal_data_bus_busy_bit",
-        printed="Commands 01 and 04: the status bit 3 Internal data bus busy. List of status bits: bit 2",
+        title="Internal data bus busy is bit 3 in one place and bit 2 in another",
+        printed="Commands 01 and 04: \"the status bit 3 Internal data bus busy\". List of status bits: bit 2",
         used="Internal data bus busy is bit 2.",
         why=(
             "The list gives each of the eight bits once, with the write access to the EDS memory area at bit 3. A "
@@ -1440,6 +1465,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="warning_sources",
+        title="The manual does not say which errors cause a warning",
         printed="For the active warning refer to the Error register. Its six bits are all called errors.",
         used="No bit of the error register is interpreted as a warning. All are active errors.",
         why=(
@@ -1458,6 +1484,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_under_error",
+        title="How errors and warnings affect the position is not described",
         printed="nE and nW report an active error or warning. The effect on the position is not given.",
         used="Error bit active: the position is not usable. Warning bit active: the position is usable with a warning.",
         why=(
@@ -1471,6 +1498,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_register_bits",
+        title="The position register is described for one resolution only",
         printed="Position: registers 61h to 64h with 2^31 ... 2^6, 2^5 ... 2^0 not used, for all models",
         used=(
             "The exponents are the bit numbers of the register. The position is left-aligned at bit 31 and "
@@ -1488,7 +1516,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="error_reset",
-        printed="The reset is performed upon reading out position data.",
+        title="Two kinds of reading the position could reset the errors",
+        printed="\"the reset is performed upon reading out position data\"",
         used="Reading the position register resets the messages.",
         why=(
             "Each BiSS frame carries the position, and a register is read bit by bit over many frames. If each frame "
@@ -1507,6 +1536,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="device_id_shared",
+        title="All models share one device ID",
         printed="The manual gives one device ID, AS85 with the release 01, for all models",
         used="The device ID is used as printed.",
         why=(
@@ -1520,6 +1550,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_timeout",
+        title="The rule for the BiSS time-out is missing",
         printed="BiSS time-out: adaptive (typ. 0.35 µs @ 10 MHz)",
         used="Only this value is used. The generated files have no rule for other clock frequencies.",
         why=(
@@ -1534,7 +1565,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="insulating",
-        printed="Possibility of insulting the circuits galvanically",
+        title="Circuits are insulted instead of insulated",
+        printed="\"possibility of insulting the circuits galvanically\"",
         used="The generated files do not use the sentence.",
         why="The sentence is about optocouplers, which insulate circuits.",
         status=Status.SETTLED,
@@ -1543,6 +1575,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="eds_bank_missing",
+        title="The registers of the EDS are not listed",
         printed="Status bit 3: write access permitted to the EDS memory area. No registers 40h and 41h are listed.",
         used="The generated files have no EDS.",
         why=(
@@ -1561,6 +1594,11 @@ DOCUMENTS: Final[tuple[Document, ...]] = (
     Document("prot", "BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus"),
     Document("renishaw", "L-9709-9005-03-F, BiSS data sheet, Renishaw"),
     Document("icmu", "iC-MU data sheet, iC-Haus", url="http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm"),
+    Document(
+        "profiles",
+        "profilebiss.xml, BiSS profiles, its public opening of about 2000 characters",
+        url="http://www.biss-interface.com/identifier/profilebiss.xml",
+    ),
     Document(
         "icmr",
         "iC-MR data sheet, revision A1, iC-Haus",

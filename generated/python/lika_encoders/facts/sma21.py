@@ -177,16 +177,16 @@ CRCS: Final[tuple[Crc, ...]] = (
 
 # SSI
 #
-# Erratum ssi_cable_400_m (open, wrong limit) [5.3 p.22]:
+# Erratum: The clock for cables under 400 m is below the allowed range (open, wrong limit) [5.3 p.22]:
 # Printed: With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 1 MHz.
 # Used: Both limits are listed as printed.
 # Why: For cables of 200 m or more, the table allows no clock within the range.
 #
-# Erratum ssi_cable_50_m (open, wrong limit) [5.3 p.22]:
+# Erratum: The table of cable lengths has no cable for 400 kHz to 1 MHz (open, wrong limit) [5.3 p.22]:
 # Printed: With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 1 MHz.
 # Used: Both limits are listed as printed.
 #
-# Erratum ssi_pause (open, wrong limit) [5.1, 5.3 p.22]:
+# Erratum: The SSI pause is "at least" 16 µs in words and above it in signs (open, wrong limit) [5.1, 5.3 p.22]:
 # Printed: Pause of at least 16 µs (Tp > 16 µs).
 # Used: The minimum is 16 µs. Use a longer pause.
 # Why: The words "at least" allow 16 µs, but the sign ">" does not.
@@ -237,7 +237,7 @@ SSI: Final = SsiFacts(
 
 # BiSS C-mode
 #
-# Erratum offset_in_the_padding (open, wrong data) [6.2 p.25, 6.4 p.32]:
+# Erratum: Bits that should be 0 carry data with an offset (open, wrong data) [6.2 p.25, 6.4 p.32]:
 # Printed: 6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions of 20
 # bits.
 # Used: While an offset is selected in the Configuration register, 6.4 applies: the position takes up the whole field of
@@ -248,7 +248,7 @@ SSI: Final = SsiFacts(
 # bits above the position carry data. The zeros of 6.2 apply only if no offset is selected. Only a frame of an encoder
 # with an offset could confirm this.
 #
-# Erratum profile_variants (open, wrong data) [6.4 p.28, asc85: 6.4 p.23]:
+# Erratum: The data lengths in the profile IDs count different bits (open, wrong data) [6.4 p.28, asc85: 6.4 p.23]:
 # Printed: Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h for a 20-bit position in a field of
 # 24 bits.
 # Used: Each is used as printed.
@@ -256,7 +256,7 @@ SSI: Final = SsiFacts(
 # field, not of the position, and the variant with one more bit has one plus sign fewer. A master that takes the length
 # of the data from the profile ID would miss 4, 2 or 1 bits with this encoder.
 #
-# Erratum biss_timeout (open, omission) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]:
+# Erratum: The rule for the BiSS time-out is missing (open, omission) [6.5 p.34, prot: p.18, asc85: 6.5 p.32]:
 # Printed: The BiSS time-out adapts to the clock frequency and is at most 16 µs. The manual does not print a rule.
 # Used: The time-out is at most 16 µs.
 
@@ -320,17 +320,17 @@ BISS: Final = BissFacts(
 
 # RS-485
 #
-# Erratum zero_setting_rs485 (open, wrong limit) [3.3, 7.3.1 p.38, 7.3.3.2 p.41]:
+# Erratum: Zero setting over RS-485 is denied and described (open, wrong limit) [3.3, 7.3.1 p.38, 7.3.3.2 p.41]:
 # Printed: 3.3: zero setting and preset are needed after mounting but available with BiSS only, not with SSI and RS-485.
 # 7.3.3.2: data ID F resets the position to 0.
 # Used: Data ID F is used as described in 7.3.1 and 7.3.3.2.
 #
-# Erratum reset_interval (open, omission) [7.3.2 p.38, 7.3.3.2 p.41]:
-# Printed: The request is sent ten times in succession (in successione, in sequenza), at transmission intervals of 40 µs
-# or more.
+# Erratum: The interval between the ten reset requests is ambiguous (open, omission) [7.3.2 p.38, 7.3.3.2 p.41]:
+# Printed: The request is sent ten times in succession ("in successione", "in sequenza"), at transmission intervals of
+# 40 µs or more.
 # Used: No other request is sent in between. After each request, at least 40 µs pass before the next one begins.
 #
-# Erratum rs485_reply_time (open, omission) [7.1 p.37, 7.2 p.37]:
+# Erratum: The reply time over RS-485 is missing (open, omission) [7.1 p.37, 7.2 p.37]:
 # Printed: The manual describes requests and replies, but not the time between them.
 # Used: The generated files have no reply time and no time-out. The master chooses its time-out.
 
@@ -1319,7 +1319,10 @@ CONNECTORS: Final[tuple[Connector, ...]] = (
             Contact("8", "not connected"),
             Contact("Housing", "Shield"),
         ),
-        note="The connector has no contacts for the incremental signals. +Vdc is the voltage given by the order code.",
+        note=(
+            "The connector has no contacts for the incremental signals A, /A, B and /B. +Vdc is the voltage given by "
+            "the order code."
+        ),
         source="4.1 p.15, 4.3 p.16",
     ),
     Connector(
@@ -1974,7 +1977,8 @@ LOST_FIGURES: Final[tuple[LostFigure, ...]] = (
 ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="parts_of_the_manual",
-        printed="The manual can be divided into four parts (quattro parti).",
+        title="The manual is said to have four parts and lists five",
+        printed="The manual can be divided into four parts (\"quattro parti\").",
         used="The manual has five parts.",
         why="The list that follows names five. The last one is about the incremental signals.",
         status=Status.SETTLED,
@@ -1983,6 +1987,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="order_code_blank",
+        title="The order code on the cover contains a blank",
         printed="SMA21 -BGx-..., with a blank, on the cover",
         used="The code is SMA21-BGx-..., without the blank. A label with the blank is also accepted.",
         why="Everywhere else, for the same models, the manual has no blank.",
@@ -1993,9 +1998,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="order_code_key",
+        title="The manual refers to an order code key that it does not contain",
         printed=(
-            "The manual refers to the order code (si veda il codice di ordinazione) for the output code, the supply "
-            "and the incremental signals"
+            "The manual refers to the order code (\"si veda il codice di ordinazione\") for the output code, the "
+            "supply and the incremental signals"
         ),
         used="BG is binary and GG is Gray. Supply 1 is +5 V. Supply 4 is +5 V to +30 V.",
         why=(
@@ -2011,6 +2017,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_documents",
+        title="Three names are used for one BiSS document",
         printed=(
             "Section 6: \"BiSS C-mode interface\" and \"Standard encoder profile\". 6.3: \"Protocol description "
             "C-mode\""
@@ -2027,6 +2034,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_crc_start",
+        title="The start value of the BiSS CRCs is missing",
         printed=(
             "The manual gives the polynomials and the inverted output of both CRCs, but no start value. The logic "
             "circuits are lost"
@@ -2044,6 +2052,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="command_default",
+        title="A write-only register has a default",
         printed="Register 48h is write only (wo). Its default is 00, here and in the list of defaults",
         used="The register is write only. 00 is the value to which it returns.",
         why=(
@@ -2057,7 +2066,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="tape_length",
-        printed="Maximum length of the tape (lunghezza massima della banda): 16.339, without a unit, and 32.749 mm",
+        title="The travel is printed as the length of the tape",
+        printed="Maximum length of the tape (\"lunghezza massima della banda\"): 16.339, without a unit, and 32.749 mm",
         used="The tape is at most 16,410 mm and 32,820 mm long. 16,339 mm and 32,749 mm are the travel.",
         why=(
             "Section 4.10 lists both. The preliminary information, 5.2 and the cover print the smaller numbers as the "
@@ -2070,6 +2080,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="zero_setting_rs485",
+        title="Zero setting over RS-485 is denied and described",
         printed=(
             "3.3: zero setting and preset are needed after mounting but available with BiSS only, not with SSI and "
             "RS-485. 7.3.3.2: data ID F resets the position to 0"
@@ -2086,6 +2097,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="bending_radius",
+        title="Two sections disagree on the bending radius of the cable",
         printed="3.3: bending radius of the cable at least 45 mm. 4.5: outer diameter × 7.5",
         used="Both are listed as printed.",
         why="7.5 × 6.1 mm is 45.75 mm, and 46.5 mm with the tolerance of the diameter. 45 mm is less.",
@@ -2096,6 +2108,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_clock_count",
+        title="Two sections disagree on the number of SSI clocks",
         printed=(
             "5.1: n + 1 rising edges, n being the resolution in bits, 14 for 13 bits. 5.2: at least as many clocks as "
             "data bits"
@@ -2116,6 +2129,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_400_m",
+        title="The clock for cables under 400 m is below the allowed range",
         printed=(
             "With cables shorter than 400 m, the clock must be under 100 kHz. The clock ranges from 100 kHz to 1 MHz"
         ),
@@ -2128,6 +2142,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_cable_50_m",
+        title="The table of cable lengths has no cable for 400 kHz to 1 MHz",
         printed=(
             "With cables shorter than 50 m, the clock must be under 400 kHz. The clock ranges from 100 kHz to 1 MHz"
         ),
@@ -2143,6 +2158,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="gray_scope",
+        title="The manual does not say which bits are in Gray code",
         printed="The manual says that the output code can be binary or Gray, but not which bits of the frame it covers",
         used="Only the position is coded. The error bit, the warning bit and the CRC are sent unchanged.",
         why=(
@@ -2156,6 +2172,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="control_data_bit",
+        title="The bit of the control frame is described at the wrong place",
         printed="Control Data is the transmission of a single bit that follows the SCD data.",
         used="The generated files do not derive a layout of the control frame from this sentence.",
         why=(
@@ -2169,6 +2186,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="scd_length",
+        title="The frame is one bit longer than printed at 1 µm",
         printed="SCD (32 bit), with a position of 24 or 25 bits",
         used="The frame has 32 bits at resolutions of 50 µm to 2 µm and 33 bits at 1 µm.",
         why=(
@@ -2182,6 +2200,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="offset_in_the_padding",
+        title="Bits that should be 0 carry data with an offset",
         printed=(
             "6.2: the bits above the position are 0. 6.4: an offset of up to F0 00 00h at 50 µm, added to positions "
             "of 20 bits"
@@ -2212,6 +2231,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_below_zero",
+        title="The values of positions below zero are not given",
         printed=(
             "Positions before the preset get a value according to it. The manual does not give the values sent below "
             "zero or above the maximum"
@@ -2237,6 +2257,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="warning_level",
+        title="The level of an active warning is not given",
         printed="The manual lists Warning, nW, but does not say which level means a warning",
         used="0 means a warning, as with the error bit.",
         why="The name nW and the BiSS documents make it active low. The bit is only for Lika's technicians.",
@@ -2247,6 +2268,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="profile_variants",
+        title="The data lengths in the profile IDs count different bits",
         printed=(
             "Variant 0-24+++ and 2819h for a field of 25 bits, Variant 0-24 and 2814h for a 20-bit position in a "
             "field of 24 bits"
@@ -2264,7 +2286,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="serial_number_coding",
-        printed="The manual gives year, week and number in hexadecimal (in esadecimale), without an example",
+        title="The coding of year, week and serial number is not given",
+        printed="The manual gives year, week and number in hexadecimal (\"in esadecimale\"), without an example",
         used="The values are three binary numbers: one byte, one byte, and two bytes with the high byte first.",
         why=(
             "The text does not say whether the digits are binary or decimal in each byte, from which year the year is "
@@ -2278,7 +2301,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="resolution_set",
-        printed="The limits of preset and offset depend on the resolution that is set (risoluzione impostata)",
+        title="Limits depend on a set resolution, but nothing sets it",
+        printed="The limits of preset and offset depend on the resolution that is set (\"risoluzione impostata\")",
         used="The limits depend on the resolution of the order code.",
         why="The Absolute resolution register is read only, and no other register sets a resolution.",
         status=Status.SETTLED,
@@ -2288,7 +2312,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_direction",
-        printed="Preset: stop the sensor in the wanted direction (nella direzione desiderata)",
+        title="The sensor is to be stopped in a direction instead of a position",
+        printed="Preset: stop the sensor in the wanted direction (\"nella direzione desiderata\")",
         used="Stop the sensor at the desired position.",
         why="The same sentence under Offset has position (posizione). A preset is assigned to a position.",
         status=Status.SETTLED,
@@ -2298,6 +2323,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="offset_meaning",
+        title="The offset is described as a preset and as a shift",
         printed=(
             "An offset gives a position a wanted value, is applied to the position at its activation, and shifts all "
             "values by its amount"
@@ -2314,6 +2340,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="offset_range",
+        title="The highest value with an offset is one too high",
         printed="The values run from the offset to the sum of offset and number of positions.",
         used="The highest value is that sum minus 1.",
         why=(
@@ -2327,7 +2354,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="sine_cosine_name",
-        printed="Risoluzione SENO-COSENSO, in the index SENO-COSEN0",
+        title="The word Coseno is misspelt in two ways",
+        printed="\"Risoluzione SENO-COSENSO\", in the index \"SENO-COSEN0\"",
         used="The name is Risoluzione SENO-COSENO, the sine-cosine resolution.",
         why="The text of the entry has Seno-Coseno.",
         status=Status.SETTLED,
@@ -2337,6 +2365,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="device_id_shared",
+        title="All models share one device ID",
         printed="The manual gives one device ID, SM21 with the release, for all models",
         used="The device ID is used as printed.",
         why=(
@@ -2350,6 +2379,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="release_coding",
+        title="The table of the release has a dash instead of ASCII characters",
         printed=(
             "Name and release are expressed in hexadecimal values of ASCII. In the table, 7Ch and 7Dh contain xx, and "
             "the ASCII row contains a\n  dash."
@@ -2363,6 +2393,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="biss_timeout",
+        title="The rule for the BiSS time-out is missing",
         printed=(
             "The BiSS time-out adapts to the clock frequency and is at most 16 µs. The manual does not print a rule"
         ),
@@ -2378,6 +2409,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="configuration_bit_8",
+        title="The example calls Counting direction bit 8 instead of bit 6",
         printed="Bit 8 Direzione di conteggio",
         used="Counting direction is bit 6.",
         why=(
@@ -2391,6 +2423,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="reply_format_df7",
+        title="The reply format has more data bytes than any reply",
         printed="Reply: CF SF DF0 ... DF7 CRC",
         used="A reply has at most DF0 to DF5.",
         why="No data ID of this encoder has more than six data bytes.",
@@ -2401,6 +2434,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="control_field_structure",
+        title="The parity bit of the control field is printed as part of the ID",
         printed="The ID code has five bits, cc0 to cc4",
         used="cc0 to cc3 are the data ID, and cc4 is its even parity bit.",
         why=(
@@ -2414,6 +2448,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="alarm_storage",
+        title="The sum of stored alarms is said not to be stored",
         printed=(
             "ALMC is kept until the errors are reset. The alarm bit ea0, the sum of its bits 6 and 7, is cleared as "
             "soon as the cause is gone"
@@ -2430,6 +2465,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_under_error",
+        title="How single alarms affect the position is not described",
         printed=(
             "ea0: a fault may follow, but the position is correct. ea1: there is a fault or an error in the position, "
             "or the motor must stop. nE: the last valid position may be frozen, or wrong data may be sent. The manual "
@@ -2458,6 +2494,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="abs_range_48",
+        title="The highest 48-bit position lacks two digits",
         printed="The 48-bit position ranges from 800000000000h to 7FFFFFFFFFh",
         used="The highest value is 7FFFFFFFFFFFh.",
         why="Two digits are missing. The highest 48-bit number in two's complement has twelve hexadecimal digits.",
@@ -2468,6 +2505,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="abs_range_24",
+        title="The highest 24-bit position has one digit too many",
         printed="The 24-bit position ranges from 000000h to FFFFFFFh",
         used="The highest value is FFFFFFh.",
         why="Seven digits are 28 bits.",
@@ -2478,6 +2516,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="wide_position_sign",
+        title="High bits of the signed 48-bit position are said to be 0",
         printed="Unused high bits are 0. The 48-bit position is signed.",
         used="The position is signed and uses all 48 bits.",
         why=(
@@ -2491,6 +2530,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="rs485_position_width",
+        title="The width of the position over RS-485 is not given by model",
         printed=(
             "SSI and BiSS have a table of the position by model. RS-485 has examples of 23, 22 and 20 bits without a "
             "model, and at most 24 bits"
@@ -2511,9 +2551,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="reset_interval",
+        title="The interval between the ten reset requests is ambiguous",
         printed=(
-            "The request is sent ten times in succession (in successione, in sequenza), at transmission intervals of "
-            "40 µs or more"
+            "The request is sent ten times in succession (\"in successione\", \"in sequenza\"), at transmission "
+            "intervals of 40 µs or more"
         ),
         used="No other request is sent in between. After each request, at least 40 µs pass before the next one begins.",
         why=(
@@ -2528,7 +2569,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="shaft",
-        printed="Data ID F: while the shaft is at rest (mentre l'albero è in stop)",
+        title="A linear encoder is said to have a shaft",
+        printed="Data ID F: while the shaft is at rest (\"mentre l'albero è in stop\")",
         used="The condition is that the sensor is at rest.",
         why="A linear encoder has no shaft.",
         status=Status.SETTLED,
@@ -2538,6 +2580,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="rs485_reset_duration",
+        title="The duration of a reset over RS-485 is missing",
         printed=(
             "Send no request until the initialization is over. No request is accepted while the position is being "
             "reset. No time is given."
@@ -2554,9 +2597,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="crc_coverage",
+        title="The sentence about the bytes covered by the CRC is garbled",
         printed=(
-            "Calculated on all bits except the start bit and the field delimiter, rather than the CRC (piuttosto che "
-            "il CRC)"
+            "Calculated on all bits except the start bit and the field delimiter, rather than the CRC (\"piuttosto "
+            "che il CRC\")"
         ),
         used="The CRC covers the 8 bits of every field before it, without start bits and delimiters.",
         why="The sentence is garbled. The printed check values D4h and 90h are the XOR of the bytes before them.",
@@ -2567,6 +2611,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="data_id_5_example_status",
+        title="The reply in the example sets an unused status bit",
         printed="The reply to data ID 5 has SF = 02h",
         used=(
             "dd0 to dd3 are unused and 0, as in 7.3.2. A reply with other values is decoded, and the bits are "
@@ -2590,7 +2635,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="data_id_5_example_position",
-        printed="Position DAh 04h 00h 43h 25h 00h",
+        title="The example has a position far beyond the end of the tape",
+        printed="Position \"DAh 04h 00h 43h 25h 00h\"",
         used="The value is not used. No position of this encoder can have this value.",
         why=(
             "It is 0025430004DAh or 160,037,864,666 counts, which is 160 km at 1 µm. RS-485 carries 24 bits and the "
@@ -2603,7 +2649,8 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="error_bit_level",
-        printed="When the fault is gone the error bit goes to the high level (commuta al livello logico alto).",
+        title="The level of the error bit is given without its interface",
+        printed="When the fault is gone the error bit goes to the high level (\"commuta al livello logico alto\").",
         used=(
             "This applies to SSI and BiSS. Over RS-485, the error bit is high while there is an error, and it stays "
             "high until it is reset."
@@ -2616,6 +2663,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ab_frequency",
+        title="Two rows of the table of the AB signals do not fit its columns",
         printed=(
             "580 kHz per period and 2320 kHz between edges, at 4.7 m/s with 2 µm and at 2.4 m/s with 1 µm, calculated "
             "with the minimum distance of 0.25 µs"
@@ -2633,6 +2681,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_sending_order",
+        title="Arrows show the bytes of the position in the opposite order",
         printed="Arrows from ABS5 to ABS0 and from ABS2 to ABS0 are marked as the order of transmission",
         used="ABS0 is sent first.",
         why=(
@@ -2650,6 +2699,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="preset_offset_default_length",
+        title="One default of Preset and Offset has one byte instead of four",
         printed="Section 6.4: default 00h. List of defaults: 00 00 00 00",
         used="The default is four bytes of 00.",
         why="The register has four bytes, 50h to 53h.",
@@ -2660,6 +2710,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="unimplemented_alarms",
+        title="Combined bits list alarms that are not implemented",
         printed=(
             "ea0 stands for Signal on the strength alarm and Temperature alarm. ea1 stands for Encoder inharmonious "
             "error and Higher track error, among others. According to the table of ALMC, none of the four is "
@@ -2674,6 +2725,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="position_check_default",
+        title="One default is missing in the list of defaults",
         printed="Register 59h can be written and has the default 00h. The list of defaults omits it.",
         used="00h",
         why=(
@@ -2687,6 +2739,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="ssi_pause",
+        title="The SSI pause is \"at least\" 16 µs in words and above it in signs",
         printed="Pause of at least 16 µs (Tp > 16 µs)",
         used="The minimum is 16 µs. Use a longer pause.",
         why="The words \"at least\" allow 16 µs, but the sign \">\" does not.",
@@ -2697,6 +2750,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="rs485_reply_time",
+        title="The reply time over RS-485 is missing",
         printed="The manual describes requests and replies, but not the time between them",
         used="The generated files have no reply time and no time-out. The master chooses its time-out.",
         why=(
@@ -2711,6 +2765,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_2_1",
+        title="Before edition 1.2, difference 1",
         printed="order_code.parts.output.values.JP.meaning",
         used="RS-485 serial interface",
         why="This revision added the name Panasonic® to the RS-485 interface.",
@@ -2721,6 +2776,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_1_1",
+        title="Before edition 1.1, difference 1",
         printed=(
             "field_groups.alarm_field.fields.encoder_inharmonious_error.implemented, "
             "alarms.encoder_inharmonious_error.implemented"
@@ -2737,6 +2793,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_1_2",
+        title="Before edition 1.1, difference 2",
         printed="field_groups.alarm_field.fields.encoder_inharmonious_error.when_active",
         used="encoder inharmonious error",
         why="Only the name of the alarm is known. Its description in manual 1.0 is not known.",
@@ -2747,6 +2804,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_1_3",
+        title="Before edition 1.1, difference 3",
         printed=(
             "field_groups.alarm_field.fields.encoder_inharmonious_error.meaning, "
             "alarms.encoder_inharmonious_error.meaning"
@@ -2763,6 +2821,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_1_4",
+        title="Before edition 1.1, difference 4",
         printed="The cause of \"Encoder inharmonious error\", whether it is kept, and how it is cleared",
         used="not known",
         why="The description of the alarm was removed with the alarm.",

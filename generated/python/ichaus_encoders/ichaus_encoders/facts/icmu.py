@@ -412,6 +412,7 @@ CHARACTERISTICS: Final[tuple[Characteristic, ...]] = ()
 ERRATA: Final[tuple[Erratum, ...]] = (
     Erratum(
         name="id_byte_order",
+        title="The byte order of the identification registers is reversed",
         printed=(
             "The table numbers the bits of MFG_ID, PROFILE_ID, SERIAL and DEV_ID as if the lowest address had the low "
             "byte."
@@ -428,6 +429,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="id_access",
+        title="The access to the identification registers is missing",
         printed=(
             "Figure 47 has r for EDSBANK, PROFILE_ID, SERIAL, DEV_ID and MFG_ID, for protection level RP1. The tables "
             "of these registers have no R, unlike those of STATUS0 and STATUS1."
@@ -450,6 +452,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="crc16_byte_order",
+        title="The byte order of the CRC differs between two revisions",
         printed=(
             "Revision B1 of iC-MU has the low byte of CRC16 at 21h. The data sheet of iC-MU150 has the high byte "
             "there."

@@ -1,0 +1,181 @@
+"""Rules for the contacts of connectors and the wires of cables."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ..document import Path
+from ..problems import DocumentReport, listed, quoted
+from ..schema_files import is_second
+from .walk import Spec, items
+
+#: Contacts without a signal.
+_FREE = re.compile(
+    r"(?:not (?:to be )?(?:connected|used)|unused|reserved|n\.? ?c\.?|do not connect|free|[-–—])", re.IGNORECASE
+)
+#: Signals that several contacts may have: supplies, grounds and shields.
+_SHARED = re.compile(
+    r"(?<![A-Za-z])"
+    r"(?:\d*(?:[.,]\d+)? ?V(?:dc|b|cc|dd|in|s)?|ground|gnd|earth|pe|shield|screen|braid|case|housing|supply)"
+    r"(?![A-Za-z])",
+    re.IGNORECASE,
+)
+_IN_PARENTHESES = re.compile(r"\(([^()]*)\)")
+_SIGNS = {"+": "-", "-": "+"}
+
+
+@dataclass(frozen=True)
+class _Contact:
+    """A contact with a signal."""
+
+    path: Path
+    name: str
+    signal: str
+    only: str
+
+    @property
+    def main_names(self) -> set[str]:
+        """Names of the signal, without those in parentheses."""
+        return set(_names(_IN_PARENTHESES.sub("", self.signal)))
+
+    @property
+    def names(self) -> list[str]:
+        """All names of the signal: ``A``, ``REQ+`` and ``SD+`` of ``A (REQ+ / SD+)``."""
+        inner_names = [name for inner in _IN_PARENTHESES.findall(self.signal) for name in _names(inner)]
+        return [*_names(_IN_PARENTHESES.sub("", self.signal)), *inner_names]
+
+    @property
+    def is_shared(self) -> bool:
+        return _SHARED.search(self.signal) is not None
+
+
+@dataclass(frozen=True)
+class _Connector:
+    """A connector or cable with its contacts that have a signal."""
+
+    path: Path
+    spec: Spec
+    contacts: tuple[_Contact, ...]
+
+    @property
+    def label(self) -> str:
+        return quoted(self.spec["name"])
+
+    def names_in_note(self, signal: str) -> bool:
+        """Return True if the note names a signal, which explains that it is missing."""
+        note, words = _plain(self.spec.get("note", "")), re.escape(_plain(signal))
+        return re.search(rf"(?<![\w/]){words}(?![\w+-])", note) is not None
+
+    def shares_interface(self, other: _Connector) -> bool:
+        interfaces, other_interfaces = self.spec.get("interfaces"), other.spec.get("interfaces")
+        return interfaces is None or other_interfaces is None or not {*interfaces}.isdisjoint(other_interfaces)
+
+
+def signal_twice(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that no two contacts of a connector have the same signal, except supplies, grounds and shields."""
+    for connector in _connectors(spec):
+        earlier_contacts: list[_Contact] = []
+        for contact in connector.contacts:
+            if contact.is_shared:
+                continue
+            same_signal = next((earlier for earlier in earlier_contacts if _has_signal_of(contact, earlier)), None)
+            earlier_contacts.append(contact)
+            if same_signal is not None:
+                message = (
+                    f"contact {quoted(same_signal.name)} has this signal too; correct one of the two, or give each its"
+                    " order codes with 'only'"
+                )
+                report.add("signal-twice", (*contact.path, "signal"), message)
+
+
+def _has_signal_of(contact: _Contact, earlier: _Contact) -> bool:
+    """Return True if two contacts have a signal in common for the same order codes."""
+    if contact.only and earlier.only and contact.only != earlier.only:
+        return False
+    names, earlier_names = ({*map(_plain, {*either.main_names, either.signal})} for either in (contact, earlier))
+    return not names.isdisjoint(earlier_names)
+
+
+def incomplete_pair(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that both lines of a differential pair are on a connector: ``MA +`` and ``MA -``, ``A`` and ``/A``."""
+    if is_second(report.document.file):
+        return
+    for connector in _connectors(spec):
+        names = {name.casefold() for contact in connector.contacts for name in contact.names}
+        has_inverted = any(name.startswith("/") for name in names)
+        for contact in connector.contacts:
+            for name in contact.names:
+                partner = _partner(name, has_inverted)
+                if partner and partner.casefold() not in names and not connector.names_in_note(partner):
+                    message = (
+                        f"{quoted(name)} is here, but {quoted(partner)} is not on {connector.label}; add it, or say in"
+                        f" the 'note' of {connector.label} why {partner} is missing"
+                    )
+                    report.add("incomplete-pair", (*contact.path, "signal"), message)
+
+
+def connector_and_cable(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that a connector and a cable for the same interface have the same signals, or a note on missing ones."""
+    if is_second(report.document.file):
+        return
+    connectors = _connectors(spec)
+    for cable in (candidate for candidate in connectors if candidate.spec["kind"] == "cable"):
+        for connector in (candidate for candidate in connectors if candidate.spec["kind"] == "connector"):
+            if cable.shares_interface(connector):
+                _report_missing_signals(cable, connector, report)
+                _report_missing_signals(connector, cable, report)
+
+
+def _report_missing_signals(incomplete: _Connector, complete: _Connector, report: DocumentReport) -> None:
+    """Report the signals of one connector or cable that another lacks without a note."""
+    signals = {_plain(contact.signal) for contact in incomplete.contacts}
+    missing_signals = [contact.signal for contact in complete.contacts if _plain(contact.signal) not in signals]
+    unexplained = [signal for signal in dict.fromkeys(missing_signals) if not incomplete.names_in_note(signal)]
+    if unexplained:
+        lacking = f"{incomplete.label} lacks {listed(map(quoted, unexplained))}, which {complete.label} has"
+        message = f"{lacking}; correct one of the two, or name what is missing in the 'note' of {incomplete.label}"
+        report.add("missing-signal", (*incomplete.path, "contacts"), message, at_key=True)
+
+
+def _connectors(spec: Spec) -> list[_Connector]:
+    """Return the connectors and cables, without the contacts that have no signal."""
+    connectors = []
+    for path, connector in items(spec, "connectors"):
+        contacts = [
+            _Contact((*path, *contact_path), contact["contact"], contact["signal"], contact.get("only", ""))
+            for contact_path, contact in items(connector, "contacts")
+            if not _FREE.fullmatch(contact["signal"].strip())
+        ]
+        connectors.append(_Connector(path, connector, tuple(contacts)))
+    return connectors
+
+
+def _plain(signal: str) -> str:
+    """Return a signal as it is compared: in lower case, without spaces before signs, and with plain minus signs."""
+    return _close_signs(signal).casefold()
+
+
+def _close_signs(signal: str) -> str:
+    """Return a signal with plain minus signs, and without spaces before signs."""
+    return re.sub(r"\s+(?=[+-])", "", " ".join(signal.replace("−", "-").split()))
+
+
+def _names(text: str) -> Iterator[str]:
+    """Yield the names that a text lists, such as ``MA+`` and ``Clock IN+``."""
+    for name in re.split(r"\s/\s", _close_signs(text)):
+        if name.strip():
+            yield name.strip()
+
+
+def _partner(name: str, has_inverted: bool) -> str:
+    """Return the name of the other line of a differential pair, or an empty string.
+
+    A single letter is the plain line of a pair if the connector has an inverted line.
+    """
+    if len(name) > 1 and name[-1] in _SIGNS:
+        return name[:-1] + _SIGNS[name[-1]]
+    if name.startswith("/"):
+        return name[1:]
+    return f"/{name}" if has_inverted and re.fullmatch("[A-Za-z]", name) else ""

@@ -1,0 +1,153 @@
+"""Rules for sentences about facts that are also data: thresholds, active levels, latches, named values and wires."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+from ..document import Path
+from ..problems import DocumentReport, quoted
+from .walk import Spec, field_lists, items, mapping
+
+#: Words of which one value cannot have both: in its name and in its meaning.
+_OPPOSITES = (
+    ("gray", "binary"),
+    ("enable", "disable"),
+    ("enabled", "disabled"),
+    ("clockwise", "counterclockwise"),
+    ("cw", "ccw"),
+    ("open", "closed"),
+    ("on", "off"),
+    ("high", "low"),
+    ("up", "down"),
+)
+_OPPOSITE_OF = {word: other for pair in _OPPOSITES for word, other in (pair, pair[::-1])}
+_VOLTAGE = re.compile(r"\b(above|over|exceeds|below|under) (\d+(?:\.\d+)?) ?(m?)V\b")
+_ABOVE = frozenset(("above", "over", "exceeds"))
+#: A sentence that gives the level of an active bit: "0 means an error", "active if it is 1", "it is active at 0".
+_LEVEL = re.compile(r"\bactive (?:at|if it is|when it is|while it is|=) ?([01])\b", re.IGNORECASE)
+_CLEARS_ITSELF = re.compile(
+    r"\b(?:clears (?:by )?itself|cleared automatically|returns to 0 by itself|not latched|is not stored)\b",
+    re.IGNORECASE,
+)
+_STAYS = re.compile(
+    r"\b(?:is latched|remains active until it is reset|stays active until it is reset)\b", re.IGNORECASE
+)
+#: Two wires named together, as in "white and blue wires".
+_WIRES = re.compile(r"\b([A-Za-z]+(?:[-/_][A-Za-z]+)?) and ([A-Za-z]+(?:[-/_][A-Za-z]+)?) wires\b")
+_VOLTAGES = re.compile(r"(?<![A-Za-z])[+-]?\d*(?:[.,]\d+)? ?V", re.IGNORECASE)
+_TEXTS = ("meaning", "note", "remedy", "detected", "precondition", "result", "when_active", "when_inactive")
+
+
+def threshold_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that the texts of an alarm below a voltage do not say that it is raised above it, and the reverse."""
+    for path, alarm in items(spec, "alarms"):
+        limit = alarm.get("below_mv")
+        for key, text in _texts_of(alarm):
+            for word, number, milli in _VOLTAGE.findall(text) if limit is not None else ():
+                millivolts = float(number) * (1 if milli else 1000)
+                if word in _ABOVE and millivolts == limit:
+                    message = (
+                        f"the text says {quoted(word)}, but the alarm has 'below_mv: {limit}'; correct one of the two"
+                    )
+                    report.add("words-contradict", (*path, key), message)
+
+
+def latch_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that the texts of an alarm agree with 'latch'."""
+    for path, alarm in items(spec, "alarms"):
+        latch = alarm.get("latch")
+        for key, text in _texts_of(alarm):
+            contradiction = _CLEARS_ITSELF.search(text) if latch else _STAYS.search(text) if latch is False else None
+            if contradiction is not None:
+                word = "true" if latch else "false"
+                message = f"the text says {quoted(contradiction[0])}, but 'latch' is {word}; correct one of the two"
+                report.add("words-contradict", (*path, key), message)
+
+
+def level_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that the texts of a flag agree with its active level."""
+    levels = {"low": "0", "high": "1"}
+    for fields in field_lists(spec):
+        for path, field in fields:
+            level = levels.get(field.get("active", ""))
+            for key, text in _texts_of(field) if level is not None else ():
+                wrong_levels = [stated for stated in _LEVEL.findall(text) if stated != level]
+                if wrong_levels:
+                    message = (
+                        f"the text says that it is active at {wrong_levels[0]}, but 'active: {field['active']}' means"
+                        f" {level}; correct one of the two"
+                    )
+                    report.add("words-contradict", (*path, key), message)
+
+
+def name_and_meaning(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that the meaning of a value does not have the opposite of a word in its name, as in binary: Gray code."""
+    for fields in field_lists(spec):
+        for path, field in fields:
+            for name, value in mapping(field, "values").items():
+                place = (*path, "values", name, "meaning")
+                for word, opposite in _contradictions(name, value.get("meaning", "")):
+                    message = f"{quoted(name)} has a meaning with {quoted(opposite)} and without {quoted(word)}"
+                    report.add("words-contradict", place, f"{message}; correct one of the two")
+
+
+def _contradictions(name: str, meaning: str) -> Iterator[tuple[str, str]]:
+    """Yield each word of a name with its opposite, if only the opposite is in the meaning."""
+    plain_name = name.replace("counter_clockwise", "counterclockwise")
+    plain_meaning = re.sub(r"counter-?clockwise", "counterclockwise", meaning.casefold())
+    meaning_words = set(re.findall(r"[a-z]+", plain_meaning))
+    for word in plain_name.split("_"):
+        opposite = _OPPOSITE_OF.get(word, "")
+        if opposite in meaning_words and word not in meaning_words:
+            yield word, opposite
+
+
+def wires_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that two wires named together exist, and are both of a supply or of a pair, as the tables of cables say."""
+    signals = _signals_by_wire(spec)
+    for path, text in _all_texts(spec) if signals else ():
+        for first_wire, second_wire in _WIRES.findall(text):
+            if first_wire.casefold() not in signals or second_wire.casefold() not in signals:
+                continue
+            first_signals, second_signals = signals[first_wire.casefold()], signals[second_wire.casefold()]
+            if not any(_belong_together(first, second) for first in first_signals for second in second_signals):
+                first, second = min(first_signals), min(second_signals)
+                message = (
+                    f"the text names the {first_wire} and {second_wire} wires together, but they carry"
+                    f" {quoted(first)} and {quoted(second)}; correct one of the two"
+                )
+                report.add("words-contradict", path, message)
+
+
+def _signals_by_wire(spec: Spec) -> dict[str, set[str]]:
+    """Return the signals of each wire colour, in lower case, in all cables."""
+    signals: dict[str, set[str]] = {}
+    for _, cable in items(spec, "connectors"):
+        for contact in cable["contacts"] if cable["kind"] == "cable" else ():
+            signals.setdefault(contact["contact"].casefold(), set()).add(contact["signal"])
+    return signals
+
+
+def _belong_together(first: str, second: str) -> bool:
+    """Return True for two supply lines, two unused wires, or the lines of a differential pair."""
+    if _VOLTAGES.search(first) and _VOLTAGES.search(second):
+        return True
+    plain_first, plain_second = (re.sub(r"[^a-z0-9]", "", signal.casefold()) for signal in (first, second))
+    return plain_first == plain_second
+
+
+def _all_texts(spec: Spec) -> Iterator[tuple[Path, str]]:
+    """Yield the texts of the parts that describe work by hand and hardware."""
+    for section, keys in (("procedures", _TEXTS), ("characteristics", ("value", "note")), ("alarms", _TEXTS)):
+        for path, part in items(spec, section):
+            for key in keys:
+                if isinstance(part.get(key), str):
+                    yield (*path, key), part[key]
+
+
+def _texts_of(part: Spec) -> Iterator[tuple[str, str]]:
+    """Yield the keys and texts of a part."""
+    for key in _TEXTS:
+        if isinstance(part.get(key), str):
+            yield key, part[key]
