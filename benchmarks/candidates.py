@@ -215,17 +215,15 @@ static const uint8_t covered[] = {{ {_list(covered(frame))} }};""",
 
 def ours(frame: Frame) -> Iterator[Candidate]:
     """Yield our decoders: with the order code fixed at compile time, chosen at run time, and with a CRC table."""
-    arguments, parameters = ("word", _arguments(frame)) if frame.is_word else ("bytes, length", _arguments(frame))
-    passed = arguments if frame.is_word else "bytes, sizeof bytes"
+    parameters, passed = _arguments(frame), "word" if frame.is_word else "bytes, sizeof bytes"
     forms = {"ours, order code fixed": ""}
     if frame.is_word:
         forms["ours, fixed, table"] = f"#ifndef {frame.maker}_CRC_TABLE\n#define {frame.maker}_CRC_TABLE\n#endif\n"
     for name, macro in forms.items():
         head = f'{macro}#include "{frame.header}"\ncw_result decode_ours({parameters}, {frame.struct} *out);\n'
-        body = f"""static const {frame.variant_type} *const encoder = &{frame.variant};
-cw_result decode_ours({parameters}, {frame.struct} *out)
+        body = f"""cw_result decode_ours({parameters}, {frame.struct} *out)
 {{
-    return {frame.decoder}(encoder, {arguments}, out);
+    return {frame.decoder}({frame.variant}, {_received(frame, frame.variant)}, out);
 }}
 """
         yield Candidate(
@@ -240,7 +238,7 @@ cw_result decode_ours({parameters}, {frame.struct} *out)
     head = f'#include "{frame.header}"\n{signature};\n'
     body = f"""{signature}
 {{
-    return {frame.decoder}(variant, {arguments}, out);
+    return {frame.decoder}(*variant, {_received(frame, "*variant")}, out);
 }}
 """
     yield Candidate(
@@ -251,6 +249,12 @@ cw_result decode_ours({parameters}, {frame.struct} *out)
         f"decode_ours(encoder, {passed}, &out)",
         frame.good,
     )
+
+
+def _received(frame: Frame, variant: str) -> str:
+    """Return the argument with the frame, as a master gives it: a number, and its length from the order code."""
+    bits = frame.decoder.replace("_decode", "_bits")
+    return f"cw_word_of(word, {bits}({variant}))" if frame.is_word else "bytes, length"
 
 
 def covered(frame: Frame) -> bytes:

@@ -25,8 +25,8 @@
 #include "tolvarn/tv62_biss_registers.h"
 #include "tolvarn/tv62_biss_simulate.h"
 
-static const lika_amm5_biss *const amm5 = &LIKA_AMM5_BISS_A21_1SC1;
-static const tolvarn_tv62_biss *const tv62 = &TOLVARN_TV62_BISS_M17_B1;
+#define amm5 LIKA_AMM5_BISS_A21_1SC1
+#define tv62 TOLVARN_TV62_BISS_M17_B1
 
 /* IDs in the chain: ID 0 is the slave farthest from the master. */
 #define AMM5_ID 0U

@@ -247,7 +247,7 @@ def test_a_constant_variant_costs_nothing(include: Path, tmp_path: Path) -> None
     """If the order code is chosen at compile time, neither a variant nor a call remains in the object."""
     require(["objdump"])
     code = """#include "lika/amm5_biss.h"
-static const lika_amm5_biss *const encoder = &LIKA_AMM5_BISS_A21_65KSC1;
+#define encoder LIKA_AMM5_BISS_A21_65KSC1
 uint64_t position(uint64_t word);
 uint64_t position(uint64_t word)
 {
@@ -401,7 +401,7 @@ _CONSTANTS_C = """#include "lika/amm5_biss.h"
 int main(void)
 {
     static const lika_amm5_biss *const variants[3] = {
-        &LIKA_AMM5_BISS_A17_65KSC1, &LIKA_AMM5_BISS_A21_65KSC1, &LIKA_AMM5_BISS_B23_1SC1
+        LIKA_AMM5_BISS_A17_65KSC1, LIKA_AMM5_BISS_A21_65KSC1, LIKA_AMM5_BISS_B23_1SC1
     };
     static const uint8_t id[6] = { 0x41, 0x4D, 0x4D, 0x35, 0x01, 0x02 };
     static const uint8_t other[6] = { 0x41, 0x4D, 0x4D, 0x36, 0x01, 0x02 };
@@ -468,7 +468,7 @@ def test_another_encoder_id_is_decoded_and_not_as_expected(include: Path, tmp_pa
 #include <stdio.h>
 int main(void)
 {
-    static const lika_amm5_rs485 *const encoder = &LIKA_AMM5_RS485_A23_65KJP1;
+    const lika_amm5_rs485 encoder = LIKA_AMM5_RS485_A23_65KJP1;
     static uint8_t other[11] = { 0x1A, 0x00, 0xA5, 0xA5, 0x00, 0x17, 0x88, 0x88, 0x00, 0x00, 0x0D };
     static const uint8_t alone[4] = { 0x92, 0x00, 0x23, 0xB1 };
     lika_amm5_rs485_complete_reply reply;

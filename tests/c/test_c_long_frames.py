@@ -80,11 +80,11 @@ CASE = """        if ((code[0] == '{first}') && (code[1] == '{second}')) {{
             result = {upper}_RECEIVE({code}, rx, bytes);
             printf("%d", (int)result);
             if (result == CW_OK) {{
-                result = {name}_decode(&{stem}, bytes, sizeof(bytes), &frame);
+                result = {name}_decode({stem}, bytes, sizeof(bytes), &frame);
                 printf(" %d", (int)result);
             }}
             if (result == CW_OK) {{
-                const cw_verdict verdict = {name}_position(&{stem}, bytes, sizeof(bytes), &position);
+                const cw_verdict verdict = {name}_position({stem}, bytes, sizeof(bytes), &position);
                 printf(" %d %llu {forms}", (int)verdict, (unsigned long long)position, {members});
             }}
             printf("\\n");

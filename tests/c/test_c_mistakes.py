@@ -22,7 +22,7 @@ COMPILERS = (
 RIGHT = "LIKA_AMM5_BISS_RECEIVE(A17_1SC1, rx, &word) == CW_OK && lika_amm5_biss_decode(amm5, word, &frame) == CW_OK"
 #: An expression for each mistake.
 MISTAKES = {
-    "order code of another interface": "lika_amm5_biss_decode(&LIKA_AMM5_RS485_A21_65KJP1, word, &frame) == CW_OK",
+    "order code of another interface": "lika_amm5_biss_decode(LIKA_AMM5_RS485_A21_65KJP1, word, &frame) == CW_OK",
     "order code of another encoder": "lika_asc85_biss_decode(amm5, my_zero_bit, word, &other) == CW_OK",
     "buffer of one order code with the bits of another": "LIKA_AMM5_BISS_RECEIVE(A23_65KSC1, rx, &word) == CW_OK",
     # On a 32-bit processor the pointer has the size of this buffer.
@@ -44,7 +44,7 @@ static int copied(uint64_t word)
 int read_encoder(uint64_t word)
 {
     static uint8_t rx[LIKA_AMM5_BISS_A17_1SC1_RX_BYTES];
-    static const lika_amm5_biss *const amm5 = &LIKA_AMM5_BISS_A17_1SC1;
+    const lika_amm5_biss amm5 = LIKA_AMM5_BISS_A17_1SC1;
     const lika_asc85_biss_zero_bit my_zero_bit = LIKA_ASC85_BISS_ZERO_BIT_AS_PRINTED;
     uint64_t position = 0U;
     lika_amm5_biss_frame frame;

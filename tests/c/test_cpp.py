@@ -55,7 +55,7 @@ static_assert(!faulty && faulty.error == codewheel::fault::none && faulty.positi
 // 123 counts are 6.15 mm, SMA21 5.2; in Gray code 123 is 70. The error bit 1 is inactive.
 constexpr auto length = lika::sma21_ssi::position(LIKA_SMA21_SSI_GG1_0050, 70 << 1 | 1);
 static_assert(length && length.position == 123);
-static_assert(lika_sma21_ssi_micrometres(&LIKA_SMA21_SSI_GG1_0050, length.position) == 6150);
+static_assert(lika_sma21_ssi_micrometres(LIKA_SMA21_SSI_GG1_0050, length.position) == 6150);
 """
 
 #: Errors, each found at compile time.

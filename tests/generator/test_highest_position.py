@@ -51,11 +51,11 @@ int main(void) {
     test_ring_biss_frame frame;
     uint64_t made = 0;
     for (int place = 0; place < 4; ++place) {
-        printf("%d ", test_ring_biss_decode(&TEST_RING_BISS_R5760, words[place], &frame) == CW_FAULT_RANGE);
+        printf("%d ", test_ring_biss_decode(TEST_RING_BISS_R5760, words[place], &frame) == CW_FAULT_RANGE);
     }
-    printf("%d ", test_ring_biss_decode(&TEST_RING_BISS_R5760, words[1], &frame) == CW_OK);
+    printf("%d ", test_ring_biss_decode(TEST_RING_BISS_R5760, words[1], &frame) == CW_OK);
     frame.position = 5760U;
-    printf("%d", test_ring_biss_encode(&TEST_RING_BISS_R5760, &frame, &made) == CW_FAULT_RANGE);
+    printf("%d", test_ring_biss_encode(TEST_RING_BISS_R5760, &frame, &made) == CW_FAULT_RANGE);
     return 0;
 }
 """
@@ -229,7 +229,7 @@ def test_a_product_that_depends_on_the_order_code(formula: str, tmp_path: Path) 
     lines = []
     for code, _, frames in cases:
         for frame, is_valid in frames.items():
-            call = f"test_ring_turns_biss_decode(&TEST_RING_TURNS_BISS_{code.upper()}, {frame}U, &frame)"
+            call = f"test_ring_turns_biss_decode(TEST_RING_TURNS_BISS_{code.upper()}, {frame}U, &frame)"
             lines.append(f"    ok &= ({call} == {'CW_OK' if is_valid else 'CW_FAULT_RANGE'});")
     assert run_c(tmp_path, RINGS_IN_C % "\n".join(lines)) == "1"
 

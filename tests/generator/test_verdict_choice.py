@@ -172,7 +172,7 @@ int main(void)
         variant.low_battery_only = answer;
         for (place = 0U; place < sizeof(words) / sizeof(*words); ++place) {
             uint64_t position = 5U;
-            const cw_verdict verdict = lika_amm5_biss_position(&variant, words[place], &position);
+            const cw_verdict verdict = lika_amm5_biss_position(variant, words[place], &position);
             printf("%d %d\\n", (int)verdict, (int)position);
         }
     }

@@ -107,6 +107,10 @@ class Header:
 
     def _value(self, type_: str, argument: str, local: str) -> str:
         """Return the declaration of an argument that is passed by value."""
+        if type_ == self.prefix:
+            return f"const {type_} {local} = *variant;"
+        if type_ == "cw_word":
+            return f"const {type_} {local} = {{ take(8U), (uint32_t)take(1U) }};"
         number = self._number(type_)
         if (type_, argument) == ("int64_t", "position"):
             number = "(int64_t)take(7U) - INT64_C(0x80000000000000)"

@@ -138,6 +138,8 @@ class _Arguments:
                 self.passed.append(local)
             elif kind.endswith("*"):
                 self._pointer(plain, kind, local)
+            elif proof.device is not None and kind == proof.prefix:
+                self.passed.append("variant")
             else:
                 self.lines.append(f"{kind} {local}{' = nondet_bool()' if kind == 'bool' else ''};")
                 if (kind, name) == ("int64_t", "position"):

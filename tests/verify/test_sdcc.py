@@ -45,11 +45,11 @@ void main(void)
     uint8_t *at = results;
     uint8_t index;
     for (index = 0U; index < @count@U; index++) {
-        uint64_t word = 0U;
+        cw_sized_word word = { 0U, @bits@U };
         uint64_t position = 0U;
         uint8_t byte;
-        at[0] = (uint8_t)cw_biss_receive(buffers[index], @size@U, @bits@U, &word);
-        at[1] = (uint8_t)lika_amm5_biss_position(&LIKA_AMM5_BISS_A21_65KSC1, word, &position);
+        at[0] = (uint8_t)cw_biss_receive(buffers[index], @size@U, @bits@U, &word.value);
+        at[1] = (uint8_t)lika_amm5_biss_position(&LIKA_AMM5_BISS_A21_65KSC1, &word, &position);
         for (byte = 2U; byte < 10U; byte++) {
             at[byte] = (uint8_t)position;
             position >>= 8U;

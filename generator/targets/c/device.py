@@ -10,7 +10,7 @@ from functools import cached_property, partial
 from itertools import chain
 from typing import Protocol, TypeVar
 
-from ...model import Crc, Device, Document, Layout, Parameter, Procedure, Register, Ssi
+from ...model import Crc, Device, Document, Layout, Parameter, Procedure, Register, Ssi, first_of
 from ...model.record import dataclass
 from ...order_codes.reduction import for_codes
 from ...plan.crcs import Carrier, CrcFunction, Form, carrier_of, crc_functions, reflect, table, word_table
@@ -29,6 +29,7 @@ from .decode import RangeFunctions, positions
 from .interfaces import InterfaceCode, ReplyRequest
 from .names import Declared, Names, c_name, unsigned
 from .procedures import ProcedureCode
+from .reading import ReadCode
 from .registers import AlarmCode, RegisterCode, identity_codes, state_registers
 from .variants import LengthCode, Taker, VariantCode
 
@@ -164,6 +165,9 @@ class DeviceView:
         self.crcs = [crc for crc in crcs if crc.is_called or crc.table]
         codes = {code.register.name: code for code in self.registers}
         self.takers = [Taker(context, group, codes[group.register.name].access) for group in held_parameters(device)]
+        usage = self.usage
+        twice = usage is not None and usage.twice
+        self.reading = ReadCode(context, usage.frame if usage is not None else None, self.lengths, twice=twice)
         self.initial = initial(device)
         self.read_state = f"{self.prefix}_read_state" if state_registers(device) else ""
         self.identities = list(identity_codes(context, codes))
@@ -236,7 +240,7 @@ class DeviceView:
             self.crcs,
             [self.reports],
             self.alternatives,
-            [self.interface, self.lengths],
+            [self.interface, self.lengths, self.reading],
             [self.positions] if self.positions is not None else (),
             self.registers,
             self.takers,
@@ -283,6 +287,17 @@ class DeviceView:
         """Return the other documents that ``text`` cites."""
         cited_documents = (document for document in self.device.documents if _cites(text, document.key))
         return [(f"  {document.key}: ", _title_and_url(document)) for document in cited_documents]
+
+    @property
+    def takes_spi_words(self) -> bool:
+        """True if words come from the bytes of SPI as they are."""
+        return any(codec.receiver == "cw_spi_load" for codec in self.interface.codecs)
+
+    @property
+    def received_codec(self) -> StructCodec:
+        """The frame whose lengths the header has, if it is the only one."""
+        codecs = (codec for codec in self.interface.codecs if codec.struct.layout.name in self.lengths.layouts)
+        return first_of(codecs, f"frame received over {self.context.interface.title}")
 
     def modulus(self, encoder: str, layout: Layout | None = None) -> str:
         """Return the counts after which the position in a frame wraps around, as C, 0 if it does not or may not.

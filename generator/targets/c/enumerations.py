@@ -109,7 +109,9 @@ def _note(value: Value) -> str:
 
 
 #: Names of the other arguments and locals in the functions of a frame.
-_TAKEN = frozenset(("bytes", "crc", "flags", "in", "length", "out", "plain", "unused", "variant", "word"))
+_TAKEN = frozenset(
+    "bits bytes code crc flags frame in length out plain position received rx unused value variant verdict word".split()
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -329,7 +331,7 @@ def _report_note(device: Device, report: Report) -> str:
 
 def _holds(only: Only) -> Expr:
     """Return the condition on a parameter of the order code."""
-    return Operation("!=" if only.holds else "==", (Name(f"variant->{c_name(only.parameter)}"), Number(0)))
+    return Operation("!=" if only.holds else "==", (Name(f"CW_OF(variant).{c_name(only.parameter)}"), Number(0)))
 
 
 def _inactive(part: Part) -> Expr:

@@ -351,7 +351,7 @@ class Scope:
         if parameter in self.answers:
             return Call(f"{self.prefix}_{parameter}", (Name(self.answers[parameter]),))
         if parameter in self.largest:
-            return Name(f"variant->{c_name(parameter)}")
+            return Name(f"CW_OF(variant).{c_name(parameter)}")
         return Call(f"{self.prefix}_{parameter}", (Name("variant"),))
 
     def mask(self, width: Expression) -> Expr:
