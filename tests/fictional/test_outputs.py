@@ -161,6 +161,7 @@ PROGRAM = r"""
 #define CHECK(condition) \
     do { if (!(condition)) { printf("line %d: %s\n", __LINE__, #condition); failures++; } } while (0)
 
+#define WORD(value) cw_word_of(value, tolvarn_tv62_biss_position_data_bits(TOLVARN_TV62_BISS_M17_B1))
 int main(void)
 {
     static const tolvarn_tv62_ssi m13 = TOLVARN_TV62_SSI_M13_S1;
@@ -195,11 +196,11 @@ int main(void)
     CHECK(tolvarn_tv62_ssi_encode(m13, &word, &raw) == CW_OK && raw == 0x01FFFC18U);
     CHECK(tolvarn_tv62_ssi_decode(s17, 0x80001234U, &word) == CW_OK && word.position == 4660 && word.alarm);
     CHECK(tolvarn_tv62_ssi_decode(m13, 0x7FFFFC18U, &word) == CW_FAULT_CONSTANT);
-    CHECK(tolvarn_tv62_biss_position_data_decode(m17, UINT64_C(0x9A4FF98E54587), &position) == CW_OK);
+    CHECK(tolvarn_tv62_biss_position_data_decode(m17, WORD(UINT64_C(0x9A4FF98E54587)), &position) == CW_OK);
     CHECK(position.multiturn == 1234U && position.singleturn == 65432U);
     CHECK(!position.error && !position.warning && position.life_counter == 37U);
     CHECK(tolvarn_tv62_biss_position_data_encode(m17, &position, &raw) == CW_OK && raw == UINT64_C(0x9A4FF98E54587));
-    CHECK(tolvarn_tv62_biss_position_data_decode(m17, UINT64_C(0x9A4FF98E54586), &position) == CW_FAULT_CRC);
+    CHECK(tolvarn_tv62_biss_position_data_decode(m17, WORD(UINT64_C(0x9A4FF98E54586)), &position) == CW_FAULT_CRC);
     CHECK(tolvarn_tv62_biss_temperature_data_decode(m17, 0x1D65U, &temperature) == CW_OK);
     CHECK(temperature.temperature == 235);
     CHECK(tolvarn_tv62_biss_temperature_data_decode(m17, 0x1FED51U, &temperature) == CW_OK);

@@ -76,7 +76,7 @@ def test_c_decodes_both_lengths(outputs: Path, tmp_path: Path) -> None:
     for at, (code, word) in enumerate(WORDS.items(), 1):
         table = f"RLS_ORBIS_SPI_{code.removeprefix('Orbis-')}"
         checks += (
-            f"    if ((rls_orbis_spi_decode({table}, UINT64_C(0x{word.hex()}),"
+            f"    if ((rls_orbis_spi_decode({table}, cw_word_of(UINT64_C(0x{word.hex()}), {8 * len(word)}U),"
             f" &frame) != CW_OK) || (frame.position != 0x{POSITION:X}U)) return {at};\n"
         )
     source.write_text(

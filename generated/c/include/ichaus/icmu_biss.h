@@ -366,6 +366,7 @@ static inline cw_result ichaus_icmu_biss_decode(
     return CW_OK;
 }
 
+#if !defined(__SDCC) /**< it would repeat the code of all receivers */
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
@@ -382,6 +383,7 @@ static inline cw_result ichaus_icmu_biss_receive(
     }
     return result;
 }
+#endif
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD

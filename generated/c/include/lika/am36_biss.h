@@ -417,6 +417,7 @@ static inline bool lika_am36_biss_is_expected(
     return in->unused == 0U;
 }
 
+#if !defined(__SDCC) /**< it would repeat the code of all receivers */
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
@@ -433,6 +434,7 @@ static inline cw_result lika_am36_biss_receive(
     }
     return result;
 }
+#endif
 
 /** Return the verdict of the most severe active report, or CW_UNKNOWN if none is active. */
 CW_NODISCARD
@@ -468,6 +470,7 @@ static inline cw_verdict lika_am36_biss_position(
     return verdict;
 }
 
+#if !defined(__SDCC) /**< take the steps instead */
 /**
  * Extract a frame from a buffer, decode it, and store its position if it may be used.
  *
@@ -485,6 +488,7 @@ static inline cw_verdict lika_am36_biss_read(
     }
     return lika_am36_biss_position(variant, CW_PASS(word), position);
 }
+#endif
 
 /** Return the active reports, as a mask of LIKA_AM36_BISS_REPORT_ bits. */
 CW_CONSTEXPR

@@ -282,6 +282,7 @@ static inline cw_result lika_am36_ssi_decode(
     return CW_OK;
 }
 
+#if !defined(__SDCC) /**< it would repeat the code of all receivers */
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
@@ -298,6 +299,7 @@ static inline cw_result lika_am36_ssi_receive(
     }
     return result;
 }
+#endif
 
 /** Return the verdict on the position, always CW_UNKNOWN, since no bit of the frame changes it. */
 CW_NODISCARD
@@ -331,6 +333,7 @@ static inline cw_verdict lika_am36_ssi_position(
     return verdict;
 }
 
+#if !defined(__SDCC) /**< take the steps instead */
 /**
  * Extract a frame from a buffer, decode it, and store its position if it may be used.
  *
@@ -348,6 +351,7 @@ static inline cw_verdict lika_am36_ssi_read(
     }
     return lika_am36_ssi_position(variant, CW_PASS(word), position);
 }
+#endif
 
 /**
  * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,

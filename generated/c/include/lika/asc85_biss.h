@@ -406,6 +406,7 @@ static inline cw_result lika_asc85_biss_decode(
     return CW_OK;
 }
 
+#if !defined(__SDCC) /**< it would repeat the code of all receivers */
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
@@ -423,6 +424,7 @@ static inline cw_result lika_asc85_biss_receive(
     }
     return result;
 }
+#endif
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
@@ -461,6 +463,7 @@ static inline cw_verdict lika_asc85_biss_position(
     return verdict;
 }
 
+#if !defined(__SDCC) /**< take the steps instead */
 /**
  * Extract a frame from a buffer, decode it, and store its position if it may be used.
  *
@@ -479,6 +482,7 @@ static inline cw_verdict lika_asc85_biss_read(
     }
     return lika_asc85_biss_position(variant, zero_bit, CW_PASS(word), position);
 }
+#endif
 
 /** Return the active reports, as a mask of LIKA_ASC85_BISS_REPORT_ bits. */
 CW_CONSTEXPR

@@ -277,6 +277,7 @@ static inline cw_result lika_asc85_ssi_decode(
     return CW_OK;
 }
 
+#if !defined(__SDCC) /**< it would repeat the code of all receivers */
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
@@ -293,6 +294,7 @@ static inline cw_result lika_asc85_ssi_receive(
     }
     return result;
 }
+#endif
 
 /** Return the verdict on the position, always CW_UNKNOWN, since no bit of the frame changes it. */
 CW_NODISCARD
@@ -326,6 +328,7 @@ static inline cw_verdict lika_asc85_ssi_position(
     return verdict;
 }
 
+#if !defined(__SDCC) /**< take the steps instead */
 /**
  * Extract a frame from a buffer, decode it, and store its position if it may be used.
  *
@@ -343,6 +346,7 @@ static inline cw_verdict lika_asc85_ssi_read(
     }
     return lika_asc85_ssi_position(variant, CW_PASS(word), position);
 }
+#endif
 
 /**
  * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,

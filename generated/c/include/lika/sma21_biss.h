@@ -424,6 +424,7 @@ static inline cw_result lika_sma21_biss_decode(
     return CW_OK;
 }
 
+#if !defined(__SDCC) /**< it would repeat the code of all receivers */
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
@@ -440,6 +441,7 @@ static inline cw_result lika_sma21_biss_receive(
     }
     return result;
 }
+#endif
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
@@ -478,6 +480,7 @@ static inline cw_verdict lika_sma21_biss_position(
     return verdict;
 }
 
+#if !defined(__SDCC) /**< take the steps instead */
 /**
  * Extract a frame from a buffer, decode it, and store its position if it may be used.
  *
@@ -495,6 +498,7 @@ static inline cw_verdict lika_sma21_biss_read(
     }
     return lika_sma21_biss_position(variant, CW_PASS(word), position);
 }
+#endif
 
 /** Return the active reports, as a mask of LIKA_SMA21_BISS_REPORT_ bits. */
 CW_CONSTEXPR

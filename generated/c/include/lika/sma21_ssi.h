@@ -322,6 +322,7 @@ static inline cw_result lika_sma21_ssi_decode(
     return CW_OK;
 }
 
+#if !defined(__SDCC) /**< it would repeat the code of all receivers */
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
@@ -338,6 +339,7 @@ static inline cw_result lika_sma21_ssi_receive(
     }
     return result;
 }
+#endif
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
@@ -373,6 +375,7 @@ static inline cw_verdict lika_sma21_ssi_position(
     return verdict;
 }
 
+#if !defined(__SDCC) /**< take the steps instead */
 /**
  * Extract a frame from a buffer, decode it, and store its position if it may be used.
  *
@@ -390,6 +393,7 @@ static inline cw_verdict lika_sma21_ssi_read(
     }
     return lika_sma21_ssi_position(variant, CW_PASS(word), position);
 }
+#endif
 
 /** Return the active reports, as a mask of LIKA_SMA21_SSI_REPORT_ bits. */
 CW_CONSTEXPR
