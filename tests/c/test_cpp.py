@@ -25,6 +25,15 @@ WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -We
 PRINTED = """
 #include <array>
 
+constexpr cw_word biss(uint64_t value)
+{
+    return cw_word_of(value, LIKA_SMA21_BISS_SC1_0010_BITS);
+}
+constexpr cw_word ssi(uint64_t value)
+{
+    return cw_word_of(value, LIKA_SMA21_SSI_BG1_0050_BITS);
+}
+
 // T-format request, reply and CRC, AMM5 7.4.2 and 7.6, and a reply that another receiver printed.
 constexpr auto request = lika::amm5_rs485::data_request_encode(
     LIKA_AMM5_RS485_A23_65KJP1, {LIKA_AMM5_RS485_DATA_ID_SINGLETURN});
@@ -46,24 +55,24 @@ static_assert(lika::sma21_rs485::position_reply_verdict(LIKA_SMA21_RS485_JP1_000
               codewheel::verdict::usable);
 
 // Words of 22 bits, timonburkard/BiSS_Bridge: 192458 with CRC 28, and 74565 with an active error and CRC 11.
-constexpr auto captured = lika::sma21_biss::position(LIKA_SMA21_BISS_SC1_0010, cw_word_of((192458ULL << 2 | 3) << 6 | 28, LIKA_SMA21_BISS_SC1_0010_BITS));
+constexpr auto captured = lika::sma21_biss::position(LIKA_SMA21_BISS_SC1_0010, biss((192458ULL << 2 | 3) << 6 | 28));
 static_assert(captured && captured.position == 192458 && captured.verdict == codewheel::verdict::usable);
-constexpr auto faulty = lika::sma21_biss::position(LIKA_SMA21_BISS_SC1_0010, cw_word_of((74565ULL << 2 | 1) << 6 | 11, LIKA_SMA21_BISS_SC1_0010_BITS));
+constexpr auto faulty = lika::sma21_biss::position(LIKA_SMA21_BISS_SC1_0010, biss((74565ULL << 2 | 1) << 6 | 11));
 static_assert(!faulty && faulty.error == codewheel::fault::none && faulty.position == 0);
 
 // 123 counts are 6.15 mm, SMA21 5.2; in Gray code 123 is 70. The error bit 1 is inactive.
-constexpr auto length = lika::sma21_ssi::position(LIKA_SMA21_SSI_GG1_0050, cw_word_of(70 << 1 | 1, LIKA_SMA21_SSI_GG1_0050_BITS));
+constexpr auto length = lika::sma21_ssi::position(LIKA_SMA21_SSI_GG1_0050, ssi(70U << 1 | 1U));
 static_assert(length && length.position == 123);
 static_assert(lika_sma21_ssi_micrometres(LIKA_SMA21_SSI_GG1_0050, length.position) == 6150);
 """
 
 #: Errors, each found at compile time.
 WRONG = """
-constexpr auto disturbed = lika::sma21_biss::decode(LIKA_SMA21_BISS_SC1_0010, cw_word_of((192458ULL << 2 | 3) << 6 | 29, LIKA_SMA21_BISS_SC1_0010_BITS));
+constexpr auto disturbed = lika::sma21_biss::decode(LIKA_SMA21_BISS_SC1_0010, biss((192458ULL << 2 | 3) << 6 | 29));
 static_assert(!disturbed && disturbed.error() == codewheel::fault::crc && disturbed->position == 0);
-constexpr auto rejected = lika::sma21_biss::position(LIKA_SMA21_BISS_SC1_0010, cw_word_of((192458ULL << 2 | 3) << 6 | 29, LIKA_SMA21_BISS_SC1_0010_BITS));
+constexpr auto rejected = lika::sma21_biss::position(LIKA_SMA21_BISS_SC1_0010, biss((192458ULL << 2 | 3) << 6 | 29));
 static_assert(!rejected && rejected.error == codewheel::fault::crc);
-constexpr auto wide = lika::sma21_ssi::decode(LIKA_SMA21_SSI_BG1_0050, cw_word_of(1ULL << 21, LIKA_SMA21_SSI_BG1_0050_BITS));
+constexpr auto wide = lika::sma21_ssi::decode(LIKA_SMA21_SSI_BG1_0050, ssi(1ULL << 21));
 static_assert(wide.error() == codewheel::fault::length);
 static_assert(lika::sma21_rs485::position_reply_decode(LIKA_SMA21_RS485_JP1_0005, {printed, 6}).error() ==
               codewheel::fault::length);
