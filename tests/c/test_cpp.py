@@ -106,6 +106,9 @@ def _assertions_of_layout(table: Table, view: DeviceView, codec: StructCodec, ra
             if codec.plan.in_bytes:
                 listed = ", ".join(f"0x{byte:02X}" for byte in bytes.fromhex(wire))
                 frame = f"codewheel::buffer<{len(wire) // 2}>{{{{{listed}}}}}"
+            elif codec.word_has_length:
+                taken = "".join(f", {choice.enumeration.entries[0].name}" for choice in codec.length_alternatives)
+                frame = f"cw_word_of({frame}, {codec.name}_bits({row.macro}{taken}))"
             values = zip(numbers, table.row(name, placed, number).split(), strict=True)
             numeric = [(name, value) for name, value in values if not isinstance(kinds.get(name.rstrip("_")), Text)]
             claims = [f"static_cast<int64_t>(f->{name}) == INT64_C({value})" for name, value in numeric]
