@@ -153,7 +153,7 @@ def test_other_forms_of_the_crc_too(option: str, program: str, include: Path, tm
         ("== 7000519", "== 7000520"),
         ("0x6A, 0x5E", "0x6A, 0x5F"),
         ("static_assert(!disturbed", "static_assert(disturbed"),
-        ("LIKA_SMA21_BISS_SC1_0010, (192458ULL", "LIKA_SMA21_SSI_BG1_0010, (192458ULL"),
+        ("LIKA_SMA21_BISS_SC1_0010, biss(", "LIKA_SMA21_SSI_BG1_0010, (192458ULL"),
         ("static_assert(!rejected", "static_assert(rejected"),
     ],
 )
