@@ -180,7 +180,9 @@ def test_the_readme(command: str, include: Path, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("command", COMPILERS[::2])
 def test_a_result_that_is_not_looked_at_is_a_warning(command: str, include: Path, tmp_path: Path) -> None:
-    text = '#include "lika/amm5_biss.hpp"\nvoid f();\nvoid f() { lika::amm5_biss::@(LIKA_AMM5_BISS_A17_1SC1, {0, 25}); }\n'
+    text = (
+        '#include "lika/amm5_biss.hpp"\nvoid f();\nvoid f() { lika::amm5_biss::@(LIKA_AMM5_BISS_A17_1SC1, {0, 25}); }\n'
+    )
     for name in ("decode", "position"):
         status, output = compiled(command, text.replace("@", name), include, tmp_path)
         assert status != 0
