@@ -347,6 +347,11 @@ class StructCodec:
         return "cw_word" if self.word_has_length else "uint64_t"
 
     @property
+    def word_parameter(self) -> str:
+        """The word as a parameter of functions that pass it on to the decoder."""
+        return self.struct.context.passing.parameter("cw_word", "word") if self.word_has_length else "uint64_t word"
+
+    @property
     def about_unused(self) -> str:
         return about_unused(self.struct)
 
