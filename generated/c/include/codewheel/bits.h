@@ -30,31 +30,15 @@
 extern "C" {
 #endif
 
-/*
- * Order codes and words are passed by value, so that one of another interface does not compile.
- * SDCC cannot do this. There, the names of their types stand for pointers.
- */
-#if defined(__SDCC)
-#define CW_OF(argument) (*(argument)) /**< the structure that was passed */
-#define CW_PASS(object) (&(object)) /**< a structure as an argument */
-#else
-#define CW_OF(argument) (argument) /**< the structure that was passed */
-#define CW_PASS(object) (object) /**< a structure as an argument */
-#endif
-
 /* -- words ------------------------------------------------------------------------------------- */
 
 /** A received word with the number of its bits, for decoders of words with several lengths. */
-typedef struct cw_sized_word {
+typedef struct cw_word {
     uint64_t value;  /**< the last bit sent is bit 0, and the bits above the word are 0 */
     uint32_t length; /**< number of bits received */
-} cw_sized_word;
+} cw_word;
 
-#if defined(__SDCC)
-#define cw_word const struct cw_sized_word *
-#else
-typedef cw_sized_word cw_word; /**< such a word as an argument */
-
+#if !defined(__SDCC) /* it cannot return structures */
 /** Return a word of this many bits, for a master that gives you a number. */
 CW_CONSTEXPR
 static inline cw_word cw_word_of(uint64_t value, uint32_t length)

@@ -121,10 +121,6 @@ static CW_CONST ichaus_icmu_biss ICHAUS_ICMU_BISS_IC_MU150_38_0 = { 38U, 0U }; /
 static CW_CONST ichaus_icmu_biss ICHAUS_ICMU_BISS_IC_MU150_38_2 = { 38U, 2U }; /**< iC-MU150-38-2 */
 static CW_CONST ichaus_icmu_biss ICHAUS_ICMU_BISS_IC_MU150_38_7 = { 38U, 7U }; /**< iC-MU150-38-7 */
 
-#if defined(__SDCC)
-#define ichaus_icmu_biss const struct ichaus_icmu_biss *
-#endif
-
 /* -- CRCs -------------------------------------------------------------------------------------- */
 
 #ifdef ICHAUS_CRC_TABLE
@@ -297,7 +293,7 @@ typedef struct ichaus_icmu_biss_frame {
 CW_CONSTEXPR
 static inline uint32_t ichaus_icmu_biss_bits(ichaus_icmu_biss variant)
 {
-    return 8U + CW_OF(variant).zero_bits + CW_OF(variant).position_bits;
+    return 8U + variant.zero_bits + variant.position_bits;
 }
 
 /**
@@ -348,16 +344,16 @@ CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_decode(
     ichaus_icmu_biss variant, cw_word received, ichaus_icmu_biss_frame *out)
 {
-    const uint64_t word = CW_OF(received).value;
-    if ((CW_OF(received).length != ichaus_icmu_biss_bits(variant)) ||
+    const uint64_t word = received.value;
+    if ((received.length != ichaus_icmu_biss_bits(variant)) ||
         (cw_above(word, ichaus_icmu_biss_bits(variant)) != 0U)) {
         return CW_FAULT_LENGTH;
     }
     if (ichaus_icmu_biss_crc(word) != 0U) {
         return CW_FAULT_CRC;
     }
-    const uint64_t position = cw_above(word, 8U + CW_OF(variant).zero_bits);
-    if (cw_field(word, 8U, CW_OF(variant).zero_bits) != 0x00U) { /* zero */
+    const uint64_t position = cw_above(word, 8U + variant.zero_bits);
+    if (cw_field(word, 8U, variant.zero_bits) != 0x00U) { /* zero */
         return CW_FAULT_CONSTANT;
     }
     out->position = position;
@@ -366,13 +362,12 @@ static inline cw_result ichaus_icmu_biss_decode(
     return CW_OK;
 }
 
-#if !defined(__SDCC) /**< it would repeat the code of all receivers */
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_receive(
-    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length, cw_sized_word *word)
+    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length, cw_word *word)
 {
     const uint32_t bits = ichaus_icmu_biss_bits(variant);
     uint64_t value = 0U;
@@ -383,7 +378,6 @@ static inline cw_result ichaus_icmu_biss_receive(
     }
     return result;
 }
-#endif
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
@@ -418,7 +412,7 @@ static inline uint32_t ichaus_icmu_biss_reports(
  * ichaus_icmu_biss_receive yourself.
  */
 #define ICHAUS_ICMU_BISS_RECEIVE(code, rx, word) \
-    ichaus_icmu_biss_receive(CW_PASS(ICHAUS_ICMU_BISS_##code), \
+    ichaus_icmu_biss_receive(ICHAUS_ICMU_BISS_##code, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[ICHAUS_ICMU_BISS_##code##_RX_BYTES])&(rx))), \
         (word))

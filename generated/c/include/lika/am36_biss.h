@@ -162,22 +162,18 @@ static CW_CONST lika_am36_biss LIKA_AM36_BISS_AMC3616_4096_I7 = { 20U, 16U, 6553
 /** AMC3619/4096-I7 */
 static CW_CONST lika_am36_biss LIKA_AM36_BISS_AMC3619_4096_I7 = { 20U, 16U, 65536U, 1048576U, 1U };
 
-#if defined(__SDCC)
-#define lika_am36_biss const struct lika_am36_biss *
-#endif
-
 /** Width of the whole BiSS position, as currently set, at most 36 bits [6.3.1 p.21]. Unit: bits. */
 CW_CONSTEXPR
 static inline uint32_t lika_am36_biss_used_position_bits(lika_am36_biss variant)
 {
-    return (uint32_t)CW_OF(variant).used_singleturn_bits + CW_OF(variant).used_multiturn_bits;
+    return (uint32_t)variant.used_singleturn_bits + variant.used_multiturn_bits;
 }
 
 /** Position encoding over BiSS, as currently set: 1 Gray code, 0 binary code [6.5 p.26]. */
 CW_CONSTEXPR
 static inline uint32_t lika_am36_biss_biss_gray(lika_am36_biss variant)
 {
-    return 1U - CW_OF(variant).output_code;
+    return 1U - variant.output_code;
 }
 
 /* -- CRCs -------------------------------------------------------------------------------------- */
@@ -335,7 +331,7 @@ typedef struct lika_am36_biss_frame {
 CW_CONSTEXPR
 static inline uint32_t lika_am36_biss_bits(lika_am36_biss variant)
 {
-    return 8U + CW_OF(variant).used_singleturn_bits + CW_OF(variant).used_multiturn_bits;
+    return 8U + variant.used_singleturn_bits + variant.used_multiturn_bits;
 }
 
 /**
@@ -389,8 +385,8 @@ CW_CONSTEXPR
 static inline cw_result lika_am36_biss_decode(
     lika_am36_biss variant, cw_word received, lika_am36_biss_frame *out)
 {
-    const uint64_t word = CW_OF(received).value;
-    if ((CW_OF(received).length != lika_am36_biss_bits(variant)) ||
+    const uint64_t word = received.value;
+    if ((received.length != lika_am36_biss_bits(variant)) ||
         (cw_above(word, lika_am36_biss_bits(variant)) != 0U)) {
         return CW_FAULT_LENGTH;
     }
@@ -398,9 +394,9 @@ static inline cw_result lika_am36_biss_decode(
         return CW_FAULT_CRC;
     }
     const uint64_t plain = (lika_am36_biss_biss_gray(variant) != 0U) ? cw_from_gray(word, 8U,
-        (uint32_t)CW_OF(variant).used_multiturn_bits + CW_OF(variant).used_singleturn_bits) : word;
-    const uint16_t multiturn = (uint16_t)cw_above(plain, 8U + CW_OF(variant).used_singleturn_bits);
-    const uint32_t singleturn = (uint32_t)cw_field(plain, 8U, CW_OF(variant).used_singleturn_bits);
+        (uint32_t)variant.used_multiturn_bits + variant.used_singleturn_bits) : word;
+    const uint16_t multiturn = (uint16_t)cw_above(plain, 8U + variant.used_singleturn_bits);
+    const uint32_t singleturn = (uint32_t)cw_field(plain, 8U, variant.used_singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
     out->position = plain >> 8U;
@@ -417,13 +413,12 @@ static inline bool lika_am36_biss_is_expected(
     return in->unused == 0U;
 }
 
-#if !defined(__SDCC) /**< it would repeat the code of all receivers */
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_receive(
-    lika_am36_biss variant, const uint8_t *bytes, size_t length, cw_sized_word *word)
+    lika_am36_biss variant, const uint8_t *bytes, size_t length, cw_word *word)
 {
     const uint32_t bits = lika_am36_biss_bits(variant);
     uint64_t value = 0U;
@@ -434,7 +429,6 @@ static inline cw_result lika_am36_biss_receive(
     }
     return result;
 }
-#endif
 
 /** Return the verdict of the most severe active report, or CW_UNKNOWN if none is active. */
 CW_NODISCARD
@@ -470,7 +464,6 @@ static inline cw_verdict lika_am36_biss_position(
     return verdict;
 }
 
-#if !defined(__SDCC) /**< take the steps instead */
 /**
  * Extract a frame from a buffer, decode it, and store its position if it may be used.
  *
@@ -482,13 +475,12 @@ static inline cw_verdict lika_am36_biss_read(
     lika_am36_biss variant, const uint8_t *bytes, size_t length, uint64_t *position)
 {
     const uint32_t bits = lika_am36_biss_bits(variant);
-    cw_sized_word word = { 0U, bits };
+    cw_word word = { 0U, bits };
     if (cw_biss_receive(bytes, length, bits, &word.value) != CW_OK) {
         return CW_NOT_USABLE;
     }
-    return lika_am36_biss_position(variant, CW_PASS(word), position);
+    return lika_am36_biss_position(variant, word, position);
 }
-#endif
 
 /** Return the active reports, as a mask of LIKA_AM36_BISS_REPORT_ bits. */
 CW_CONSTEXPR
@@ -507,7 +499,7 @@ static inline uint32_t lika_am36_biss_reports(
  * lika_am36_biss_receive yourself.
  */
 #define LIKA_AM36_BISS_RECEIVE(code, rx, word) \
-    lika_am36_biss_receive(CW_PASS(LIKA_AM36_BISS_##code), \
+    lika_am36_biss_receive(LIKA_AM36_BISS_##code, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_AM36_BISS_##code##_RX_BYTES])&(rx))), \
         (word))
@@ -518,7 +510,7 @@ static inline uint32_t lika_am36_biss_reports(
 CW_CONSTEXPR
 static inline uint64_t lika_am36_biss_counts_per_turn(lika_am36_biss variant)
 {
-    return (uint64_t)1U << CW_OF(variant).used_singleturn_bits;
+    return (uint64_t)1U << variant.used_singleturn_bits;
 }
 
 /**
@@ -527,7 +519,7 @@ static inline uint64_t lika_am36_biss_counts_per_turn(lika_am36_biss variant)
 CW_CONSTEXPR
 static inline uint64_t lika_am36_biss_modulus(lika_am36_biss variant)
 {
-    return lika_am36_biss_counts_per_turn(variant) * CW_OF(variant).used_revolutions;
+    return lika_am36_biss_counts_per_turn(variant) * variant.used_revolutions;
 }
 
 /**
@@ -568,13 +560,13 @@ static inline double lika_am36_biss_degrees(lika_am36_biss variant, uint64_t pos
  * changed, pass your own variant to lika_am36_biss_read instead.
  */
 #define LIKA_AM36_BISS_READ(code, rx, position) \
-    lika_am36_biss_read(CW_PASS(LIKA_AM36_BISS_##code), \
+    lika_am36_biss_read(LIKA_AM36_BISS_##code, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_AM36_BISS_##code##_RX_BYTES])&(rx))), \
         (position))
 /** Read a position from a pointer to any number of bytes. */
 #define LIKA_AM36_BISS_READ_BYTES(code, bytes, length, position) \
-    lika_am36_biss_read(CW_PASS(LIKA_AM36_BISS_##code), \
+    lika_am36_biss_read(LIKA_AM36_BISS_##code, \
         (bytes), (length), (position))
 
 #ifdef __cplusplus

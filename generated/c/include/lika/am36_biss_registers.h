@@ -647,7 +647,7 @@ static inline cw_result lika_am36_biss_write_number_of_revolutions(
 CW_CONSTEXPR
 static inline uint64_t lika_am36_biss_reg_preset_max(lika_am36_biss variant)
 {
-    return ((uint64_t)CW_OF(variant).used_information * CW_OF(variant).used_revolutions) - 1U;
+    return ((uint64_t)variant.used_information * variant.used_revolutions) - 1U;
 }
 
 /**

@@ -138,10 +138,6 @@ static CW_CONST lika_am36_ssi LIKA_AM36_SSI_AMC3619_4096_BG = { 19U, 12U, 0U };
 /** AMC3619/4096-GG */
 static CW_CONST lika_am36_ssi LIKA_AM36_SSI_AMC3619_4096_GG = { 19U, 12U, 1U };
 
-#if defined(__SDCC)
-#define lika_am36_ssi const struct lika_am36_ssi *
-#endif
-
 /**
  * Width of the whole position given by the order code, revolutions included. It is the length of
  * the SSI word [5.2]. Unit: bits.
@@ -149,7 +145,7 @@ static CW_CONST lika_am36_ssi LIKA_AM36_SSI_AMC3619_4096_GG = { 19U, 12U, 1U };
 CW_CONSTEXPR
 static inline uint32_t lika_am36_ssi_position_bits(lika_am36_ssi variant)
 {
-    return (uint32_t)CW_OF(variant).singleturn_bits + CW_OF(variant).multiturn_bits;
+    return (uint32_t)variant.singleturn_bits + variant.multiturn_bits;
 }
 
 /* -- SSI --------------------------------------------------------------------------------------- */
@@ -250,7 +246,7 @@ typedef struct lika_am36_ssi_frame {
 CW_CONSTEXPR
 static inline uint32_t lika_am36_ssi_bits(lika_am36_ssi variant)
 {
-    return (uint32_t)CW_OF(variant).singleturn_bits + CW_OF(variant).multiturn_bits;
+    return (uint32_t)variant.singleturn_bits + variant.multiturn_bits;
 }
 
 /**
@@ -267,28 +263,27 @@ CW_CONSTEXPR
 static inline cw_result lika_am36_ssi_decode(
     lika_am36_ssi variant, cw_word received, lika_am36_ssi_frame *out)
 {
-    const uint64_t word = CW_OF(received).value;
-    if ((CW_OF(received).length != lika_am36_ssi_bits(variant)) ||
+    const uint64_t word = received.value;
+    if ((received.length != lika_am36_ssi_bits(variant)) ||
         (cw_above(word, lika_am36_ssi_bits(variant)) != 0U)) {
         return CW_FAULT_LENGTH;
     }
-    const uint64_t plain = (CW_OF(variant).ssi_gray != 0U) ? cw_from_gray(word, 0U,
-        (uint32_t)CW_OF(variant).multiturn_bits + CW_OF(variant).singleturn_bits) : word;
-    const uint16_t multiturn = (uint16_t)cw_above(plain, CW_OF(variant).singleturn_bits);
-    const uint32_t singleturn = (uint32_t)cw_field(plain, 0U, CW_OF(variant).singleturn_bits);
+    const uint64_t plain = (variant.ssi_gray != 0U) ?
+        cw_from_gray(word, 0U, (uint32_t)variant.multiturn_bits + variant.singleturn_bits) : word;
+    const uint16_t multiturn = (uint16_t)cw_above(plain, variant.singleturn_bits);
+    const uint32_t singleturn = (uint32_t)cw_field(plain, 0U, variant.singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
     out->position = (uint32_t)plain;
     return CW_OK;
 }
 
-#if !defined(__SDCC) /**< it would repeat the code of all receivers */
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
 CW_NODISCARD
 static inline cw_result lika_am36_ssi_receive(
-    lika_am36_ssi variant, const uint8_t *bytes, size_t length, cw_sized_word *word)
+    lika_am36_ssi variant, const uint8_t *bytes, size_t length, cw_word *word)
 {
     const uint32_t bits = lika_am36_ssi_bits(variant);
     uint64_t value = 0U;
@@ -299,7 +294,6 @@ static inline cw_result lika_am36_ssi_receive(
     }
     return result;
 }
-#endif
 
 /** Return the verdict on the position, always CW_UNKNOWN, since no bit of the frame changes it. */
 CW_NODISCARD
@@ -333,7 +327,6 @@ static inline cw_verdict lika_am36_ssi_position(
     return verdict;
 }
 
-#if !defined(__SDCC) /**< take the steps instead */
 /**
  * Extract a frame from a buffer, decode it, and store its position if it may be used.
  *
@@ -345,13 +338,12 @@ static inline cw_verdict lika_am36_ssi_read(
     lika_am36_ssi variant, const uint8_t *bytes, size_t length, uint32_t *position)
 {
     const uint32_t bits = lika_am36_ssi_bits(variant);
-    cw_sized_word word = { 0U, bits };
+    cw_word word = { 0U, bits };
     if (cw_ssi_receive(bytes, length, bits, &word.value) != CW_OK) {
         return CW_NOT_USABLE;
     }
-    return lika_am36_ssi_position(variant, CW_PASS(word), position);
+    return lika_am36_ssi_position(variant, word, position);
 }
-#endif
 
 /**
  * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
@@ -360,7 +352,7 @@ static inline cw_verdict lika_am36_ssi_read(
  * lika_am36_ssi_receive yourself.
  */
 #define LIKA_AM36_SSI_RECEIVE(code, rx, word) \
-    lika_am36_ssi_receive(CW_PASS(LIKA_AM36_SSI_##code), \
+    lika_am36_ssi_receive(LIKA_AM36_SSI_##code, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_AM36_SSI_##code##_RX_BYTES])&(rx))), \
         (word))
@@ -371,7 +363,7 @@ static inline cw_verdict lika_am36_ssi_read(
 CW_CONSTEXPR
 static inline uint64_t lika_am36_ssi_counts_per_turn(lika_am36_ssi variant)
 {
-    return (uint64_t)1U << CW_OF(variant).singleturn_bits;
+    return (uint64_t)1U << variant.singleturn_bits;
 }
 
 /**
@@ -380,7 +372,7 @@ static inline uint64_t lika_am36_ssi_counts_per_turn(lika_am36_ssi variant)
 CW_CONSTEXPR
 static inline uint64_t lika_am36_ssi_modulus(lika_am36_ssi variant)
 {
-    return lika_am36_ssi_counts_per_turn(variant) * ((uint64_t)1U << CW_OF(variant).multiturn_bits);
+    return lika_am36_ssi_counts_per_turn(variant) * ((uint64_t)1U << variant.multiturn_bits);
 }
 
 /**
@@ -420,13 +412,13 @@ static inline double lika_am36_ssi_degrees(lika_am36_ssi variant, uint64_t posit
  * size of rx, or a pointer, does not compile.
  */
 #define LIKA_AM36_SSI_READ(code, rx, position) \
-    lika_am36_ssi_read(CW_PASS(LIKA_AM36_SSI_##code), \
+    lika_am36_ssi_read(LIKA_AM36_SSI_##code, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_AM36_SSI_##code##_RX_BYTES])&(rx))), \
         (position))
 /** Read a position from a pointer to any number of bytes. */
 #define LIKA_AM36_SSI_READ_BYTES(code, bytes, length, position) \
-    lika_am36_ssi_read(CW_PASS(LIKA_AM36_SSI_##code), \
+    lika_am36_ssi_read(LIKA_AM36_SSI_##code, \
         (bytes), (length), (position))
 
 /**
@@ -455,7 +447,7 @@ static inline cw_verdict lika_am36_ssi_read_twice(
 
 /** Read a position from two arrays of words that must agree. */
 #define LIKA_AM36_SSI_READ_TWICE(code, first, second, at_most, position) \
-    lika_am36_ssi_read_twice(CW_PASS(LIKA_AM36_SSI_##code), \
+    lika_am36_ssi_read_twice(LIKA_AM36_SSI_##code, \
         (first), (second), sizeof(first) + (0U * sizeof(&(first) - \
         (uint8_t (*)[LIKA_AM36_SSI_##code##_RX_BYTES])&(first))) + \
         (0U * sizeof(&(first) - &(second))), \

@@ -126,10 +126,6 @@ static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B21_65KSC1 = { 21U, 16U, 0U }; /**
 static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B23_1SC1 = { 23U, 0U, 0U }; /**< AMM5B23/1SC1 */
 static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B23_65KSC1 = { 23U, 16U, 0U }; /**< AMM5B23/65KSC1 */
 
-#if defined(__SDCC)
-#define lika_amm5_biss const struct lika_amm5_biss *
-#endif
-
 /**
  * Width of the whole position, revolutions included, 17 to 39 bits. The manual calls it "encoder
  * resolution" and "nbitres" [6.2.1 p.32]. Unit: bits.
@@ -137,7 +133,7 @@ static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B23_65KSC1 = { 23U, 16U, 0U }; /**
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_biss_position_bits(lika_amm5_biss variant)
 {
-    return (uint32_t)CW_OF(variant).singleturn_bits + CW_OF(variant).multiturn_bits;
+    return (uint32_t)variant.singleturn_bits + variant.multiturn_bits;
 }
 
 /**
@@ -147,7 +143,7 @@ static inline uint32_t lika_amm5_biss_position_bits(lika_amm5_biss variant)
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_biss_revolutions(lika_amm5_biss variant)
 {
-    return (uint32_t)((uint64_t)1U << CW_OF(variant).multiturn_bits);
+    return (uint32_t)((uint64_t)1U << variant.multiturn_bits);
 }
 
 /* -- CRCs -------------------------------------------------------------------------------------- */
@@ -329,7 +325,7 @@ typedef struct lika_amm5_biss_frame {
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_biss_bits(lika_amm5_biss variant)
 {
-    return 8U + CW_OF(variant).singleturn_bits + CW_OF(variant).multiturn_bits;
+    return 8U + variant.singleturn_bits + variant.multiturn_bits;
 }
 
 /**
@@ -384,16 +380,16 @@ CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_decode(
     lika_amm5_biss variant, cw_word received, lika_amm5_biss_frame *out)
 {
-    const uint64_t word = CW_OF(received).value;
-    if ((CW_OF(received).length != lika_amm5_biss_bits(variant)) ||
+    const uint64_t word = received.value;
+    if ((received.length != lika_amm5_biss_bits(variant)) ||
         (cw_above(word, lika_amm5_biss_bits(variant)) != 0U)) {
         return CW_FAULT_LENGTH;
     }
     if (lika_amm5_biss_crc(word) != 0U) {
         return CW_FAULT_CRC;
     }
-    const uint16_t multiturn = (uint16_t)cw_above(word, 8U + CW_OF(variant).singleturn_bits);
-    const uint32_t singleturn = (uint32_t)cw_field(word, 8U, CW_OF(variant).singleturn_bits);
+    const uint16_t multiturn = (uint16_t)cw_above(word, 8U + variant.singleturn_bits);
+    const uint32_t singleturn = (uint32_t)cw_field(word, 8U, variant.singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
     out->error = (((uint32_t)word & 0x80U) == 0U);
@@ -402,13 +398,12 @@ static inline cw_result lika_amm5_biss_decode(
     return CW_OK;
 }
 
-#if !defined(__SDCC) /**< it would repeat the code of all receivers */
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_biss_receive(
-    lika_amm5_biss variant, const uint8_t *bytes, size_t length, cw_sized_word *word)
+    lika_amm5_biss variant, const uint8_t *bytes, size_t length, cw_word *word)
 {
     const uint32_t bits = lika_amm5_biss_bits(variant);
     uint64_t value = 0U;
@@ -419,7 +414,6 @@ static inline cw_result lika_amm5_biss_receive(
     }
     return result;
 }
-#endif
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
@@ -427,12 +421,12 @@ CW_CONSTEXPR
 static inline cw_verdict lika_amm5_biss_verdict(
     lika_amm5_biss variant, const lika_amm5_biss_frame *frame)
 {
-    if (frame->error || ((CW_OF(variant).multiturn_bits != 0U) &&
-        (CW_OF(variant).low_battery_only == 0U) && frame->warning)) {
+    if (frame->error || ((variant.multiturn_bits != 0U) && (variant.low_battery_only == 0U) &&
+        frame->warning)) {
         return CW_NOT_USABLE;
     }
-    if (((CW_OF(variant).multiturn_bits != 0U) && (CW_OF(variant).low_battery_only != 0U) &&
-        frame->warning) || ((CW_OF(variant).multiturn_bits == 0U) && frame->warning)) {
+    if (((variant.multiturn_bits != 0U) && (variant.low_battery_only != 0U) && frame->warning) ||
+        ((variant.multiturn_bits == 0U) && frame->warning)) {
         return CW_USABLE_WITH_WARNING;
     }
     return CW_USABLE;
@@ -459,7 +453,6 @@ static inline cw_verdict lika_amm5_biss_position(
     return verdict;
 }
 
-#if !defined(__SDCC) /**< take the steps instead */
 /**
  * Extract a frame from a buffer, decode it, and store its position if it may be used.
  *
@@ -471,13 +464,12 @@ static inline cw_verdict lika_amm5_biss_read(
     lika_amm5_biss variant, const uint8_t *bytes, size_t length, uint64_t *position)
 {
     const uint32_t bits = lika_amm5_biss_bits(variant);
-    cw_sized_word word = { 0U, bits };
+    cw_word word = { 0U, bits };
     if (cw_biss_receive(bytes, length, bits, &word.value) != CW_OK) {
         return CW_NOT_USABLE;
     }
-    return lika_amm5_biss_position(variant, CW_PASS(word), position);
+    return lika_amm5_biss_position(variant, word, position);
 }
-#endif
 
 /** Return the active reports, as a mask of LIKA_AMM5_BISS_REPORT_ bits. */
 CW_CONSTEXPR
@@ -485,9 +477,9 @@ static inline uint32_t lika_amm5_biss_reports(
     lika_amm5_biss variant, const lika_amm5_biss_frame *frame)
 {
     return (frame->error ? (uint32_t)LIKA_AMM5_BISS_REPORT_ERROR : 0U) |
-        (((CW_OF(variant).multiturn_bits != 0U) && frame->warning) ?
+        (((variant.multiturn_bits != 0U) && frame->warning) ?
         (uint32_t)LIKA_AMM5_BISS_REPORT_WARNING : 0U) |
-        (((CW_OF(variant).multiturn_bits == 0U) && frame->warning) ?
+        (((variant.multiturn_bits == 0U) && frame->warning) ?
         (uint32_t)LIKA_AMM5_BISS_REPORT_WARNING_UNEXPLAINED : 0U);
 }
 
@@ -498,7 +490,7 @@ static inline uint32_t lika_amm5_biss_reports(
  * lika_amm5_biss_receive yourself.
  */
 #define LIKA_AMM5_BISS_RECEIVE(code, rx, word) \
-    lika_amm5_biss_receive(CW_PASS(LIKA_AMM5_BISS_##code), \
+    lika_amm5_biss_receive(LIKA_AMM5_BISS_##code, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_AMM5_BISS_##code##_RX_BYTES])&(rx))), \
         (word))
@@ -509,7 +501,7 @@ static inline uint32_t lika_amm5_biss_reports(
 CW_CONSTEXPR
 static inline uint64_t lika_amm5_biss_counts_per_turn(lika_amm5_biss variant)
 {
-    return (uint64_t)1U << CW_OF(variant).singleturn_bits;
+    return (uint64_t)1U << variant.singleturn_bits;
 }
 
 /**
@@ -518,7 +510,7 @@ static inline uint64_t lika_amm5_biss_counts_per_turn(lika_amm5_biss variant)
 CW_CONSTEXPR
 static inline uint64_t lika_amm5_biss_modulus(lika_amm5_biss variant)
 {
-    return lika_amm5_biss_counts_per_turn(variant) * ((uint64_t)1U << CW_OF(variant).multiturn_bits);
+    return lika_amm5_biss_counts_per_turn(variant) * ((uint64_t)1U << variant.multiturn_bits);
 }
 
 /**
@@ -558,13 +550,13 @@ static inline double lika_amm5_biss_degrees(lika_amm5_biss variant, uint64_t pos
  * rx, or a pointer, does not compile.
  */
 #define LIKA_AMM5_BISS_READ(code, rx, position) \
-    lika_amm5_biss_read(CW_PASS(LIKA_AMM5_BISS_##code), \
+    lika_amm5_biss_read(LIKA_AMM5_BISS_##code, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_AMM5_BISS_##code##_RX_BYTES])&(rx))), \
         (position))
 /** Read a position from a pointer to any number of bytes. */
 #define LIKA_AMM5_BISS_READ_BYTES(code, bytes, length, position) \
-    lika_amm5_biss_read(CW_PASS(LIKA_AMM5_BISS_##code), \
+    lika_amm5_biss_read(LIKA_AMM5_BISS_##code, \
         (bytes), (length), (position))
 
 #ifdef __cplusplus

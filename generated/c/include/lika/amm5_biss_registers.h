@@ -37,25 +37,25 @@ extern "C" {
 /** multiturn: starting at bit 49 - multiturn_bits. */
 static inline uint32_t lika_amm5_biss_reg_preset_multiturn_shift(lika_amm5_biss variant)
 {
-    return 49U - CW_OF(variant).multiturn_bits;
+    return 49U - variant.multiturn_bits;
 }
 
 /** Return the bits of multiturn in the register. */
 static inline uint64_t lika_amm5_biss_reg_preset_multiturn_mask(lika_amm5_biss variant)
 {
-    return cw_mask(CW_OF(variant).multiturn_bits) << (49U - CW_OF(variant).multiturn_bits);
+    return cw_mask(variant.multiturn_bits) << (49U - variant.multiturn_bits);
 }
 
 /** singleturn: starting at bit 33 - singleturn_bits. */
 static inline uint32_t lika_amm5_biss_reg_preset_singleturn_shift(lika_amm5_biss variant)
 {
-    return 33U - CW_OF(variant).singleturn_bits;
+    return 33U - variant.singleturn_bits;
 }
 
 /** Return the bits of singleturn in the register. */
 static inline uint64_t lika_amm5_biss_reg_preset_singleturn_mask(lika_amm5_biss variant)
 {
-    return cw_mask(CW_OF(variant).singleturn_bits) << (33U - CW_OF(variant).singleturn_bits);
+    return cw_mask(variant.singleturn_bits) << (33U - variant.singleturn_bits);
 }
 
 /** Return the highest position: 2^position_bits - 1. */
@@ -99,14 +99,12 @@ CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_preset_set_position(
     lika_amm5_biss variant, uint64_t position, lika_amm5_biss_reg_preset *out)
 {
-    if (position > cw_mask((uint32_t)CW_OF(variant).singleturn_bits +
-        CW_OF(variant).multiturn_bits)) {
+    if (position > cw_mask((uint32_t)variant.singleturn_bits + variant.multiturn_bits)) {
         return CW_FAULT_RANGE;
     }
     out->position = position;
-    out->singleturn = (uint32_t)cw_field(position, 0U, CW_OF(variant).singleturn_bits);
-    out->multiturn =
-        (uint16_t)cw_field(position, CW_OF(variant).singleturn_bits, CW_OF(variant).multiturn_bits);
+    out->singleturn = (uint32_t)cw_field(position, 0U, variant.singleturn_bits);
+    out->multiturn = (uint16_t)cw_field(position, variant.singleturn_bits, variant.multiturn_bits);
     return CW_OK;
 }
 
@@ -131,24 +129,22 @@ static inline cw_result lika_amm5_biss_reg_preset_decode(
         ((uint64_t)bytes[4] << 32U) |
         ((uint64_t)bytes[5] << 40U) |
         ((uint64_t)bytes[6] << 48U);
-    const uint16_t multiturn = (uint16_t)cw_field(word, 49U - CW_OF(variant).multiturn_bits,
-        CW_OF(variant).multiturn_bits);
-    const uint32_t singleturn = (uint32_t)cw_field(word, 33U - CW_OF(variant).singleturn_bits,
-        CW_OF(variant).singleturn_bits);
+    const uint16_t multiturn =
+        (uint16_t)cw_field(word, 49U - variant.multiturn_bits, variant.multiturn_bits);
+    const uint32_t singleturn =
+        (uint32_t)cw_field(word, 33U - variant.singleturn_bits, variant.singleturn_bits);
     if (((word >> 49U) & 0x7FU) != 0x00U) { /* zero above multiturn */
         return CW_FAULT_CONSTANT;
     }
-    /* zero below multiturn */
-    if (cw_field(word, 33U, 16U - CW_OF(variant).multiturn_bits) != 0x00U) {
+    if (cw_field(word, 33U, 16U - variant.multiturn_bits) != 0x00U) { /* zero below multiturn */
         return CW_FAULT_CONSTANT;
     }
-    /* zero below singleturn */
-    if (cw_field(word, 0U, 33U - CW_OF(variant).singleturn_bits) != 0x00U) {
+    if (cw_field(word, 0U, 33U - variant.singleturn_bits) != 0x00U) { /* zero below singleturn */
         return CW_FAULT_CONSTANT;
     }
     out->multiturn = multiturn;
     out->singleturn = singleturn;
-    out->position = ((uint64_t)multiturn << CW_OF(variant).singleturn_bits) | singleturn;
+    out->position = ((uint64_t)multiturn << variant.singleturn_bits) | singleturn;
     return CW_OK;
 }
 
@@ -161,20 +157,19 @@ static inline cw_result lika_amm5_biss_reg_preset_encode(
     if (length != LIKA_AMM5_BISS_REG_PRESET_LENGTH) {
         return CW_FAULT_LENGTH;
     }
-    if (in->multiturn > cw_mask(CW_OF(variant).multiturn_bits)) {
+    if (in->multiturn > cw_mask(variant.multiturn_bits)) {
         return CW_FAULT_RANGE;
     }
-    if (in->singleturn > cw_mask(CW_OF(variant).singleturn_bits)) {
+    if (in->singleturn > cw_mask(variant.singleturn_bits)) {
         return CW_FAULT_RANGE;
     }
     /* position and its parts disagree */
-    if (in->position != (((uint64_t)in->multiturn << CW_OF(variant).singleturn_bits) |
-        in->singleturn)) {
+    if (in->position != (((uint64_t)in->multiturn << variant.singleturn_bits) | in->singleturn)) {
         return CW_FAULT_RANGE;
     }
     const uint64_t word =
-        ((uint64_t)in->multiturn << (49U - CW_OF(variant).multiturn_bits)) |
-        ((uint64_t)in->singleturn << (33U - CW_OF(variant).singleturn_bits));
+        ((uint64_t)in->multiturn << (49U - variant.multiturn_bits)) |
+        ((uint64_t)in->singleturn << (33U - variant.singleturn_bits));
     bytes[0] = (uint8_t)word;
     bytes[1] = (uint8_t)(word >> 8U);
     bytes[2] = (uint8_t)(word >> 16U);

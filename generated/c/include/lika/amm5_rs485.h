@@ -117,10 +117,6 @@ static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_B21_65KJP1 = { 21U, 16U }; /**< 
 static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_B23_1JP1 = { 23U, 0U }; /**< AMM5B23/1JP1 */
 static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_B23_65KJP1 = { 23U, 16U }; /**< AMM5B23/65KJP1 */
 
-#if defined(__SDCC)
-#define lika_amm5_rs485 const struct lika_amm5_rs485 *
-#endif
-
 /**
  * Width of the whole position, revolutions included, 17 to 39 bits. The manual calls it "encoder
  * resolution" and "nbitres" [6.2.1 p.32]. Unit: bits.
@@ -128,7 +124,7 @@ static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_B23_65KJP1 = { 23U, 16U }; /**< 
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_position_bits(lika_amm5_rs485 variant)
 {
-    return (uint32_t)CW_OF(variant).singleturn_bits + CW_OF(variant).multiturn_bits;
+    return (uint32_t)variant.singleturn_bits + variant.multiturn_bits;
 }
 
 /**
@@ -138,7 +134,7 @@ static inline uint32_t lika_amm5_rs485_position_bits(lika_amm5_rs485 variant)
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_revolutions(lika_amm5_rs485 variant)
 {
-    return (uint32_t)((uint64_t)1U << CW_OF(variant).multiturn_bits);
+    return (uint32_t)((uint64_t)1U << variant.multiturn_bits);
 }
 
 /* -- CRCs -------------------------------------------------------------------------------------- */
@@ -555,8 +551,7 @@ static inline cw_result lika_amm5_rs485_singleturn_reply_decode(
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     const uint32_t singleturn = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
         ((uint32_t)bytes[4] << 16U);
-    /* bits above singleturn are always 0 */
-    if (singleturn > cw_mask(CW_OF(variant).singleturn_bits)) {
+    if (singleturn > cw_mask(variant.singleturn_bits)) { /* bits above singleturn are always 0 */
         return CW_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
@@ -684,8 +679,7 @@ static inline cw_result lika_amm5_rs485_multiturn_reply_decode(
     const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     const uint16_t multiturn = (uint16_t)((uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U));
-    /* bits above multiturn are always 0 */
-    if (multiturn > cw_mask(CW_OF(variant).multiturn_bits)) {
+    if (multiturn > cw_mask(variant.multiturn_bits)) { /* bits above multiturn are always 0 */
         return CW_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
@@ -974,12 +968,10 @@ static inline cw_result lika_amm5_rs485_complete_reply_decode(
         ((uint32_t)bytes[4] << 16U);
     const uint8_t encoder_id = bytes[5];
     const uint16_t multiturn = (uint16_t)((uint32_t)bytes[6] | ((uint32_t)bytes[7] << 8U));
-    /* bits above singleturn are always 0 */
-    if (singleturn > cw_mask(CW_OF(variant).singleturn_bits)) {
+    if (singleturn > cw_mask(variant.singleturn_bits)) { /* bits above singleturn are always 0 */
         return CW_FAULT_CONSTANT;
     }
-    /* bits above multiturn are always 0 */
-    if (multiturn > cw_mask(CW_OF(variant).multiturn_bits)) {
+    if (multiturn > cw_mask(variant.multiturn_bits)) { /* bits above multiturn are always 0 */
         return CW_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
@@ -1006,7 +998,7 @@ static inline cw_result lika_amm5_rs485_complete_reply_decode(
     out->ps_error = ((flags & 0x20U) != 0U);
     out->mt_error = ((flags & 0x40U) != 0U);
     out->battery_alarm = ((flags & 0x80U) != 0U);
-    out->position = ((uint64_t)multiturn << CW_OF(variant).singleturn_bits) | singleturn;
+    out->position = ((uint64_t)multiturn << variant.singleturn_bits) | singleturn;
     return CW_OK;
 }
 
@@ -1031,10 +1023,10 @@ static inline cw_verdict lika_amm5_rs485_complete_reply_verdict(
 {
     if (frame->status_st_error || (frame->status_other_error && !frame->battery_alarm &&
         !frame->mt_error) || frame->busy || frame->st_error || frame->ps_error ||
-        ((CW_OF(variant).multiturn_bits != 0U) && frame->mt_error)) {
+        ((variant.multiturn_bits != 0U) && frame->mt_error)) {
         return CW_NOT_USABLE;
     }
-    if (((CW_OF(variant).multiturn_bits == 0U) && frame->mt_error) || frame->battery_alarm ||
+    if (((variant.multiturn_bits == 0U) && frame->mt_error) || frame->battery_alarm ||
         (frame->unused != 0U)) {
         return CW_USABLE_WITH_WARNING;
     }
@@ -1072,13 +1064,13 @@ static inline uint32_t lika_amm5_rs485_complete_reply_reports(
         (frame->busy ? (uint32_t)LIKA_AMM5_RS485_REPORT_BUSY : 0U) |
         (frame->st_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_ST_ERROR : 0U) |
         (frame->ps_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_PS_ERROR : 0U) |
-        (((CW_OF(variant).multiturn_bits != 0U) && frame->mt_error) ?
+        (((variant.multiturn_bits != 0U) && frame->mt_error) ?
         (uint32_t)LIKA_AMM5_RS485_REPORT_MT_ERROR : 0U) |
-        (((CW_OF(variant).multiturn_bits == 0U) && frame->mt_error) ?
+        (((variant.multiturn_bits == 0U) && frame->mt_error) ?
         (uint32_t)LIKA_AMM5_RS485_REPORT_MT_ERROR_UNEXPLAINED : 0U) |
-        (((CW_OF(variant).multiturn_bits != 0U) && frame->battery_alarm) ?
+        (((variant.multiturn_bits != 0U) && frame->battery_alarm) ?
         (uint32_t)LIKA_AMM5_RS485_REPORT_BATTERY_ALARM : 0U) |
-        (((CW_OF(variant).multiturn_bits == 0U) && frame->battery_alarm) ?
+        (((variant.multiturn_bits == 0U) && frame->battery_alarm) ?
         (uint32_t)LIKA_AMM5_RS485_REPORT_BATTERY_ALARM_UNEXPLAINED : 0U) |
         (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_INFO : 0U) |
         (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ZERO : 0U) |
@@ -1347,7 +1339,7 @@ static inline cw_result lika_amm5_rs485_reply_frame(
 CW_CONSTEXPR
 static inline uint64_t lika_amm5_rs485_counts_per_turn(lika_amm5_rs485 variant)
 {
-    return (uint64_t)1U << CW_OF(variant).singleturn_bits;
+    return (uint64_t)1U << variant.singleturn_bits;
 }
 
 /**
@@ -1356,7 +1348,7 @@ static inline uint64_t lika_amm5_rs485_counts_per_turn(lika_amm5_rs485 variant)
 CW_CONSTEXPR
 static inline uint64_t lika_amm5_rs485_modulus(lika_amm5_rs485 variant)
 {
-    return lika_amm5_rs485_counts_per_turn(variant) * ((uint64_t)1U << CW_OF(variant).multiturn_bits);
+    return lika_amm5_rs485_counts_per_turn(variant) * ((uint64_t)1U << variant.multiturn_bits);
 }
 
 /**
@@ -1396,13 +1388,13 @@ static inline double lika_amm5_rs485_degrees(lika_amm5_rs485 variant, uint64_t p
  * rx, or a pointer, does not compile.
  */
 #define LIKA_AMM5_RS485_READ(code, rx, position) \
-    lika_amm5_rs485_complete_reply_position(CW_PASS(LIKA_AMM5_RS485_##code), \
+    lika_amm5_rs485_complete_reply_position(LIKA_AMM5_RS485_##code, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_AMM5_RS485_COMPLETE_REPLY_LENGTH])&(rx))), \
         (position))
 /** Read a position from a pointer to any number of bytes. */
 #define LIKA_AMM5_RS485_READ_BYTES(code, bytes, length, position) \
-    lika_amm5_rs485_complete_reply_position(CW_PASS(LIKA_AMM5_RS485_##code), \
+    lika_amm5_rs485_complete_reply_position(LIKA_AMM5_RS485_##code, \
         (bytes), (length), (position))
 
 #ifdef __cplusplus

@@ -156,7 +156,7 @@ static inline cw_result lika_amm5_rs485_singleturn_reply_encode(
         (in->data_id != LIKA_AMM5_RS485_DATA_ID_RESET_MULTITURN_AND_ERRORS)) {
         return CW_FAULT_RANGE;
     }
-    if (in->singleturn > cw_mask(CW_OF(variant).singleturn_bits)) {
+    if (in->singleturn > cw_mask(variant.singleturn_bits)) {
         return CW_FAULT_RANGE;
     }
     if ((in->unused & 0x30U) != 0U) { /* bits other than the unused ones */
@@ -183,7 +183,7 @@ static inline cw_result lika_amm5_rs485_multiturn_reply_encode(
     if (length != LIKA_AMM5_RS485_MULTITURN_REPLY_LENGTH) {
         return CW_FAULT_LENGTH;
     }
-    if (in->multiturn > cw_mask(CW_OF(variant).multiturn_bits)) {
+    if (in->multiturn > cw_mask(variant.multiturn_bits)) {
         return CW_FAULT_RANGE;
     }
     if ((in->unused & 0x30U) != 0U) { /* bits other than the unused ones */
@@ -227,14 +227,12 @@ CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_complete_reply_set_position(
     lika_amm5_rs485 variant, uint64_t position, lika_amm5_rs485_complete_reply *out)
 {
-    if (position > cw_mask((uint32_t)CW_OF(variant).singleturn_bits +
-        CW_OF(variant).multiturn_bits)) {
+    if (position > cw_mask((uint32_t)variant.singleturn_bits + variant.multiturn_bits)) {
         return CW_FAULT_RANGE;
     }
     out->position = position;
-    out->singleturn = (uint32_t)cw_field(position, 0U, CW_OF(variant).singleturn_bits);
-    out->multiturn =
-        (uint16_t)cw_field(position, CW_OF(variant).singleturn_bits, CW_OF(variant).multiturn_bits);
+    out->singleturn = (uint32_t)cw_field(position, 0U, variant.singleturn_bits);
+    out->multiturn = (uint16_t)cw_field(position, variant.singleturn_bits, variant.multiturn_bits);
     return CW_OK;
 }
 
@@ -248,15 +246,14 @@ static inline cw_result lika_amm5_rs485_complete_reply_encode(
     if (length != LIKA_AMM5_RS485_COMPLETE_REPLY_LENGTH) {
         return CW_FAULT_LENGTH;
     }
-    if (in->singleturn > cw_mask(CW_OF(variant).singleturn_bits)) {
+    if (in->singleturn > cw_mask(variant.singleturn_bits)) {
         return CW_FAULT_RANGE;
     }
-    if (in->multiturn > cw_mask(CW_OF(variant).multiturn_bits)) {
+    if (in->multiturn > cw_mask(variant.multiturn_bits)) {
         return CW_FAULT_RANGE;
     }
     /* position and its parts disagree */
-    if (in->position != (((uint64_t)in->multiturn << CW_OF(variant).singleturn_bits) |
-        in->singleturn)) {
+    if (in->position != (((uint64_t)in->multiturn << variant.singleturn_bits) | in->singleturn)) {
         return CW_FAULT_RANGE;
     }
     if ((in->unused & 0xE630U) != 0U) { /* bits other than the unused ones */

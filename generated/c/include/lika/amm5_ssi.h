@@ -116,10 +116,6 @@ static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_B21_65KBG1 = { 21U, 16U }; /**< AMM5
 static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_B23_1BG1 = { 23U, 0U }; /**< AMM5B23/1BG1 */
 static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_B23_65KBG1 = { 23U, 16U }; /**< AMM5B23/65KBG1 */
 
-#if defined(__SDCC)
-#define lika_amm5_ssi const struct lika_amm5_ssi *
-#endif
-
 /**
  * Width of the whole position, revolutions included, 17 to 39 bits. The manual calls it "encoder
  * resolution" and "nbitres" [6.2.1 p.32]. Unit: bits.
@@ -127,7 +123,7 @@ static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_B23_65KBG1 = { 23U, 16U }; /**< AMM5
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_ssi_position_bits(lika_amm5_ssi variant)
 {
-    return (uint32_t)CW_OF(variant).singleturn_bits + CW_OF(variant).multiturn_bits;
+    return (uint32_t)variant.singleturn_bits + variant.multiturn_bits;
 }
 
 /**
@@ -137,7 +133,7 @@ static inline uint32_t lika_amm5_ssi_position_bits(lika_amm5_ssi variant)
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_ssi_revolutions(lika_amm5_ssi variant)
 {
-    return (uint32_t)((uint64_t)1U << CW_OF(variant).multiturn_bits);
+    return (uint32_t)((uint64_t)1U << variant.multiturn_bits);
 }
 
 /* -- SSI --------------------------------------------------------------------------------------- */
@@ -244,7 +240,7 @@ typedef struct lika_amm5_ssi_frame {
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_ssi_bits(lika_amm5_ssi variant)
 {
-    return (uint32_t)CW_OF(variant).singleturn_bits + CW_OF(variant).multiturn_bits;
+    return (uint32_t)variant.singleturn_bits + variant.multiturn_bits;
 }
 
 /**
@@ -261,26 +257,25 @@ CW_CONSTEXPR
 static inline cw_result lika_amm5_ssi_decode(
     lika_amm5_ssi variant, cw_word received, lika_amm5_ssi_frame *out)
 {
-    const uint64_t word = CW_OF(received).value;
-    if ((CW_OF(received).length != lika_amm5_ssi_bits(variant)) ||
+    const uint64_t word = received.value;
+    if ((received.length != lika_amm5_ssi_bits(variant)) ||
         (cw_above(word, lika_amm5_ssi_bits(variant)) != 0U)) {
         return CW_FAULT_LENGTH;
     }
-    const uint16_t multiturn = (uint16_t)cw_above(word, CW_OF(variant).singleturn_bits);
-    const uint32_t singleturn = (uint32_t)cw_field(word, 0U, CW_OF(variant).singleturn_bits);
+    const uint16_t multiturn = (uint16_t)cw_above(word, variant.singleturn_bits);
+    const uint32_t singleturn = (uint32_t)cw_field(word, 0U, variant.singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
     out->position = word;
     return CW_OK;
 }
 
-#if !defined(__SDCC) /**< it would repeat the code of all receivers */
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_ssi_receive(
-    lika_amm5_ssi variant, const uint8_t *bytes, size_t length, cw_sized_word *word)
+    lika_amm5_ssi variant, const uint8_t *bytes, size_t length, cw_word *word)
 {
     const uint32_t bits = lika_amm5_ssi_bits(variant);
     uint64_t value = 0U;
@@ -291,7 +286,6 @@ static inline cw_result lika_amm5_ssi_receive(
     }
     return result;
 }
-#endif
 
 /** Return the verdict on the position, always CW_UNKNOWN, since no bit of the frame changes it. */
 CW_NODISCARD
@@ -325,7 +319,6 @@ static inline cw_verdict lika_amm5_ssi_position(
     return verdict;
 }
 
-#if !defined(__SDCC) /**< take the steps instead */
 /**
  * Extract a frame from a buffer, decode it, and store its position if it may be used.
  *
@@ -337,13 +330,12 @@ static inline cw_verdict lika_amm5_ssi_read(
     lika_amm5_ssi variant, const uint8_t *bytes, size_t length, uint64_t *position)
 {
     const uint32_t bits = lika_amm5_ssi_bits(variant);
-    cw_sized_word word = { 0U, bits };
+    cw_word word = { 0U, bits };
     if (cw_ssi_receive(bytes, length, bits, &word.value) != CW_OK) {
         return CW_NOT_USABLE;
     }
-    return lika_amm5_ssi_position(variant, CW_PASS(word), position);
+    return lika_amm5_ssi_position(variant, word, position);
 }
-#endif
 
 /**
  * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
@@ -352,7 +344,7 @@ static inline cw_verdict lika_amm5_ssi_read(
  * lika_amm5_ssi_receive yourself.
  */
 #define LIKA_AMM5_SSI_RECEIVE(code, rx, word) \
-    lika_amm5_ssi_receive(CW_PASS(LIKA_AMM5_SSI_##code), \
+    lika_amm5_ssi_receive(LIKA_AMM5_SSI_##code, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_AMM5_SSI_##code##_RX_BYTES])&(rx))), \
         (word))
@@ -363,7 +355,7 @@ static inline cw_verdict lika_amm5_ssi_read(
 CW_CONSTEXPR
 static inline uint64_t lika_amm5_ssi_counts_per_turn(lika_amm5_ssi variant)
 {
-    return (uint64_t)1U << CW_OF(variant).singleturn_bits;
+    return (uint64_t)1U << variant.singleturn_bits;
 }
 
 /**
@@ -372,7 +364,7 @@ static inline uint64_t lika_amm5_ssi_counts_per_turn(lika_amm5_ssi variant)
 CW_CONSTEXPR
 static inline uint64_t lika_amm5_ssi_modulus(lika_amm5_ssi variant)
 {
-    return lika_amm5_ssi_counts_per_turn(variant) * ((uint64_t)1U << CW_OF(variant).multiturn_bits);
+    return lika_amm5_ssi_counts_per_turn(variant) * ((uint64_t)1U << variant.multiturn_bits);
 }
 
 /**
@@ -412,13 +404,13 @@ static inline double lika_amm5_ssi_degrees(lika_amm5_ssi variant, uint64_t posit
  * rx, or a pointer, does not compile.
  */
 #define LIKA_AMM5_SSI_READ(code, rx, position) \
-    lika_amm5_ssi_read(CW_PASS(LIKA_AMM5_SSI_##code), \
+    lika_amm5_ssi_read(LIKA_AMM5_SSI_##code, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_AMM5_SSI_##code##_RX_BYTES])&(rx))), \
         (position))
 /** Read a position from a pointer to any number of bytes. */
 #define LIKA_AMM5_SSI_READ_BYTES(code, bytes, length, position) \
-    lika_amm5_ssi_read(CW_PASS(LIKA_AMM5_SSI_##code), \
+    lika_amm5_ssi_read(LIKA_AMM5_SSI_##code, \
         (bytes), (length), (position))
 
 /**
@@ -447,7 +439,7 @@ static inline cw_verdict lika_amm5_ssi_read_twice(
 
 /** Read a position from two arrays of words that must agree. */
 #define LIKA_AMM5_SSI_READ_TWICE(code, first, second, at_most, position) \
-    lika_amm5_ssi_read_twice(CW_PASS(LIKA_AMM5_SSI_##code), \
+    lika_amm5_ssi_read_twice(LIKA_AMM5_SSI_##code, \
         (first), (second), sizeof(first) + (0U * sizeof(&(first) - \
         (uint8_t (*)[LIKA_AMM5_SSI_##code##_RX_BYTES])&(first))) + \
         (0U * sizeof(&(first) - &(second))), \

@@ -117,10 +117,6 @@ static CW_CONST lika_asc85_biss LIKA_ASC85_BISS_24_SC2 = { 24U }; /**< ASC8524/S
 static CW_CONST lika_asc85_biss LIKA_ASC85_BISS_25_SC1 = { 25U }; /**< ASC8525/SC1 */
 static CW_CONST lika_asc85_biss LIKA_ASC85_BISS_25_SC2 = { 25U }; /**< ASC8525/SC2 */
 
-#if defined(__SDCC)
-#define lika_asc85_biss const struct lika_asc85_biss *
-#endif
-
 /* -- CRCs -------------------------------------------------------------------------------------- */
 
 #ifdef LIKA_CRC_TABLE
@@ -330,7 +326,7 @@ CW_CONSTEXPR
 static inline uint32_t lika_asc85_biss_bits(
     lika_asc85_biss variant, lika_asc85_biss_zero_bit zero_bit)
 {
-    return 8U + lika_asc85_biss_zero_bits(zero_bit) + CW_OF(variant).position_bits;
+    return 8U + lika_asc85_biss_zero_bits(zero_bit) + variant.position_bits;
 }
 
 /**
@@ -388,8 +384,8 @@ static inline cw_result lika_asc85_biss_decode(
     if ((uint32_t)zero_bit > (uint32_t)LIKA_ASC85_BISS_ZERO_BIT_LEFT_OUT) {
         return CW_FAULT_RANGE;
     }
-    const uint64_t word = CW_OF(received).value;
-    if ((CW_OF(received).length != lika_asc85_biss_bits(variant, zero_bit)) ||
+    const uint64_t word = received.value;
+    if ((received.length != lika_asc85_biss_bits(variant, zero_bit)) ||
         (cw_above(word, lika_asc85_biss_bits(variant, zero_bit)) != 0U)) {
         return CW_FAULT_LENGTH;
     }
@@ -406,14 +402,13 @@ static inline cw_result lika_asc85_biss_decode(
     return CW_OK;
 }
 
-#if !defined(__SDCC) /**< it would repeat the code of all receivers */
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_receive(
     lika_asc85_biss variant, lika_asc85_biss_zero_bit zero_bit, const uint8_t *bytes, size_t length,
-    cw_sized_word *word)
+    cw_word *word)
 {
     const uint32_t bits = lika_asc85_biss_bits(variant, zero_bit);
     uint64_t value = 0U;
@@ -424,7 +419,6 @@ static inline cw_result lika_asc85_biss_receive(
     }
     return result;
 }
-#endif
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
@@ -463,7 +457,6 @@ static inline cw_verdict lika_asc85_biss_position(
     return verdict;
 }
 
-#if !defined(__SDCC) /**< take the steps instead */
 /**
  * Extract a frame from a buffer, decode it, and store its position if it may be used.
  *
@@ -476,13 +469,12 @@ static inline cw_verdict lika_asc85_biss_read(
     uint32_t *position)
 {
     const uint32_t bits = lika_asc85_biss_bits(variant, zero_bit);
-    cw_sized_word word = { 0U, bits };
+    cw_word word = { 0U, bits };
     if (cw_biss_receive(bytes, length, bits, &word.value) != CW_OK) {
         return CW_NOT_USABLE;
     }
-    return lika_asc85_biss_position(variant, zero_bit, CW_PASS(word), position);
+    return lika_asc85_biss_position(variant, zero_bit, word, position);
 }
-#endif
 
 /** Return the active reports, as a mask of LIKA_ASC85_BISS_REPORT_ bits. */
 CW_CONSTEXPR
@@ -501,7 +493,7 @@ static inline uint32_t lika_asc85_biss_reports(
  * a pointer, does not compile. For other buffers, call lika_asc85_biss_receive yourself.
  */
 #define LIKA_ASC85_BISS_RECEIVE(code, zero_bit, rx, word) \
-    lika_asc85_biss_receive(CW_PASS(LIKA_ASC85_BISS_##code), \
+    lika_asc85_biss_receive(LIKA_ASC85_BISS_##code, \
         LIKA_ASC85_BISS_ZERO_BIT_##zero_bit, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_ASC85_BISS_##code##_##zero_bit##_RX_BYTES])&(rx))), \
@@ -513,7 +505,7 @@ static inline uint32_t lika_asc85_biss_reports(
 CW_CONSTEXPR
 static inline uint64_t lika_asc85_biss_counts_per_turn(lika_asc85_biss variant)
 {
-    return (uint64_t)1U << CW_OF(variant).position_bits;
+    return (uint64_t)1U << variant.position_bits;
 }
 
 /**
@@ -563,14 +555,14 @@ static inline double lika_asc85_biss_degrees(lika_asc85_biss variant, uint64_t p
  * compile.
  */
 #define LIKA_ASC85_BISS_READ(code, zero_bit, rx, position) \
-    lika_asc85_biss_read(CW_PASS(LIKA_ASC85_BISS_##code), \
+    lika_asc85_biss_read(LIKA_ASC85_BISS_##code, \
         LIKA_ASC85_BISS_ZERO_BIT_##zero_bit, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_ASC85_BISS_##code##_##zero_bit##_RX_BYTES])&(rx))), \
         (position))
 /** Read a position from a pointer to any number of bytes. */
 #define LIKA_ASC85_BISS_READ_BYTES(code, zero_bit, bytes, length, position) \
-    lika_asc85_biss_read(CW_PASS(LIKA_ASC85_BISS_##code), \
+    lika_asc85_biss_read(LIKA_ASC85_BISS_##code, \
         LIKA_ASC85_BISS_ZERO_BIT_##zero_bit, \
         (bytes), (length), (position))
 

@@ -592,7 +592,7 @@ static inline cw_result lika_asc85_biss_reg_position_decode(
         ((uint64_t)bytes[2] << 16U) |
         ((uint64_t)bytes[3] << 24U);
     const uint32_t position =
-        (uint32_t)cw_field(word, 32U - CW_OF(variant).position_bits, CW_OF(variant).position_bits);
+        (uint32_t)cw_field(word, 32U - variant.position_bits, variant.position_bits);
     out->position = position;
     return CW_OK;
 }
@@ -606,10 +606,10 @@ static inline cw_result lika_asc85_biss_reg_position_encode(
     if (length != LIKA_ASC85_BISS_REG_POSITION_LENGTH) {
         return CW_FAULT_LENGTH;
     }
-    if (in->position > cw_mask(CW_OF(variant).position_bits)) {
+    if (in->position > cw_mask(variant.position_bits)) {
         return CW_FAULT_RANGE;
     }
-    const uint64_t word = ((uint64_t)in->position << (32U - CW_OF(variant).position_bits));
+    const uint64_t word = ((uint64_t)in->position << (32U - variant.position_bits));
     bytes[0] = (uint8_t)word;
     bytes[1] = (uint8_t)(word >> 8U);
     bytes[2] = (uint8_t)(word >> 16U);

@@ -24,7 +24,7 @@ static inline cw_result lika_asc85_biss_encode(
     if ((uint32_t)zero_bit > (uint32_t)LIKA_ASC85_BISS_ZERO_BIT_LEFT_OUT) {
         return CW_FAULT_RANGE;
     }
-    if (in->position > cw_mask(CW_OF(variant).position_bits)) {
+    if (in->position > cw_mask(variant.position_bits)) {
         return CW_FAULT_RANGE;
     }
     uint64_t word =

@@ -121,10 +121,6 @@ static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_25_BG2 = { 25U, 0U }; /**< ASC8525
 static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_25_GG1 = { 25U, 1U }; /**< ASC8525/GG1 */
 static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_25_GG2 = { 25U, 1U }; /**< ASC8525/GG2 */
 
-#if defined(__SDCC)
-#define lika_asc85_ssi const struct lika_asc85_ssi *
-#endif
-
 /* -- SSI --------------------------------------------------------------------------------------- */
 
 /**
@@ -248,7 +244,7 @@ typedef struct lika_asc85_ssi_frame {
 CW_CONSTEXPR
 static inline uint32_t lika_asc85_ssi_bits(lika_asc85_ssi variant)
 {
-    return CW_OF(variant).position_bits;
+    return variant.position_bits;
 }
 
 /**
@@ -265,25 +261,24 @@ CW_CONSTEXPR
 static inline cw_result lika_asc85_ssi_decode(
     lika_asc85_ssi variant, cw_word received, lika_asc85_ssi_frame *out)
 {
-    const uint64_t word = CW_OF(received).value;
-    if ((CW_OF(received).length != lika_asc85_ssi_bits(variant)) ||
+    const uint64_t word = received.value;
+    if ((received.length != lika_asc85_ssi_bits(variant)) ||
         (cw_above(word, lika_asc85_ssi_bits(variant)) != 0U)) {
         return CW_FAULT_LENGTH;
     }
-    const uint64_t plain = (CW_OF(variant).ssi_gray != 0U) ?
-        cw_from_gray(word, 0U, CW_OF(variant).position_bits) : word;
+    const uint64_t plain = (variant.ssi_gray != 0U) ?
+        cw_from_gray(word, 0U, variant.position_bits) : word;
     const uint32_t position = (uint32_t)plain;
     out->position = position;
     return CW_OK;
 }
 
-#if !defined(__SDCC) /**< it would repeat the code of all receivers */
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_ssi_receive(
-    lika_asc85_ssi variant, const uint8_t *bytes, size_t length, cw_sized_word *word)
+    lika_asc85_ssi variant, const uint8_t *bytes, size_t length, cw_word *word)
 {
     const uint32_t bits = lika_asc85_ssi_bits(variant);
     uint64_t value = 0U;
@@ -294,7 +289,6 @@ static inline cw_result lika_asc85_ssi_receive(
     }
     return result;
 }
-#endif
 
 /** Return the verdict on the position, always CW_UNKNOWN, since no bit of the frame changes it. */
 CW_NODISCARD
@@ -328,7 +322,6 @@ static inline cw_verdict lika_asc85_ssi_position(
     return verdict;
 }
 
-#if !defined(__SDCC) /**< take the steps instead */
 /**
  * Extract a frame from a buffer, decode it, and store its position if it may be used.
  *
@@ -340,13 +333,12 @@ static inline cw_verdict lika_asc85_ssi_read(
     lika_asc85_ssi variant, const uint8_t *bytes, size_t length, uint32_t *position)
 {
     const uint32_t bits = lika_asc85_ssi_bits(variant);
-    cw_sized_word word = { 0U, bits };
+    cw_word word = { 0U, bits };
     if (cw_ssi_receive(bytes, length, bits, &word.value) != CW_OK) {
         return CW_NOT_USABLE;
     }
-    return lika_asc85_ssi_position(variant, CW_PASS(word), position);
+    return lika_asc85_ssi_position(variant, word, position);
 }
-#endif
 
 /**
  * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
@@ -355,7 +347,7 @@ static inline cw_verdict lika_asc85_ssi_read(
  * yourself.
  */
 #define LIKA_ASC85_SSI_RECEIVE(code, rx, word) \
-    lika_asc85_ssi_receive(CW_PASS(LIKA_ASC85_SSI_##code), \
+    lika_asc85_ssi_receive(LIKA_ASC85_SSI_##code, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_ASC85_SSI_##code##_RX_BYTES])&(rx))), \
         (word))
@@ -366,7 +358,7 @@ static inline cw_verdict lika_asc85_ssi_read(
 CW_CONSTEXPR
 static inline uint64_t lika_asc85_ssi_counts_per_turn(lika_asc85_ssi variant)
 {
-    return (uint64_t)1U << CW_OF(variant).position_bits;
+    return (uint64_t)1U << variant.position_bits;
 }
 
 /**
@@ -415,13 +407,13 @@ static inline double lika_asc85_ssi_degrees(lika_asc85_ssi variant, uint64_t pos
  * pointer, does not compile.
  */
 #define LIKA_ASC85_SSI_READ(code, rx, position) \
-    lika_asc85_ssi_read(CW_PASS(LIKA_ASC85_SSI_##code), \
+    lika_asc85_ssi_read(LIKA_ASC85_SSI_##code, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_ASC85_SSI_##code##_RX_BYTES])&(rx))), \
         (position))
 /** Read a position from a pointer to any number of bytes. */
 #define LIKA_ASC85_SSI_READ_BYTES(code, bytes, length, position) \
-    lika_asc85_ssi_read(CW_PASS(LIKA_ASC85_SSI_##code), \
+    lika_asc85_ssi_read(LIKA_ASC85_SSI_##code, \
         (bytes), (length), (position))
 
 /**
@@ -450,7 +442,7 @@ static inline cw_verdict lika_asc85_ssi_read_twice(
 
 /** Read a position from two arrays of words that must agree. */
 #define LIKA_ASC85_SSI_READ_TWICE(code, first, second, at_most, position) \
-    lika_asc85_ssi_read_twice(CW_PASS(LIKA_ASC85_SSI_##code), \
+    lika_asc85_ssi_read_twice(LIKA_ASC85_SSI_##code, \
         (first), (second), sizeof(first) + (0U * sizeof(&(first) - \
         (uint8_t (*)[LIKA_ASC85_SSI_##code##_RX_BYTES])&(first))) + \
         (0U * sizeof(&(first) - &(second))), \

@@ -148,17 +148,13 @@ static CW_CONST lika_sma21_biss LIKA_SMA21_BISS_SC4_0002 = { 2U, 24U, 0U, 0U, 0x
 /** SMA21-SC4-0001 */
 static CW_CONST lika_sma21_biss LIKA_SMA21_BISS_SC4_0001 = { 1U, 25U, 0U, 0U, 0x2819U, 1U };
 
-#if defined(__SDCC)
-#define lika_sma21_biss const struct lika_sma21_biss *
-#endif
-
 /**
  * Width of the position field of the BiSS single cycle data, 24 or 25 bits [6.2 p.25]. Unit: bits.
  */
 CW_CONSTEXPR
 static inline uint32_t lika_sma21_biss_scd_position_bits(lika_sma21_biss variant)
 {
-    return (uint32_t)CW_OF(variant).position_bits + CW_OF(variant).scd_padding_bits;
+    return (uint32_t)variant.position_bits + variant.scd_padding_bits;
 }
 
 /**
@@ -168,8 +164,8 @@ static inline uint32_t lika_sma21_biss_scd_position_bits(lika_sma21_biss variant
 CW_CONSTEXPR
 static inline uint32_t lika_sma21_biss_scd_value_bits(lika_sma21_biss variant)
 {
-    return (uint32_t)CW_OF(variant).position_bits +
-        ((uint32_t)CW_OF(variant).scd_padding_bits * CW_OF(variant).offset_selected);
+    return (uint32_t)variant.position_bits +
+        ((uint32_t)variant.scd_padding_bits * variant.offset_selected);
 }
 
 /**
@@ -178,7 +174,7 @@ static inline uint32_t lika_sma21_biss_scd_value_bits(lika_sma21_biss variant)
 CW_CONSTEXPR
 static inline uint32_t lika_sma21_biss_biss_gray(lika_sma21_biss variant)
 {
-    return 1U - CW_OF(variant).output_code;
+    return 1U - variant.output_code;
 }
 
 /* -- CRCs -------------------------------------------------------------------------------------- */
@@ -350,7 +346,7 @@ typedef struct lika_sma21_biss_frame {
 CW_CONSTEXPR
 static inline uint32_t lika_sma21_biss_bits(lika_sma21_biss variant)
 {
-    return 8U + CW_OF(variant).position_bits + CW_OF(variant).scd_padding_bits;
+    return 8U + variant.position_bits + variant.scd_padding_bits;
 }
 
 /**
@@ -403,8 +399,8 @@ CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_decode(
     lika_sma21_biss variant, cw_word received, lika_sma21_biss_frame *out)
 {
-    const uint64_t word = CW_OF(received).value;
-    if ((CW_OF(received).length != lika_sma21_biss_bits(variant)) ||
+    const uint64_t word = received.value;
+    if ((received.length != lika_sma21_biss_bits(variant)) ||
         (cw_above(word, lika_sma21_biss_bits(variant)) != 0U)) {
         return CW_FAULT_LENGTH;
     }
@@ -424,13 +420,12 @@ static inline cw_result lika_sma21_biss_decode(
     return CW_OK;
 }
 
-#if !defined(__SDCC) /**< it would repeat the code of all receivers */
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_receive(
-    lika_sma21_biss variant, const uint8_t *bytes, size_t length, cw_sized_word *word)
+    lika_sma21_biss variant, const uint8_t *bytes, size_t length, cw_word *word)
 {
     const uint32_t bits = lika_sma21_biss_bits(variant);
     uint64_t value = 0U;
@@ -441,7 +436,6 @@ static inline cw_result lika_sma21_biss_receive(
     }
     return result;
 }
-#endif
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
@@ -480,7 +474,6 @@ static inline cw_verdict lika_sma21_biss_position(
     return verdict;
 }
 
-#if !defined(__SDCC) /**< take the steps instead */
 /**
  * Extract a frame from a buffer, decode it, and store its position if it may be used.
  *
@@ -492,13 +485,12 @@ static inline cw_verdict lika_sma21_biss_read(
     lika_sma21_biss variant, const uint8_t *bytes, size_t length, uint32_t *position)
 {
     const uint32_t bits = lika_sma21_biss_bits(variant);
-    cw_sized_word word = { 0U, bits };
+    cw_word word = { 0U, bits };
     if (cw_biss_receive(bytes, length, bits, &word.value) != CW_OK) {
         return CW_NOT_USABLE;
     }
-    return lika_sma21_biss_position(variant, CW_PASS(word), position);
+    return lika_sma21_biss_position(variant, word, position);
 }
-#endif
 
 /** Return the active reports, as a mask of LIKA_SMA21_BISS_REPORT_ bits. */
 CW_CONSTEXPR
@@ -517,7 +509,7 @@ static inline uint32_t lika_sma21_biss_reports(
  * yourself.
  */
 #define LIKA_SMA21_BISS_RECEIVE(code, rx, word) \
-    lika_sma21_biss_receive(CW_PASS(LIKA_SMA21_BISS_##code), \
+    lika_sma21_biss_receive(LIKA_SMA21_BISS_##code, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_SMA21_BISS_##code##_RX_BYTES])&(rx))), \
         (word))
@@ -533,7 +525,7 @@ static inline uint32_t lika_sma21_biss_reports(
 CW_CONSTEXPR
 static inline uint64_t lika_sma21_biss_modulus(lika_sma21_biss variant)
 {
-    return (uint64_t)1U << CW_OF(variant).position_bits;
+    return (uint64_t)1U << variant.position_bits;
 }
 
 /**
@@ -554,7 +546,7 @@ static inline int64_t lika_sma21_biss_position_difference(
 CW_CONSTEXPR
 static inline int64_t lika_sma21_biss_micrometres(lika_sma21_biss variant, int64_t position)
 {
-    const int64_t step = (int64_t)CW_OF(variant).resolution_um;
+    const int64_t step = (int64_t)variant.resolution_um;
     return position * step;
 }
 
@@ -576,13 +568,13 @@ static inline double lika_sma21_biss_millimetres(lika_sma21_biss variant, int64_
  * lika_sma21_biss_read instead.
  */
 #define LIKA_SMA21_BISS_READ(code, rx, position) \
-    lika_sma21_biss_read(CW_PASS(LIKA_SMA21_BISS_##code), \
+    lika_sma21_biss_read(LIKA_SMA21_BISS_##code, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_SMA21_BISS_##code##_RX_BYTES])&(rx))), \
         (position))
 /** Read a position from a pointer to any number of bytes. */
 #define LIKA_SMA21_BISS_READ_BYTES(code, bytes, length, position) \
-    lika_sma21_biss_read(CW_PASS(LIKA_SMA21_BISS_##code), \
+    lika_sma21_biss_read(LIKA_SMA21_BISS_##code, \
         (bytes), (length), (position))
 
 #ifdef __cplusplus

@@ -90,7 +90,7 @@ CW_CONSTEXPR
 static inline bool lika_sma21_biss_reg_profile_id_is_expected(
     lika_sma21_biss variant, const lika_sma21_biss_reg_profile_id *in)
 {
-    return in->profile_id == CW_OF(variant).profile_id;
+    return in->profile_id == variant.profile_id;
 }
 
 /** Read the Profile ID register (42h to 43h). */
@@ -461,7 +461,7 @@ static inline cw_result lika_sma21_biss_read_absolute_resolution(
 CW_CONSTEXPR
 static inline uint32_t lika_sma21_biss_reg_preset_offset_preset_max(lika_sma21_biss variant)
 {
-    return (uint32_t)cw_mask(CW_OF(variant).position_bits);
+    return (uint32_t)cw_mask(variant.position_bits);
 }
 
 #define LIKA_SMA21_BISS_REG_PRESET_OFFSET_OFFSET_MIN 0U /**< limit of its value */
@@ -471,7 +471,7 @@ CW_CONSTEXPR
 static inline uint32_t lika_sma21_biss_reg_preset_offset_offset_max(lika_sma21_biss variant)
 {
     return (uint32_t)(((uint64_t)1U << lika_sma21_biss_scd_position_bits(variant)) -
-        ((uint64_t)1U << CW_OF(variant).position_bits));
+        ((uint64_t)1U << variant.position_bits));
 }
 
 /**
@@ -976,7 +976,7 @@ static inline bool lika_sma21_biss_could_be(
         &profile_id)) {
         return false;
     }
-    if (read->absolute_resolution[0] != CW_OF(variant).resolution_um) {
+    if (read->absolute_resolution[0] != variant.resolution_um) {
         return false;
     }
     if (read->device_type[0] != LIKA_SMA21_BISS_REG_DEVICE_TYPE_EXPECTED) {

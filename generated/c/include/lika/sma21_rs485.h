@@ -106,10 +106,6 @@ static CW_CONST lika_sma21_rs485 LIKA_SMA21_RS485_JP1_0005 = { 5U, 23U }; /**< S
 static CW_CONST lika_sma21_rs485 LIKA_SMA21_RS485_JP1_0002 = { 2U, 24U }; /**< SMA21-JP1-0002 */
 static CW_CONST lika_sma21_rs485 LIKA_SMA21_RS485_JP1_0001 = { 1U, 24U }; /**< SMA21-JP1-0001 */
 
-#if defined(__SDCC)
-#define lika_sma21_rs485 const struct lika_sma21_rs485 *
-#endif
-
 /* -- CRCs -------------------------------------------------------------------------------------- */
 
 /**
@@ -375,8 +371,7 @@ static inline cw_result lika_sma21_rs485_position_reply_decode(
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     const uint32_t position = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
         ((uint32_t)bytes[4] << 16U);
-    /* bits above position are always 0 */
-    if (position > cw_mask(CW_OF(variant).rs485_position_bits)) {
+    if (position > cw_mask(variant.rs485_position_bits)) { /* bits above position are always 0 */
         return CW_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
@@ -746,8 +741,7 @@ static inline cw_result lika_sma21_rs485_identification_reply_decode(
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     const uint32_t position = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
         ((uint32_t)bytes[4] << 16U);
-    /* bits above position are always 0 */
-    if (position > cw_mask(CW_OF(variant).rs485_position_bits)) {
+    if (position > cw_mask(variant.rs485_position_bits)) { /* bits above position are always 0 */
         return CW_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
@@ -923,7 +917,7 @@ static inline cw_result lika_sma21_rs485_reply_frame(
 CW_CONSTEXPR
 static inline uint64_t lika_sma21_rs485_position_reply_modulus(lika_sma21_rs485 variant)
 {
-    return (uint64_t)1U << CW_OF(variant).rs485_position_bits;
+    return (uint64_t)1U << variant.rs485_position_bits;
 }
 
 /**
@@ -942,7 +936,7 @@ static inline int64_t lika_sma21_rs485_position_reply_position_difference(
 CW_CONSTEXPR
 static inline uint64_t lika_sma21_rs485_identification_reply_modulus(lika_sma21_rs485 variant)
 {
-    return (uint64_t)1U << CW_OF(variant).rs485_position_bits;
+    return (uint64_t)1U << variant.rs485_position_bits;
 }
 
 /**
@@ -976,7 +970,7 @@ static inline int64_t lika_sma21_rs485_wide_position_reply_position_difference(
 CW_CONSTEXPR
 static inline int64_t lika_sma21_rs485_micrometres(lika_sma21_rs485 variant, int64_t position)
 {
-    const int64_t step = (int64_t)CW_OF(variant).resolution_um;
+    const int64_t step = (int64_t)variant.resolution_um;
     return position * step;
 }
 
@@ -997,13 +991,13 @@ static inline double lika_sma21_rs485_millimetres(lika_sma21_rs485 variant, int6
  * rx, or a pointer, does not compile.
  */
 #define LIKA_SMA21_RS485_READ(code, rx, position) \
-    lika_sma21_rs485_position_reply_position(CW_PASS(LIKA_SMA21_RS485_##code), \
+    lika_sma21_rs485_position_reply_position(LIKA_SMA21_RS485_##code, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_SMA21_RS485_POSITION_REPLY_LENGTH])&(rx))), \
         (position))
 /** Read a position from a pointer to any number of bytes. */
 #define LIKA_SMA21_RS485_READ_BYTES(code, bytes, length, position) \
-    lika_sma21_rs485_position_reply_position(CW_PASS(LIKA_SMA21_RS485_##code), \
+    lika_sma21_rs485_position_reply_position(LIKA_SMA21_RS485_##code, \
         (bytes), (length), (position))
 
 #ifdef __cplusplus

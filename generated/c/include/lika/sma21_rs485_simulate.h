@@ -63,7 +63,7 @@ static inline cw_result lika_sma21_rs485_position_reply_encode(
         (in->data_id != LIKA_SMA21_RS485_DATA_ID_RESET_POSITION)) {
         return CW_FAULT_RANGE;
     }
-    if (in->position > cw_mask(CW_OF(variant).rs485_position_bits)) {
+    if (in->position > cw_mask(variant.rs485_position_bits)) {
         return CW_FAULT_RANGE;
     }
     if ((in->unused & 0x30U) != 0U) { /* bits other than the unused ones */
@@ -126,7 +126,7 @@ static inline cw_result lika_sma21_rs485_identification_reply_encode(
     if (length != LIKA_SMA21_RS485_IDENTIFICATION_REPLY_LENGTH) {
         return CW_FAULT_LENGTH;
     }
-    if (in->position > cw_mask(CW_OF(variant).rs485_position_bits)) {
+    if (in->position > cw_mask(variant.rs485_position_bits)) {
         return CW_FAULT_RANGE;
     }
     if ((in->unused & 0x30U) != 0U) { /* bits other than the unused ones */

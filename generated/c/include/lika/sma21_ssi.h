@@ -134,10 +134,6 @@ static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G14_0005 = { 5U, 23U, 1U }; /**< S
 static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G14_0002 = { 2U, 24U, 1U }; /**< SMA21-G14-0002 */
 static CW_CONST lika_sma21_ssi LIKA_SMA21_SSI_G14_0001 = { 1U, 25U, 1U }; /**< SMA21-G14-0001 */
 
-#if defined(__SDCC)
-#define lika_sma21_ssi const struct lika_sma21_ssi *
-#endif
-
 /* -- reports ----------------------------------------------------------------------------------- */
 
 /** Reports of the encoder. The _reports() functions of the frames return a mask of these bits. */
@@ -292,7 +288,7 @@ typedef struct lika_sma21_ssi_frame {
 CW_CONSTEXPR
 static inline uint32_t lika_sma21_ssi_bits(lika_sma21_ssi variant)
 {
-    return 1U + CW_OF(variant).position_bits;
+    return 1U + variant.position_bits;
 }
 
 /**
@@ -309,26 +305,25 @@ CW_CONSTEXPR
 static inline cw_result lika_sma21_ssi_decode(
     lika_sma21_ssi variant, cw_word received, lika_sma21_ssi_frame *out)
 {
-    const uint64_t word = CW_OF(received).value;
-    if ((CW_OF(received).length != lika_sma21_ssi_bits(variant)) ||
+    const uint64_t word = received.value;
+    if ((received.length != lika_sma21_ssi_bits(variant)) ||
         (cw_above(word, lika_sma21_ssi_bits(variant)) != 0U)) {
         return CW_FAULT_LENGTH;
     }
-    const uint64_t plain = (CW_OF(variant).ssi_gray != 0U) ?
-        cw_from_gray(word, 1U, CW_OF(variant).position_bits) : word;
+    const uint64_t plain = (variant.ssi_gray != 0U) ?
+        cw_from_gray(word, 1U, variant.position_bits) : word;
     const uint32_t position = (uint32_t)(plain >> 1U);
     out->position = position;
     out->error = ((plain & 0x01U) == 0U);
     return CW_OK;
 }
 
-#if !defined(__SDCC) /**< it would repeat the code of all receivers */
 /**
  * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_ssi_receive(
-    lika_sma21_ssi variant, const uint8_t *bytes, size_t length, cw_sized_word *word)
+    lika_sma21_ssi variant, const uint8_t *bytes, size_t length, cw_word *word)
 {
     const uint32_t bits = lika_sma21_ssi_bits(variant);
     uint64_t value = 0U;
@@ -339,7 +334,6 @@ static inline cw_result lika_sma21_ssi_receive(
     }
     return result;
 }
-#endif
 
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
@@ -375,7 +369,6 @@ static inline cw_verdict lika_sma21_ssi_position(
     return verdict;
 }
 
-#if !defined(__SDCC) /**< take the steps instead */
 /**
  * Extract a frame from a buffer, decode it, and store its position if it may be used.
  *
@@ -387,13 +380,12 @@ static inline cw_verdict lika_sma21_ssi_read(
     lika_sma21_ssi variant, const uint8_t *bytes, size_t length, uint32_t *position)
 {
     const uint32_t bits = lika_sma21_ssi_bits(variant);
-    cw_sized_word word = { 0U, bits };
+    cw_word word = { 0U, bits };
     if (cw_ssi_receive(bytes, length, bits, &word.value) != CW_OK) {
         return CW_NOT_USABLE;
     }
-    return lika_sma21_ssi_position(variant, CW_PASS(word), position);
+    return lika_sma21_ssi_position(variant, word, position);
 }
-#endif
 
 /** Return the active reports, as a mask of LIKA_SMA21_SSI_REPORT_ bits. */
 CW_CONSTEXPR
@@ -411,7 +403,7 @@ static inline uint32_t lika_sma21_ssi_reports(
  * yourself.
  */
 #define LIKA_SMA21_SSI_RECEIVE(code, rx, word) \
-    lika_sma21_ssi_receive(CW_PASS(LIKA_SMA21_SSI_##code), \
+    lika_sma21_ssi_receive(LIKA_SMA21_SSI_##code, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_SMA21_SSI_##code##_RX_BYTES])&(rx))), \
         (word))
@@ -424,7 +416,7 @@ static inline uint32_t lika_sma21_ssi_reports(
 CW_CONSTEXPR
 static inline uint64_t lika_sma21_ssi_modulus(lika_sma21_ssi variant)
 {
-    return (uint64_t)1U << CW_OF(variant).position_bits;
+    return (uint64_t)1U << variant.position_bits;
 }
 
 /**
@@ -442,7 +434,7 @@ static inline int64_t lika_sma21_ssi_position_difference(
 CW_CONSTEXPR
 static inline int64_t lika_sma21_ssi_micrometres(lika_sma21_ssi variant, int64_t position)
 {
-    const int64_t step = (int64_t)CW_OF(variant).resolution_um;
+    const int64_t step = (int64_t)variant.resolution_um;
     return position * step;
 }
 
@@ -463,13 +455,13 @@ static inline double lika_sma21_ssi_millimetres(lika_sma21_ssi variant, int64_t 
  * or a pointer, does not compile.
  */
 #define LIKA_SMA21_SSI_READ(code, rx, position) \
-    lika_sma21_ssi_read(CW_PASS(LIKA_SMA21_SSI_##code), \
+    lika_sma21_ssi_read(LIKA_SMA21_SSI_##code, \
         (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
         (uint8_t (*)[LIKA_SMA21_SSI_##code##_RX_BYTES])&(rx))), \
         (position))
 /** Read a position from a pointer to any number of bytes. */
 #define LIKA_SMA21_SSI_READ_BYTES(code, bytes, length, position) \
-    lika_sma21_ssi_read(CW_PASS(LIKA_SMA21_SSI_##code), \
+    lika_sma21_ssi_read(LIKA_SMA21_SSI_##code, \
         (bytes), (length), (position))
 
 /**
@@ -498,7 +490,7 @@ static inline cw_verdict lika_sma21_ssi_read_twice(
 
 /** Read a position from two arrays of words that must agree. */
 #define LIKA_SMA21_SSI_READ_TWICE(code, first, second, at_most, position) \
-    lika_sma21_ssi_read_twice(CW_PASS(LIKA_SMA21_SSI_##code), \
+    lika_sma21_ssi_read_twice(LIKA_SMA21_SSI_##code, \
         (first), (second), sizeof(first) + (0U * sizeof(&(first) - \
         (uint8_t (*)[LIKA_SMA21_SSI_##code##_RX_BYTES])&(first))) + \
         (0U * sizeof(&(first) - &(second))), \
