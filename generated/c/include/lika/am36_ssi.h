@@ -11,7 +11,8 @@
  *
  *     uint8_t rx[2][LIKA_AM36_SSI_AM3619_4096_GG_RX_BYTES];
  *     uint32_t position;
- *     if (LIKA_AM36_SSI_READ_TWICE(AM3619_4096_GG, rx[0], rx[1], AT_MOST, &position) != CW_NOT_USABLE) {
+ *     if (LIKA_AM36_SSI_READ_TWICE(AM3619_4096_GG, rx[0], rx[1], AT_MOST, &position)
+ *         != CW_NOT_USABLE) {
  *         ... position ...
  *     }
  *
@@ -423,9 +424,9 @@ static inline double lika_am36_ssi_degrees(lika_am36_ssi variant, uint64_t posit
 
 /**
  * Read a position from two buffers, received in immediate succession with only the pause between
- * them, and store it if both agree, since no CRC protects a word.
+ * them, and store it if both agree, since no CRC protects a word. The axis can move by at_most
+ * counts in the meantime.
  *
- * @param at_most The maximum number of counts that the axis can move in the meantime.
  * @return The worse of the two verdicts, or CW_NOT_USABLE if the words disagree.
  */
 CW_NODISCARD

@@ -11,7 +11,8 @@
  *
  *     uint8_t rx[2][LIKA_AMM5_SSI_A23_65KBG1_RX_BYTES];
  *     uint64_t position;
- *     if (LIKA_AMM5_SSI_READ_TWICE(A23_65KBG1, rx[0], rx[1], AT_MOST, &position) != CW_NOT_USABLE) {
+ *     if (LIKA_AMM5_SSI_READ_TWICE(A23_65KBG1, rx[0], rx[1], AT_MOST, &position)
+ *         != CW_NOT_USABLE) {
  *         ... position ...
  *     }
  *
@@ -415,9 +416,9 @@ static inline double lika_amm5_ssi_degrees(lika_amm5_ssi variant, uint64_t posit
 
 /**
  * Read a position from two buffers, received in immediate succession with only the pause between
- * them, and store it if both agree, since no CRC protects a word.
+ * them, and store it if both agree, since no CRC protects a word. The axis can move by at_most
+ * counts in the meantime.
  *
- * @param at_most The maximum number of counts that the axis can move in the meantime.
  * @return The worse of the two verdicts, or CW_NOT_USABLE if the words disagree.
  */
 CW_NODISCARD

@@ -418,9 +418,9 @@ static inline double lika_asc85_ssi_degrees(lika_asc85_ssi variant, uint64_t pos
 
 /**
  * Read a position from two buffers, received in immediate succession with only the pause between
- * them, and store it if both agree, since no CRC protects a word.
+ * them, and store it if both agree, since no CRC protects a word. The axis can move by at_most
+ * counts in the meantime.
  *
- * @param at_most The maximum number of counts that the axis can move in the meantime.
  * @return The worse of the two verdicts, or CW_NOT_USABLE if the words disagree.
  */
 CW_NODISCARD
