@@ -115,22 +115,15 @@ def _samples(acknowledge: int) -> str:
     return f"static const uint8_t samples[] __attribute__((aligned(4))) = {{ {listed} }};\nstatic uint8_t rx[12];\n"
 
 
-def _to_position(receive: str) -> str:
-    return f"""static const {BISS.variant_type} *const encoder = &{BISS.variant};
-    {BISS.struct} frame;
-    uint64_t word;
-    if ({receive} != CW_OK || {BISS.decoder}(encoder, word, &frame) != CW_OK
-        || {BISS.decoder.replace("_decode", "_verdict")}(encoder, &frame) == CW_NOT_USABLE) {{
-        return 1U;
-    }}
-    *position = frame.position;
-    return 0U;"""
+def _to_position(size: str) -> str:
+    read = BISS.decoder.replace("_decode", "_read")
+    return f"return ({read}({BISS.variant}, rx, {size}, position) == CW_NOT_USABLE) ? 1U : 0U;"
 
 
 _POSITION_OUT = "static uint64_t position;\n"
 _FOUND = f"result == 0U && position == UINT64_C({POSITION:#x})"
 _HAND_FOUND = f"result == 0U && out.position == UINT64_C({POSITION:#x})"
-_RX = f"cw_biss_receive(rx, {BUFFER // 8}U, {BITS}U, &word)"
+_RX = f"{BUFFER // 8}U"
 _SSI_RX = f"static const uint8_t rx[] = {{ {_c_bytes('1' + f'{POSITION:039b}' + '0' * 8)} }};\n"
 _AXIS = """static cw_tracker axis = { 1U, 0U, 1000U, 0U, 250U, 1062500U, 0U, 0xFFFFFFFFU, 0xFFFFFFFFU,
     UINT64_C(0x8000000000), UINT64_C(0x7FFFFFFFFF), 0x7FFFFFFFFF, 100 };

@@ -215,17 +215,20 @@ static const uint8_t covered[] = {{ {_list(covered(frame))} }};""",
 
 def ours(frame: Frame) -> Iterator[Candidate]:
     """Yield our decoders: with the order code fixed at compile time, chosen at run time, and with a CRC table."""
-    arguments, parameters = ("word", _arguments(frame)) if frame.is_word else ("bytes, length", _arguments(frame))
-    passed = arguments if frame.is_word else "bytes, sizeof bytes"
+    parameters, received_frame = "const uint8_t *bytes, size_t length", "bytes, length"
+    passed = "bytes, sizeof bytes"
+    if frame.is_word:
+        # The length comes from the caller, so that the decoder must compare it.
+        parameters, received_frame = "uint64_t word, uint32_t length", "cw_word_of(word, length)"
+        passed = f"word, {frame.name.removeprefix('biss')}U"
     forms = {"ours, order code fixed": ""}
     if frame.is_word:
         forms["ours, fixed, table"] = f"#ifndef {frame.maker}_CRC_TABLE\n#define {frame.maker}_CRC_TABLE\n#endif\n"
     for name, macro in forms.items():
         head = f'{macro}#include "{frame.header}"\ncw_result decode_ours({parameters}, {frame.struct} *out);\n'
-        body = f"""static const {frame.variant_type} *const encoder = &{frame.variant};
-cw_result decode_ours({parameters}, {frame.struct} *out)
+        body = f"""cw_result decode_ours({parameters}, {frame.struct} *out)
 {{
-    return {frame.decoder}(encoder, {arguments}, out);
+    return {frame.decoder}({frame.variant}, {received_frame}, out);
 }}
 """
         yield Candidate(
@@ -236,11 +239,11 @@ cw_result decode_ours({parameters}, {frame.struct} *out)
             f"decode_ours({passed}, &out)",
             frame.good,
         )
-    signature = f"cw_result decode_ours(const {frame.variant_type} *variant, {parameters}, {frame.struct} *out)"
+    signature = f"cw_result decode_ours({parameters}, const {frame.variant_type} *variant, {frame.struct} *out)"
     head = f'#include "{frame.header}"\n{signature};\n'
     body = f"""{signature}
 {{
-    return {frame.decoder}(variant, {arguments}, out);
+    return {frame.decoder}(*variant, {received_frame}, out);
 }}
 """
     yield Candidate(
@@ -248,7 +251,7 @@ cw_result decode_ours({parameters}, {frame.struct} *out)
         "decode_ours",
         head + body,
         f"{head}static {frame.struct} out;\nstatic const {frame.variant_type} *const encoder = &{frame.variant};",
-        f"decode_ours(encoder, {passed}, &out)",
+        f"decode_ours({passed}, encoder, &out)",
         frame.good,
     )
 

@@ -276,11 +276,12 @@ def decoders_of_many() -> Candidates:
 
 PROGRAM = """
 #include "lika/amm5_biss.h"
-static const lika_amm5_biss *const encoder = &LIKA_AMM5_BISS_A21_65KSC1;
+static const uint32_t bits = LIKA_AMM5_BISS_A21_65KSC1_BITS;
 void many(const uint64_t *words, uint64_t *positions, uint8_t *faults, size_t count) {
     for (size_t at = 0; at < count; at++) {
         lika_amm5_biss_frame frame;
-        faults[at] = (uint8_t)lika_amm5_biss_decode(encoder, words[at], &frame);
+        const cw_word word = cw_word_of(words[at], bits);
+        faults[at] = (uint8_t)lika_amm5_biss_decode(LIKA_AMM5_BISS_A21_65KSC1, word, &frame);
         positions[at] = frame.position;
     }
 }

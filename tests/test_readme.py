@@ -42,11 +42,14 @@ def test_its_python(generated_python: tuple[Path, ModuleType]) -> None:
 @pytest.mark.slow
 def test_its_c_compiles(tmp_path: Path) -> None:
     """The statements of the block, in a function that calls them with a valid frame, find its position."""
+    # The line is high, then low until the start bit. The CDS bit and 45 bits follow, and the stop bit.
+    line = f"1100001{0}{0xF4243D3:045b}0".ljust(96, "1")
+    received = ", ".join(f"0x{byte:02X}U" for byte in int(line, 2).to_bytes(12, "big"))
     program = (
         '#include <stdio.h>\n#include "lika/amm5_biss.h"\n'
         'static void use(uint64_t position) { printf("%u\\n", (unsigned)position); }\n'
         "int main(void)\n{\n"
-        f"    const uint64_t word = 0xF4243D3U;\n{_block('c')}    return 0;\n}}\n"
+        f"{_block('c').replace(';', f' = {{ {received} }};', 1)}    return 0;\n}}\n"
     )
     (tmp_path / "front.c").write_text(program, encoding="utf-8")
     include = ROOT / "generated" / "c" / "include"

@@ -59,7 +59,7 @@ C = Panel(
     460,
     (
         "uint64_t position;",
-        "if (lika_amm5_biss_position(encoder, word,",
+        "if (LIKA_AMM5_BISS_READ(A21_65KSC1, rx,",
         "        &position) != CW_NOT_USABLE) {",
     ),
 )

@@ -25,8 +25,8 @@
 #include "tolvarn/tv62_biss_registers.h"
 #include "tolvarn/tv62_biss_simulate.h"
 
-static const lika_amm5_biss *const amm5 = &LIKA_AMM5_BISS_A21_1SC1;
-static const tolvarn_tv62_biss *const tv62 = &TOLVARN_TV62_BISS_M17_B1;
+#define amm5 LIKA_AMM5_BISS_A21_1SC1
+#define tv62 TOLVARN_TV62_BISS_M17_B1
 
 /* IDs in the chain: ID 0 is the slave farthest from the master. */
 #define AMM5_ID 0U
@@ -123,9 +123,11 @@ static cw_verdict show_positions(uint64_t amm5_word, uint64_t tv62_word)
     lika_amm5_biss_frame first;
     tolvarn_tv62_biss_position_data second;
     cw_verdict worse = CW_NOT_USABLE;
-    cw_result result = lika_amm5_biss_decode(amm5, amm5_word, &first);
+    cw_result result = lika_amm5_biss_decode(
+        amm5, cw_word_of(amm5_word, lika_amm5_biss_bits(amm5)), &first);
     if (result == CW_OK) {
-        result = tolvarn_tv62_biss_position_data_decode(tv62, tv62_word, &second);
+        result = tolvarn_tv62_biss_position_data_decode(
+            tv62, cw_word_of(tv62_word, tolvarn_tv62_biss_position_data_bits(tv62)), &second);
     }
     if (result == CW_OK) {
         const cw_verdict one = lika_amm5_biss_verdict(amm5, &first);

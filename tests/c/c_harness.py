@@ -214,6 +214,14 @@ def answers(codec: StructCodec) -> str:
     return "".join(f"{question.type}_taken, " for question in codec.alternatives)
 
 
+def word_of(codec: StructCodec) -> str:
+    """Return the word that a decoder takes, from its number in ``text``. If that is too high, the word is too long."""
+    if not codec.word_has_length:
+        return "number(text)"
+    taken = "".join(f", {question.type}_taken" for question in codec.length_alternatives)
+    return f"cw_word_of(number(text), {codec.name}_bits(variant{taken}))"
+
+
 def short(view: DeviceView, codec: StructCodec) -> str:
     """Return the name of a layout, or ``reg_`` and the name of a register."""
     return codec.struct.layout.name if codec.struct.register is None else codec.name.removeprefix(view.prefix + "_")
@@ -246,7 +254,7 @@ def _codec_parts(view: DeviceView) -> Iterator[tuple[str, str, str]]:
 
 def _select(view: DeviceView, kind: str, function: str) -> str:
     prefix = view.interface.prefix
-    return f"""static void select_{kind}(const {view.prefix} *variant, char *text)
+    return f"""static void select_{kind}({view.prefix} variant, char *text)
 {{
     uint8_t b[64];
     const size_t n = bytes_of(text, b);
@@ -263,7 +271,7 @@ def _procedure_parts(view: DeviceView) -> Iterator[tuple[str, str, str]]:
     for procedure in view.procedures:
         name = procedure.run.procedure.name
         fetch = _steps_with_arguments(procedure) if procedure.arguments else _steps(procedure)
-        yield "steps", name, f"static void steps_{name}(const {view.prefix} *variant, char *text)\n{{\n{fetch}}}\n"
+        yield "steps", name, f"static void steps_{name}({view.prefix} variant, char *text)\n{{\n{fetch}}}\n"
 
 
 def _steps_with_arguments(procedure: ProcedureCode) -> str:
@@ -388,7 +396,7 @@ def crcs(view: DeviceView) -> dict[str, str]:
 
 
 def _crc(view: DeviceView, name: str, fetch: str, call: str) -> str:
-    return f"""static void crc_{name}(const {view.prefix} *variant, char *text)
+    return f"""static void crc_{name}({view.prefix} variant, char *text)
 {{
     (void)variant;
     {fetch}printf("0 %llu\\n", (unsigned long long){call});
@@ -411,7 +419,7 @@ def _call(view: DeviceView, function: Numeric, name: str) -> str:
         function.type, ("%llu", "unsigned long long")
     )
     declare = f"    char *item[{len(types)}];\n" if types else ""
-    return f"""static void measure_{name}(const {view.prefix} *variant, char *text)
+    return f"""static void measure_{name}({view.prefix} variant, char *text)
 {{
 {declare}    (void)text;
 {reads}    printf("0 {show}\\n", ({cast}){function.name}(variant{argument_list}));
@@ -421,8 +429,8 @@ def _call(view: DeviceView, function: Numeric, name: str) -> str:
 
 def _decoded(view: DeviceView, codec: StructCodec, verb: str, name: str, then: str) -> str:
     """Return a function that decodes, prints the result and, if there is no error, prints ``then`` of ``out``."""
-    decode_arguments = answers(codec) + ("number(text)" if not codec.plan.in_bytes else "b, bytes_of(text, b)")
-    return f"""static void {verb}_{name}(const {view.prefix} *variant, char *text)
+    decode_arguments = answers(codec) + ("b, bytes_of(text, b)" if codec.plan.in_bytes else word_of(codec))
+    return f"""static void {verb}_{name}({view.prefix} variant, char *text)
 {{
     {"" if not codec.plan.in_bytes else "uint8_t b[64];"}
     {codec.type} out;
@@ -451,15 +459,16 @@ def _report_branch(view: DeviceView, codec: StructCodec, name: str) -> str:
 
 def _position(view: DeviceView, codec: StructCodec) -> str:
     """The short way gives the same verdict and position as the long one, and stores only usable positions."""
-    if codec.name != view.prefix or not view.measured:
+    if not codec.measured:
         return ""
-    decode_arguments = answers(codec) + ("number(text)" if not codec.plan.in_bytes else "b, bytes_of(text, b)")
-    wrong_length = "b, 0U" if codec.plan.in_bytes else "~(uint64_t)0U"
+    decode_arguments = answers(codec) + ("b, bytes_of(text, b)" if codec.plan.in_bytes else word_of(codec))
+    all_ones = "cw_word_of(~(uint64_t)0U, 64U)" if codec.word_has_length else "~(uint64_t)0U"
+    wrong_length = "b, 0U" if codec.plan.in_bytes else all_ones
     return f"""
-        {codec.struct.member_type(view.measured)} position = 0x5A;
+        {codec.struct.member_type(codec.measured)} position = 0x5A;
         const cw_verdict verdict = {codec.name}_position(variant, {decode_arguments}, &position);
         if (verdict != {codec.name}_verdict(variant, &out)
-            || position != (verdict == CW_NOT_USABLE ? 0x5A : out.{c_name(view.measured)})) {{
+            || position != (verdict == CW_NOT_USABLE ? 0x5A : out.{c_name(codec.measured)})) {{
             abort();
         }}
         if ({codec.name}_position(variant, {answers(codec)}{wrong_length}, &position) != CW_NOT_USABLE) {{
@@ -468,7 +477,7 @@ def _position(view: DeviceView, codec: StructCodec) -> str:
 
 
 def _text(view: DeviceView) -> str:
-    return f"""static void text_of(const {view.prefix} *variant, char *text)
+    return f"""static void text_of({view.prefix} variant, char *text)
 {{
     const cw_report_text *const found = {view.reports.text}(({view.reports.mask})number(text));
     (void)variant;
@@ -484,7 +493,7 @@ def _candidates(view: DeviceView, identity: IdentityCode) -> str:
         name = c_name(part.register.name)
         reads += f'    bytes_of(strtok({start}, " "), b);\n    memcpy(read.{name}, b, sizeof read.{name});\n'
         start = "NULL"
-    return f"""static void candidates_of(const {view.prefix} *variant, char *text)
+    return f"""static void candidates_of({view.prefix} variant, char *text)
 {{
     uint8_t b[64];
     {identity.prefix}_identity read;
@@ -502,7 +511,7 @@ def _candidates(view: DeviceView, identity: IdentityCode) -> str:
 
 def _branch(verb: str, name: str) -> str:
     return f"""        if (strcmp(verb, "{verb}") == 0 && strcmp(name, "{name}") == 0) {{
-            {verb}_{name}(&variant, rest);
+            {verb}_{name}(variant, rest);
             continue;
         }}
 """
@@ -511,11 +520,11 @@ def _branch(verb: str, name: str) -> str:
 def _decode(view: DeviceView, codec: StructCodec, name: str) -> str:
     prints = "".join(map(_print, members(codec)))
     call = (
-        f"{codec.name}_decode(variant, {answers(codec)}number(text), &out)"
+        f"{codec.name}_decode(variant, {answers(codec)}{word_of(codec)}, &out)"
         if not codec.plan.in_bytes
         else f"{codec.name}_decode(variant, {answers(codec)}b, bytes_of(text, b), &out)"
     )
-    return f"""static void decode_{name}(const {view.prefix} *variant, char *text)
+    return f"""static void decode_{name}({view.prefix} variant, char *text)
 {{
     {"" if not codec.plan.in_bytes else "uint8_t b[64];"}
     {codec.type} out;
@@ -562,7 +571,7 @@ def _encode(view: DeviceView, codec: StructCodec, name: str) -> str:
         reads += f'    item = strtok({"NULL" if reads else "text"}, " ");\n{_read(member)}'
     call = _encode_bytes(codec) if codec.plan.in_bytes else _encode_word(codec)
     setters = "".join(_set_again(codec, set_name) for set_name in codec.set_names)
-    return f"""static void encode_{name}(const {view.prefix} *variant, char *text)
+    return f"""static void encode_{name}({view.prefix} variant, char *text)
 {{
     char *item;
     {"uint8_t c[64];" if any(member.characters for member in members(codec)) else ""}

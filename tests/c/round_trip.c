@@ -20,22 +20,25 @@ static void check(cw_result result)
     }
 }
 
-static void biss(uint64_t word)
+static void biss(uint64_t number)
 {
-    const lika_amm5_biss *const encoder = &LIKA_AMM5_BISS_A21_65KSC1;
+    const lika_amm5_biss encoder = LIKA_AMM5_BISS_A21_65KSC1;
+    const cw_word word = cw_word_of(number, LIKA_AMM5_BISS_A21_65KSC1_BITS);
+    const cw_word disturbed = cw_word_of(number ^ 0x100U, LIKA_AMM5_BISS_A21_65KSC1_BITS);
     lika_amm5_biss_frame frame;
     uint64_t position = 0U;
     uint64_t again = 0U;
     const cw_verdict verdict = lika_amm5_biss_position(encoder, word, &position);
-    const cw_result damaged = lika_amm5_biss_decode(encoder, word ^ 0x100U, &frame);
+    const cw_result damaged = lika_amm5_biss_decode(encoder, disturbed, &frame);
     check(lika_amm5_biss_decode(encoder, word, &frame));
     check(lika_amm5_biss_encode(encoder, &frame, &again));
     printf("biss %d %llu %d %llX\n", (int)verdict, (unsigned long long)position, (int)damaged, (unsigned long long)again);
 }
 
-static void ssi(uint64_t word)
+static void ssi(uint64_t number)
 {
-    const lika_am36_ssi *const encoder = &LIKA_AM36_SSI_AM3616_4096_GG;
+    const cw_word word = cw_word_of(number, LIKA_AM36_SSI_AM3616_4096_GG_BITS);
+    const lika_am36_ssi encoder = LIKA_AM36_SSI_AM3616_4096_GG;
     lika_am36_ssi_frame frame;
     uint32_t position = 0U;
     uint64_t again = 0U;
@@ -48,7 +51,7 @@ static void ssi(uint64_t word)
 
 static void rs485(const uint8_t *bytes)
 {
-    const lika_amm5_rs485 *const encoder = &LIKA_AMM5_RS485_A23_65KJP1;
+    const lika_amm5_rs485 encoder = LIKA_AMM5_RS485_A23_65KJP1;
     const lika_amm5_rs485_data_request request = { LIKA_AMM5_RS485_DATA_ID_SINGLETURN };
     lika_amm5_rs485_singleturn_reply reply;
     uint8_t sent[1] = { 0U };
@@ -73,7 +76,7 @@ static void rs485(const uint8_t *bytes)
 
 static void spi(const uint8_t *received, const uint8_t *diaagc)
 {
-    const ams_as5047p_spi *const encoder = &AMS_AS5047P_SPI_AS5047P;
+    const ams_as5047p_spi encoder = AMS_AS5047P_SPI_AS5047P;
     const ams_as5047p_spi_position_request request = { 0U };
     ams_as5047p_spi_position reply;
     ams_as5047p_spi_reg_diaagc gain;

@@ -395,15 +395,15 @@ PROGRAM = """#include "ichaus/icmu_biss.h"
 #include <stdio.h>
 int main(void)
 {
-    static const lika_am36_biss *const am36 = &LIKA_AM36_BISS_AM3616_4096_I7;
-    static const lika_amm5_biss *const amm5 = &LIKA_AMM5_BISS_A21_65KSC1;
-    static const lika_sma21_biss *const sma21 = &LIKA_SMA21_BISS_SC1_0050;
+    const lika_am36_biss am36 = LIKA_AM36_BISS_AM3616_4096_I7;
+    const lika_amm5_biss amm5 = LIKA_AMM5_BISS_A21_65KSC1;
+    const lika_sma21_biss sma21 = LIKA_SMA21_BISS_SC1_0050;
     static const cw_transport none = { NULL, NULL, NULL, NULL, NULL, 0U, 0U };
     static const lika_am36_biss_reg_information_per_revolution steps = { 0x1000000U };
     static const lika_am36_biss_reg_number_of_revolutions turns = { 0U };
     static const lika_am36_biss_reg_preset beyond = { UINT64_C(0x1000000000) };
     static const lika_amm5_biss_reg_preset disagreeing = { 1U, 2U, 3U };
-    static const ichaus_icmu_biss *const icmu = &ICHAUS_ICMU_BISS_IC_MU_16_0;
+    const ichaus_icmu_biss icmu = ICHAUS_ICMU_BISS_IC_MU_16_0;
     static const ichaus_icmu_biss_reg_bank bank = { 32U };
     static const ichaus_icmu_biss_reg_output_length zeros = { 8U, 0U };
     static const ichaus_icmu_biss_reg_output_selection lowest

@@ -184,16 +184,16 @@ int main(void)
     uint64_t position = 0U;
     lika_amm5_rs485_complete_reply reply;
     cw_failure failure = { 0U, CW_STEP_READ, CW_STEP_READ, 0U, 0, false };
-    printf("%d %lu\\n", (int)read_encoder(0xFBU, &position), (unsigned long)position);
+    printf("%d %lu\\n", (int)decode_frame(cw_word_of(0xFBU, 45U), &position), (unsigned long)position);
     /* 1,000,003 with error and warning active, with the warning alone, and with neither; the CRC is right each time. */
-    printf("%d %lu\\n", (int)read_encoder(0xF424316U, &position), (unsigned long)position);
+    printf("%d %lu\\n", (int)decode_frame(cw_word_of(0xF424316U, 45U), &position), (unsigned long)position);
     position = 0U;
-    printf("%d", (int)read_encoder(0xF424390U, &position));
+    printf("%d", (int)decode_frame(cw_word_of(0xF424390U, 45U), &position));
     printf(" %lu\\n", (unsigned long)position);
     position = 0U;
-    printf("%d", (int)read_encoder(0xF4243D3U, &position));
+    printf("%d", (int)decode_frame(cw_word_of(0xF4243D3U, 45U), &position));
     printf(" %lu\\n", (unsigned long)position);
-    printf("%d", (int)read_encoder(@biss@U, &position));
+    printf("%d", (int)decode_frame(cw_word_of(@biss@U, 45U), &position));
     printf(" %lu\\n", (unsigned long)position);
     printf("%d", (int)ssi_position(&position));
     (void)memcpy(ssi_rx[0], ssi_sent, sizeof ssi_sent);
@@ -202,7 +202,7 @@ int main(void)
     printf(" %lu", (unsigned long)position);
     ssi_rx[1][1] ^= 1U;
     printf(" %d\\n", (int)ssi_position(&position));
-    printf("%d %d", (int)biss_position(&position), (int)rs485_ask(0U));
+    printf("%d %d", (int)read_encoder(&position), (int)rs485_ask(0U));
     for (unsigned index = 0U; index < sizeof reply_sent; index++) {
         printf(" %d", (int)rs485_received(reply_sent[index], &reply));
     }
@@ -218,7 +218,7 @@ int main(void)
 def test_the_readme_compiles_and_prints(include: Path, tmp_path: Path) -> None:
     readme = (include.parent / "README.md").read_text()
     code = re.findall(r"```c\n(.*?)```", readme, re.DOTALL)
-    assert len(code) == 6
+    assert len(code) == 7
     # The 1 before an SSI word, 39 bits, and zeros. A reply of AMM5 7.3 after a foreign byte: turn 1, ENID 23h, XOR.
     sent_words = {"ssi": (1 << 39 | 42 << 23 | 6016277) << 8, "biss": 0x55BCD15E2}
     reply = bytes((0x1A, 0x00, *(7000519).to_bytes(3, "little"), 0x23, 1, 0, 0, 0))
@@ -227,7 +227,7 @@ def test_the_readme_compiles_and_prints(include: Path, tmp_path: Path) -> None:
         "@biss@", hex(sent_words["biss"])
     )
     main = main.replace("@reply@", ", ".join(map(str, reply)))
-    assert f"word `0x{sent_words['biss']:X}` of that program, `read_encoder` stores {42 << 21 | 1821973}." in readme
+    assert f"word `0x{sent_words['biss']:X}` of that program, `decode_frame` stores {42 << 21 | 1821973}." in readme
     program = compile_c(["gcc", "-std=c99"], "".join(code) + main, tmp_path, include)
     written = ("11 00", "12 30", "13 24", "14 F4", "15 00", "16 00", "17 00")
     read = [f"r {line[:2]} 1" for line in written]
@@ -247,12 +247,12 @@ def test_a_constant_variant_costs_nothing(include: Path, tmp_path: Path) -> None
     """If the order code is chosen at compile time, neither a variant nor a call remains in the object."""
     require(["objdump"])
     code = """#include "lika/amm5_biss.h"
-static const lika_amm5_biss *const encoder = &LIKA_AMM5_BISS_A21_65KSC1;
+#define encoder LIKA_AMM5_BISS_A21_65KSC1
 uint64_t position(uint64_t word);
 uint64_t position(uint64_t word)
 {
     lika_amm5_biss_frame frame;
-    return lika_amm5_biss_decode(encoder, word, &frame) == CW_OK ? frame.position : UINT64_MAX;
+    return lika_amm5_biss_decode(encoder, cw_word_of(word, 45U), &frame) == CW_OK ? frame.position : UINT64_MAX;
 }
 """
     compile_c(["gcc", "-std=c99", "-O2"], code, tmp_path, include, link=False)
@@ -400,8 +400,8 @@ _CONSTANTS_C = """#include "lika/amm5_biss.h"
 #include <stdio.h>
 int main(void)
 {
-    static const lika_amm5_biss *const variants[3] = {
-        &LIKA_AMM5_BISS_A17_65KSC1, &LIKA_AMM5_BISS_A21_65KSC1, &LIKA_AMM5_BISS_B23_1SC1
+    const lika_amm5_biss variants[3] = {
+        LIKA_AMM5_BISS_A17_65KSC1, LIKA_AMM5_BISS_A21_65KSC1, LIKA_AMM5_BISS_B23_1SC1
     };
     static const uint8_t id[6] = { 0x41, 0x4D, 0x4D, 0x35, 0x01, 0x02 };
     static const uint8_t other[6] = { 0x41, 0x4D, 0x4D, 0x36, 0x01, 0x02 };
@@ -468,7 +468,7 @@ def test_another_encoder_id_is_decoded_and_not_as_expected(include: Path, tmp_pa
 #include <stdio.h>
 int main(void)
 {
-    static const lika_amm5_rs485 *const encoder = &LIKA_AMM5_RS485_A23_65KJP1;
+    const lika_amm5_rs485 encoder = LIKA_AMM5_RS485_A23_65KJP1;
     static uint8_t other[11] = { 0x1A, 0x00, 0xA5, 0xA5, 0x00, 0x17, 0x88, 0x88, 0x00, 0x00, 0x0D };
     static const uint8_t alone[4] = { 0x92, 0x00, 0x23, 0xB1 };
     lika_amm5_rs485_complete_reply reply;

@@ -88,13 +88,13 @@ def test_operations_within_others_stand_in_parentheses(tree: Expr, text: str) ->
     ("text", "unsigned", "signed"),
     [
         ("5", "5U", "5"),
-        ("set + 3", "3U + variant->set", "3 + (int64_t)variant->set"),
-        ("set - 3", "(uint32_t)variant->set - 3U", "(-3) + (int64_t)variant->set"),
-        ("2^set - 1", "cw_mask(variant->set)", "(int64_t)cw_mask(variant->set)"),
-        ("2^set", "(uint64_t)1U << variant->set", "1 + (int64_t)cw_mask(variant->set)"),
-        ("set * set", "(uint32_t)variant->set * variant->set", "(int64_t)((uint32_t)variant->set * variant->set)"),
+        ("set + 3", "3U + variant.set", "3 + (int64_t)variant.set"),
+        ("set - 3", "(uint32_t)variant.set - 3U", "(-3) + (int64_t)variant.set"),
+        ("2^set - 1", "cw_mask(variant.set)", "(int64_t)cw_mask(variant.set)"),
+        ("2^set", "(uint64_t)1U << variant.set", "1 + (int64_t)cw_mask(variant.set)"),
+        ("set * set", "(uint32_t)variant.set * variant.set", "(int64_t)((uint32_t)variant.set * variant.set)"),
         ("other", "m_d_other(variant)", "(int64_t)m_d_other(variant)"),
-        ("4 - set", "4U - variant->set", "4 - (int64_t)variant->set"),
+        ("4 - set", "4U - variant.set", "4 - (int64_t)variant.set"),
     ],
 )  # fmt: skip
 def test_parameters_are_members_of_the_variant_or_functions_of_it(text: str, unsigned: str, signed: str) -> None:

@@ -80,11 +80,11 @@ CASE = """        if ((code[0] == '{first}') && (code[1] == '{second}')) {{
             result = {upper}_RECEIVE({code}, rx, bytes);
             printf("%d", (int)result);
             if (result == CW_OK) {{
-                result = {name}_decode(&{stem}, bytes, sizeof(bytes), &frame);
+                result = {name}_decode({stem}, bytes, sizeof(bytes), &frame);
                 printf(" %d", (int)result);
             }}
             if (result == CW_OK) {{
-                const cw_verdict verdict = {name}_position(&{stem}, bytes, sizeof(bytes), &position);
+                const cw_verdict verdict = {name}_position({stem}, bytes, sizeof(bytes), &position);
                 printf(" %d %llu {forms}", (int)verdict, (unsigned long long)position, {members});
             }}
             printf("\\n");
@@ -264,7 +264,7 @@ def test_the_example_of_an_interface_with_words_and_bytes(tmp_path: Path) -> Non
     include = write(tmp_path, devices_of(tmp_path))
     header = " ".join((include / "test" / "long_ssi.h").read_text(encoding="ascii").replace("\n * ", " ").split())
     assert "Lengths for receive.h and receive_frame.h by order code: bits in ssi_short, ssi_word" in header
-    assert "The word comes from a master for SSI." in header
+    assert "A master for SSI that gives you a number needs test_long_ssi_ssi_short_position." in header
     for program in sorted((tmp_path / "c" / "examples").glob("*.c")):
         command = ["gcc", "-std=c99", *WARNINGS, "-Werror", f"-I{include}", str(program), "-o", str(tmp_path / "made")]
         subprocess.run(command, check=True)

@@ -58,8 +58,8 @@ static void draw(bool cds)
     unsigned at;
     memset(&frame, 0, sizeof frame);
     frame.error = false;
-    if (lika_amm5_biss_set_position(encoder, shown(), &frame) != CW_OK
-        || lika_amm5_biss_encode(encoder, &frame, &word) != CW_OK) { abort(); }
+    if (lika_amm5_biss_set_position(LIKA_AMM5_BISS_A21_65KSC1, shown(), &frame) != CW_OK
+        || lika_amm5_biss_encode(LIKA_AMM5_BISS_A21_65KSC1, &frame, &word) != CW_OK) { abort(); }
     memset(rx, 0, sizeof rx);
     rx[0] = 0xC2U | (cds ? 1U : 0U); /* rest, an acknowledge of four bits, start, CDS */
     for (at = 0U; at < 45U; at++) {

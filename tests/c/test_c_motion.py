@@ -422,7 +422,7 @@ def test_the_result_of_the_tracker_may_be_left(include: Path, tmp_path: Path) ->
 #include "codewheel/tracker.h"
 int main(void)
 {
-    static const lika_amm5_biss *const encoder = &LIKA_AMM5_BISS_A23_65KSC1;
+    const lika_amm5_biss encoder = LIKA_AMM5_BISS_A23_65KSC1;
     static cw_tracker axis;
     const cw_tracker_config config = { lika_amm5_biss_modulus(encoder), 838860800U, 0U, 0U, 0U };
     cw_tracker_start(&axis, &config, 0U);

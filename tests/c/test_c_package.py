@@ -141,7 +141,7 @@ def test_a_program_looks_at_the_error_bit(package: Path) -> None:
     path = package / "examples" / "amm5_biss.c"
     text = path.read_text(encoding="ascii")
     assert f"that is {1821973 / 2**21 * 360:.3f} degrees" in compile_and_run(package, "amm5_biss")[1]
-    (made_up,) = re.findall(r"return UINT64_C\((0x[0-9A-F]+)\);", text)
+    (made_up,) = re.findall(r"return cw_word_of\(UINT64_C\((0x[0-9A-F]+)\),", text)
     faulty = package / "examples" / "amm5_biss_faulty.c"
     # Both bits are 0, and the 6-bit CRC matches these 39 bits.
     data = int(made_up, 16) >> 8 << 2

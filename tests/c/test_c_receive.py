@@ -596,7 +596,7 @@ def test_the_constants_are_what_the_functions_say(
             decisions = decided(view.device, reception)
             arguments = [f", {view.PREFIX}_{question.name}_{answer.name}".upper() for question, answer in decisions]
             stem = "_".join((macro, *(answer.name for answer in reception.answers))).upper()
-            lines.append(f"    wrong += {view.prefix}_bits(&{macro}{''.join(arguments)}) != {stem}_BITS;")
+            lines.append(f"    wrong += {view.prefix}_bits({macro}{''.join(arguments)}) != {stem}_BITS;")
             count += 1
     lines += ["    return wrong;", "}"]
     program = compile_c(GCC, "\n".join(lines) + "\n", tmp_path, include)

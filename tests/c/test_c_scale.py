@@ -31,9 +31,9 @@ int main(void)
     rls_orbis_serial_rs485_temperature_reply reply;
     infineon_tle5012b_spi_reg_fsync reg;
     if (rls_orbis_serial_rs485_temperature_reply_decode(
-            &RLS_ORBIS_SERIAL_RS485_ORBISSERIAL_14, bytes, sizeof(bytes), &reply) != CW_OK
+            RLS_ORBIS_SERIAL_RS485_ORBISSERIAL_14, bytes, sizeof(bytes), &reply) != CW_OK
         || infineon_tle5012b_spi_reg_fsync_decode(
-            &INFINEON_TLE5012B_SPI_TLE5012B, fsync, sizeof(fsync), &reg) != CW_OK) {
+            INFINEON_TLE5012B_SPI_TLE5012B, fsync, sizeof(fsync), &reg) != CW_OK) {
         return 1;
     }
     printf("%d %lld\\n", reply.temperature, (long long)ORBIS(reply.temperature));

@@ -26,6 +26,15 @@ WARNINGS = "-Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -Wshadow -We
 PRINTED = """
 #include <array>
 
+constexpr cw_word biss(uint64_t value)
+{
+    return cw_word_of(value, LIKA_SMA21_BISS_SC1_0010_BITS);
+}
+constexpr cw_word ssi(uint64_t value)
+{
+    return cw_word_of(value, LIKA_SMA21_SSI_BG1_0050_BITS);
+}
+
 // T-format request, reply and CRC, AMM5 7.4.2 and 7.6, and a reply that another receiver printed.
 constexpr auto request = lika::amm5_rs485::data_request_encode(
     LIKA_AMM5_RS485_A23_65KJP1, {LIKA_AMM5_RS485_DATA_ID_SINGLETURN});
@@ -47,24 +56,24 @@ static_assert(lika::sma21_rs485::position_reply_verdict(LIKA_SMA21_RS485_JP1_000
               codewheel::verdict::usable);
 
 // Words of 22 bits, timonburkard/BiSS_Bridge: 192458 with CRC 28, and 74565 with an active error and CRC 11.
-constexpr auto captured = lika::sma21_biss::position(LIKA_SMA21_BISS_SC1_0010, (192458ULL << 2 | 3) << 6 | 28);
+constexpr auto captured = lika::sma21_biss::position(LIKA_SMA21_BISS_SC1_0010, biss((192458ULL << 2 | 3) << 6 | 28));
 static_assert(captured && captured.position == 192458 && captured.verdict == codewheel::verdict::usable);
-constexpr auto faulty = lika::sma21_biss::position(LIKA_SMA21_BISS_SC1_0010, (74565ULL << 2 | 1) << 6 | 11);
+constexpr auto faulty = lika::sma21_biss::position(LIKA_SMA21_BISS_SC1_0010, biss((74565ULL << 2 | 1) << 6 | 11));
 static_assert(!faulty && faulty.error == codewheel::fault::none && faulty.position == 0);
 
 // 123 counts are 6.15 mm, SMA21 5.2; in Gray code 123 is 70. The error bit 1 is inactive.
-constexpr auto length = lika::sma21_ssi::position(LIKA_SMA21_SSI_GG1_0050, 70 << 1 | 1);
+constexpr auto length = lika::sma21_ssi::position(LIKA_SMA21_SSI_GG1_0050, ssi(70U << 1 | 1U));
 static_assert(length && length.position == 123);
-static_assert(lika_sma21_ssi_micrometres(&LIKA_SMA21_SSI_GG1_0050, length.position) == 6150);
+static_assert(lika_sma21_ssi_micrometres(LIKA_SMA21_SSI_GG1_0050, length.position) == 6150);
 """
 
 #: Errors, each found at compile time.
 WRONG = """
-constexpr auto disturbed = lika::sma21_biss::decode(LIKA_SMA21_BISS_SC1_0010, (192458ULL << 2 | 3) << 6 | 29);
+constexpr auto disturbed = lika::sma21_biss::decode(LIKA_SMA21_BISS_SC1_0010, biss((192458ULL << 2 | 3) << 6 | 29));
 static_assert(!disturbed && disturbed.error() == codewheel::fault::crc && disturbed->position == 0);
-constexpr auto rejected = lika::sma21_biss::position(LIKA_SMA21_BISS_SC1_0010, (192458ULL << 2 | 3) << 6 | 29);
+constexpr auto rejected = lika::sma21_biss::position(LIKA_SMA21_BISS_SC1_0010, biss((192458ULL << 2 | 3) << 6 | 29));
 static_assert(!rejected && rejected.error == codewheel::fault::crc);
-constexpr auto wide = lika::sma21_ssi::decode(LIKA_SMA21_SSI_BG1_0050, 1ULL << 21);
+constexpr auto wide = lika::sma21_ssi::decode(LIKA_SMA21_SSI_BG1_0050, ssi(1ULL << 21));
 static_assert(wide.error() == codewheel::fault::length);
 static_assert(lika::sma21_rs485::position_reply_decode(LIKA_SMA21_RS485_JP1_0005, {printed, 6}).error() ==
               codewheel::fault::length);
@@ -98,6 +107,9 @@ def _assertions_of_layout(table: Table, view: DeviceView, codec: StructCodec, ra
             if codec.plan.in_bytes:
                 listed = ", ".join(f"0x{byte:02X}" for byte in bytes.fromhex(wire))
                 frame = f"codewheel::buffer<{len(wire) // 2}>{{{{{listed}}}}}"
+            elif codec.word_has_length:
+                taken = "".join(f", {choice.enumeration.entries[0].name}" for choice in codec.length_alternatives)
+                frame = f"cw_word_of({frame}, {codec.name}_bits({row.macro}{taken}))"
             values = zip(numbers, table.row(name, placed, number).split(), strict=True)
             numeric = [(name, value) for name, value in values if not isinstance(kinds.get(name.rstrip("_")), Text)]
             claims = [f"static_cast<int64_t>(f->{name}) == INT64_C({value})" for name, value in numeric]
@@ -142,7 +154,7 @@ def test_other_forms_of_the_crc_too(option: str, program: str, include: Path, tm
         ("== 7000519", "== 7000520"),
         ("0x6A, 0x5E", "0x6A, 0x5F"),
         ("static_assert(!disturbed", "static_assert(disturbed"),
-        ("LIKA_SMA21_BISS_SC1_0010, (192458ULL", "LIKA_SMA21_SSI_BG1_0010, (192458ULL"),
+        ("LIKA_SMA21_BISS_SC1_0010, biss(", "LIKA_SMA21_SSI_BG1_0010, (192458ULL"),
         ("static_assert(!rejected", "static_assert(rejected"),
     ],
 )
@@ -169,7 +181,9 @@ def test_the_readme(command: str, include: Path, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("command", mostly_exhaustive(COMPILERS[::2], COMPILERS[0]))
 def test_a_result_that_is_not_looked_at_is_a_warning(command: str, include: Path, tmp_path: Path) -> None:
-    text = '#include "lika/amm5_biss.hpp"\nvoid f();\nvoid f() { lika::amm5_biss::@(LIKA_AMM5_BISS_A17_1SC1, 0); }\n'
+    text = (
+        '#include "lika/amm5_biss.hpp"\nvoid f();\nvoid f() { lika::amm5_biss::@(LIKA_AMM5_BISS_A17_1SC1, {0, 25}); }\n'
+    )
     for name in ("decode", "position"):
         status, output = compiled(command, text.replace("@", name), include, tmp_path)
         assert status != 0

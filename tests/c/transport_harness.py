@@ -289,7 +289,7 @@ def _state(view: DeviceView) -> str:
 int state(const cw_transport *transport, const char *code, uint8_t *data, cw_failure *failure);
 int state(const cw_transport *transport, const char *code, uint8_t *data, cw_failure *failure)
 {{
-    {view.prefix} copy = *variant_of(code);
+    {view.prefix} copy = variant_of(code);
     const cw_result result = {view.read_state}(transport, &copy, failure);
     data[0] = 8U * {len(names)}U;
 {members}    return (int)result;
@@ -432,14 +432,14 @@ _HEAD = r"""
 #include <stdlib.h>
 #include <string.h>
 
-static inline const @prefix@ *variant_of(const char *code)
+static inline @prefix@ variant_of(const char *code)
 {
     uint32_t unlisted;
     const @prefix@_order_code *const found = @prefix@_find_order_code(code, &unlisted);
     if (found == NULL) {
         abort();
     }
-    return &found->variant;
+    return found->variant;
 }
 
 static inline void fill(uint8_t *data, cw_result result, const void *bytes, size_t length)

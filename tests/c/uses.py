@@ -7,7 +7,7 @@ warn about.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -25,6 +25,8 @@ class Declared:
 
     functions: tuple[tuple[str, str, str], ...]
     macros: Sequence[tuple[str, str]]
+    #: The names of macros with arguments.
+    function_macros: Set[str]
     enumerators: tuple[str, ...]
     #: Order codes: type and name of each.
     constants: tuple[tuple[str, str], ...]
@@ -67,7 +69,7 @@ def without_nodiscard(code: str) -> str:
 
 
 #: Macros with arguments: a length at compile time, and a check that can be omitted.
-_WITH_ARGUMENTS = ("_RECEIVE", "CW_ASSERT")
+_WITH_ARGUMENTS = ("_RECEIVE", "_READ", "_READ_BYTES", "_READ_TWICE", "CW_ASSERT")
 #: Macros that are keywords of the language.
 _WORDS = ("CW_CONSTEXPR", "CW_CONST")
 
@@ -83,7 +85,7 @@ def declared(texts: Iterable[str]) -> Declared:
     statics = len(re.findall(r"^static ", code, re.MULTILINE))
     assert len(functions) + len(constants) + len(tables) == statics, "a static that is none of them"
     macros = []
-    with_arguments = set()
+    with_arguments = set[str]()
     for name, arguments, value in _MACRO.findall(code):
         if name not in _WORDS and (not name.endswith("_H") or value.strip()):
             macros.append((name, value.strip()))
@@ -96,6 +98,7 @@ def declared(texts: Iterable[str]) -> Declared:
     return Declared(
         functions=functions,
         macros=macros,
+        function_macros=with_arguments,
         enumerators=enumerators,
         constants=constants,
         tables=tables,
@@ -146,7 +149,7 @@ def use_everything(headers: Sequence[str], include: Path) -> str:
         function_lines = _function(kind, name, parameters, f"{'' if kind == 'void' else 'return '}{name}({arguments});")
         settings = declarations.conditions.get(name, ())
         lines += [*settings, *function_lines, *("#endif" for _ in settings)]
-    lines += _use_macros(declarations.macros)
+    lines += _use_macros(macro for macro in declarations.macros if macro[0] not in declarations.function_macros)
     for kind, name in declarations.tables:
         settings = declarations.conditions.get(name, ())
         lines += [
@@ -169,10 +172,9 @@ def use_everything(headers: Sequence[str], include: Path) -> str:
 
 def _use_macros(macros: Iterable[tuple[str, str]]) -> Iterator[str]:
     for name, value in macros:
-        if not name.endswith(_WITH_ARGUMENTS):
-            is_text = value.startswith('"')
-            statement = f"return {name};" if is_text else f"return {name} != 0;"
-            yield from _function("const char *" if is_text else "int", name, "void", statement)
+        is_text = value.startswith('"')
+        statement = f"return {name};" if is_text else f"return {name} != 0;"
+        yield from _function("const char *" if is_text else "int", name, "void", statement)
 
 
 def _function(kind: str, name: str, parameters: str, *body: str) -> list[str]:

@@ -130,7 +130,7 @@ def test_the_version_of_the_runtime_costs_nothing(tmp_path: Path) -> None:
     assemblies = []
     for name, texts in (("one", old), ("two", with_runtime(old, 1, 7))):
         assert compile_source(tmp_path / name, texts, '#include "maker/demo_ssi.h"\n') == (0, "")
-        function = "uint32_t f(const maker_demo_ssi *v) { return maker_demo_ssi_bits(v); }"
+        function = "uint32_t f(maker_demo_ssi v) { return maker_demo_ssi_bits(v); }"
         source = f'#include "maker/demo_ssi.h"\n{function}\n'
         command = ["gcc", "-std=c99", "-O2", "-S", f"-I{tmp_path / name}", "-xc", "-", "-o", "-"]
         assemblies.append(subprocess.run(command, input=source, capture_output=True, text=True, check=True).stdout)

@@ -161,6 +161,7 @@ PROGRAM = r"""
 #define CHECK(condition) \
     do { if (!(condition)) { printf("line %d: %s\n", __LINE__, #condition); failures++; } } while (0)
 
+#define WORD(value) cw_word_of(value, tolvarn_tv62_biss_position_data_bits(TOLVARN_TV62_BISS_M17_B1))
 int main(void)
 {
     static const tolvarn_tv62_ssi m13 = TOLVARN_TV62_SSI_M13_S1;
@@ -190,34 +191,34 @@ int main(void)
     size_t index;
     size_t writes = 0U;
 
-    CHECK(tolvarn_tv62_ssi_decode(&m13, 0x01FFFC18U, &word) == CW_OK);
+    CHECK(tolvarn_tv62_ssi_decode(m13, 0x01FFFC18U, &word) == CW_OK);
     CHECK(word.position == -1000 && !word.alarm);
-    CHECK(tolvarn_tv62_ssi_encode(&m13, &word, &raw) == CW_OK && raw == 0x01FFFC18U);
-    CHECK(tolvarn_tv62_ssi_decode(&s17, 0x80001234U, &word) == CW_OK && word.position == 4660 && word.alarm);
-    CHECK(tolvarn_tv62_ssi_decode(&m13, 0x7FFFFC18U, &word) == CW_FAULT_CONSTANT);
-    CHECK(tolvarn_tv62_biss_position_data_decode(&m17, UINT64_C(0x9A4FF98E54587), &position) == CW_OK);
+    CHECK(tolvarn_tv62_ssi_encode(m13, &word, &raw) == CW_OK && raw == 0x01FFFC18U);
+    CHECK(tolvarn_tv62_ssi_decode(s17, 0x80001234U, &word) == CW_OK && word.position == 4660 && word.alarm);
+    CHECK(tolvarn_tv62_ssi_decode(m13, 0x7FFFFC18U, &word) == CW_FAULT_CONSTANT);
+    CHECK(tolvarn_tv62_biss_position_data_decode(m17, WORD(UINT64_C(0x9A4FF98E54587)), &position) == CW_OK);
     CHECK(position.multiturn == 1234U && position.singleturn == 65432U);
     CHECK(!position.error && !position.warning && position.life_counter == 37U);
-    CHECK(tolvarn_tv62_biss_position_data_encode(&m17, &position, &raw) == CW_OK && raw == UINT64_C(0x9A4FF98E54587));
-    CHECK(tolvarn_tv62_biss_position_data_decode(&m17, UINT64_C(0x9A4FF98E54586), &position) == CW_FAULT_CRC);
-    CHECK(tolvarn_tv62_biss_temperature_data_decode(&m17, 0x1D65U, &temperature) == CW_OK);
+    CHECK(tolvarn_tv62_biss_position_data_encode(m17, &position, &raw) == CW_OK && raw == UINT64_C(0x9A4FF98E54587));
+    CHECK(tolvarn_tv62_biss_position_data_decode(m17, WORD(UINT64_C(0x9A4FF98E54586)), &position) == CW_FAULT_CRC);
+    CHECK(tolvarn_tv62_biss_temperature_data_decode(m17, 0x1D65U, &temperature) == CW_OK);
     CHECK(temperature.temperature == 235);
-    CHECK(tolvarn_tv62_biss_temperature_data_decode(&m17, 0x1FED51U, &temperature) == CW_OK);
+    CHECK(tolvarn_tv62_biss_temperature_data_decode(m17, 0x1FED51U, &temperature) == CW_OK);
     CHECK(temperature.temperature == -150);
-    CHECK(tolvarn_tv62_biss_temperature_data_decode(&m17, 0x1FED31U, &temperature) == CW_FAULT_CRC);
-    CHECK(tolvarn_tv62_biss_reg_upper_limit_decode(&m17, upper_bytes, 2U, &upper) == CW_OK && upper.upper_limit == 950);
-    CHECK(tolvarn_tv62_biss_reg_lower_limit_decode(&m17, lower_bytes, 2U, &lower) == CW_OK);
+    CHECK(tolvarn_tv62_biss_temperature_data_decode(m17, 0x1FED31U, &temperature) == CW_FAULT_CRC);
+    CHECK(tolvarn_tv62_biss_reg_upper_limit_decode(m17, upper_bytes, 2U, &upper) == CW_OK && upper.upper_limit == 950);
+    CHECK(tolvarn_tv62_biss_reg_lower_limit_decode(m17, lower_bytes, 2U, &lower) == CW_OK);
     CHECK(lower.lower_limit == -250);
-    CHECK(tolvarn_tv62_biss_reg_lower_limit_encode(&m17, &lower, bytes, 2U) == CW_OK);
+    CHECK(tolvarn_tv62_biss_reg_lower_limit_encode(m17, &lower, bytes, 2U) == CW_OK);
     CHECK(bytes[0] == 0x06U && bytes[1] == 0xFFU);
     lower.lower_limit = -400;
-    CHECK(tolvarn_tv62_biss_reg_lower_limit_encode(&m17, &lower, bytes, 2U) == CW_OK);
+    CHECK(tolvarn_tv62_biss_reg_lower_limit_encode(m17, &lower, bytes, 2U) == CW_OK);
     lower.lower_limit = -401;
-    CHECK(tolvarn_tv62_biss_reg_lower_limit_encode(&m17, &lower, bytes, 2U) == CW_FAULT_RANGE);
+    CHECK(tolvarn_tv62_biss_reg_lower_limit_encode(m17, &lower, bytes, 2U) == CW_FAULT_RANGE);
     lower.lower_limit = 1201;
-    CHECK(tolvarn_tv62_biss_reg_lower_limit_encode(&m17, &lower, bytes, 2U) == CW_FAULT_RANGE);
+    CHECK(tolvarn_tv62_biss_reg_lower_limit_encode(m17, &lower, bytes, 2U) == CW_FAULT_RANGE);
     CHECK(tolvarn_tv62_biss_set_preset_steps(
-        &m17, 1000000U, steps, TOLVARN_TV62_BISS_SET_PRESET_STEPS_COUNT, &count) == CW_OK);
+        m17, 1000000U, steps, TOLVARN_TV62_BISS_SET_PRESET_STEPS_COUNT, &count) == CW_OK);
     for (index = 0U; index < count; index++) {
         if (steps[index].kind == CW_STEP_WRITE) {
             CHECK(writes < 6U && steps[index].address == written[writes][0] &&
@@ -226,7 +227,7 @@ int main(void)
         }
     }
     CHECK(writes == 6U);
-    CHECK(tolvarn_tv62_biss_set_temperature_limits_steps(&m17, 800, -300, more,
+    CHECK(tolvarn_tv62_biss_set_temperature_limits_steps(m17, 800, -300, more,
         TOLVARN_TV62_BISS_SET_TEMPERATURE_LIMITS_STEPS_COUNT, &count) == CW_OK);
     for (index = 0U, writes = 0U; index < count; index++) {
         if (more[index].kind == CW_STEP_WRITE) {
@@ -235,9 +236,9 @@ int main(void)
         }
     }
     CHECK(writes == 6U);
-    CHECK(tolvarn_tv62_biss_set_temperature_limits_steps(&m17, 800, -401, more,
+    CHECK(tolvarn_tv62_biss_set_temperature_limits_steps(m17, 800, -401, more,
         TOLVARN_TV62_BISS_SET_TEMPERATURE_LIMITS_STEPS_COUNT, &count) == CW_FAULT_RANGE);
-    CHECK(tolvarn_tv62_biss_reg_correction_decode(&m17, &minus_one, 1U, &correction) == CW_OK);
+    CHECK(tolvarn_tv62_biss_reg_correction_decode(m17, &minus_one, 1U, &correction) == CW_OK);
     CHECK(correction.correction == -1);
     return failures == 0 ? 0 : 1;
 }

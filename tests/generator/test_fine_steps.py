@@ -37,8 +37,8 @@ IN_C = """
 #include "renishaw/resolute_linear_biss.h"
 #include "rls/la11_biss.h"
 int main(void) {
-    const renishaw_resolute_linear_biss *scale = &RENISHAW_RESOLUTE_LINEAR_BISS_RESOLUTE_LINEAR_32_050;
-    const rls_la11_biss *tape = &RLS_LA11_BISS_26BIT;
+    const renishaw_resolute_linear_biss scale = RENISHAW_RESOLUTE_LINEAR_BISS_RESOLUTE_LINEAR_32_050;
+    const rls_la11_biss tape = RLS_LA11_BISS_26BIT;
     printf("%lld %lld %lld ", (long long)rls_la11_biss_nanometres(tape, 4096),
         (long long)rls_la11_biss_nanometres(tape, 3), (long long)rls_la11_biss_nanometres(tape, -3));
     printf("%.17g ", rls_la11_biss_millimetres(tape, 1));

@@ -46,16 +46,20 @@ IN_C = """
 #include <stdio.h>
 #include "test/ring_biss.h"
 #include "test/ring_biss_simulate.h"
+static cw_result decoded(uint64_t word, test_ring_biss_frame *frame) {
+    const test_ring_biss ring = TEST_RING_BISS_R5760;
+    return test_ring_biss_decode(ring, cw_word_of(word, test_ring_biss_bits(ring)), frame);
+}
 int main(void) {
     static const uint64_t words[] = {0xFAU, 0x167FF3U, 0x1680C7U, 0x1FFFD6U};
     test_ring_biss_frame frame;
     uint64_t made = 0;
     for (int place = 0; place < 4; ++place) {
-        printf("%d ", test_ring_biss_decode(&TEST_RING_BISS_R5760, words[place], &frame) == CW_FAULT_RANGE);
+        printf("%d ", decoded(words[place], &frame) == CW_FAULT_RANGE);
     }
-    printf("%d ", test_ring_biss_decode(&TEST_RING_BISS_R5760, words[1], &frame) == CW_OK);
+    printf("%d ", decoded(words[1], &frame) == CW_OK);
     frame.position = 5760U;
-    printf("%d", test_ring_biss_encode(&TEST_RING_BISS_R5760, &frame, &made) == CW_FAULT_RANGE);
+    printf("%d", test_ring_biss_encode(TEST_RING_BISS_R5760, &frame, &made) == CW_FAULT_RANGE);
     return 0;
 }
 """
@@ -229,7 +233,9 @@ def test_a_product_that_depends_on_the_order_code(formula: str, tmp_path: Path) 
     lines = []
     for code, _, frames in cases:
         for frame, is_valid in frames.items():
-            call = f"test_ring_turns_biss_decode(&TEST_RING_TURNS_BISS_{code.upper()}, {frame}U, &frame)"
+            variant = f"TEST_RING_TURNS_BISS_{code.upper()}"
+            word = f"cw_word_of({frame}U, test_ring_turns_biss_bits({variant}))"
+            call = f"test_ring_turns_biss_decode({variant}, {word}, &frame)"
             lines.append(f"    ok &= ({call} == {'CW_OK' if is_valid else 'CW_FAULT_RANGE'});")
     assert run_c(tmp_path, RINGS_IN_C % "\n".join(lines)) == "1"
 

@@ -83,7 +83,7 @@ static void is(int64_t found, int64_t right, int line)
 }
 int main(void)
 {
-    static const lika_sma21_rs485 *const encoder = &LIKA_SMA21_RS485_JP1_0001;
+    const lika_sma21_rs485 encoder = LIKA_SMA21_RS485_JP1_0001;
     /* CALLS */
     is((int64_t)lika_sma21_rs485_position_reply_modulus(encoder), 16777216, __LINE__);
     is((int64_t)lika_sma21_rs485_identification_reply_modulus(encoder), 16777216, __LINE__);

@@ -192,7 +192,7 @@ static void moved(int64_t now, int64_t before, int64_t right)
 {
     const cw_tracker_config config = { 16384000U, UINT32_MAX, 0U, 0U, 0U };
     cw_tracker axis;
-    is(test_scale_biss_position_difference(&TEST_SCALE_BISS_AB, now, before), right, __LINE__);
+    is(test_scale_biss_position_difference(TEST_SCALE_BISS_AB, now, before), right, __LINE__);
     cw_tracker_start(&axis, &config, 0U);
     is((int64_t)cw_tracker_add(&axis, (uint64_t)before, 0U), (int64_t)CW_OK, __LINE__);
     is((int64_t)cw_tracker_add(&axis, (uint64_t)now, 524288U), (int64_t)CW_OK, __LINE__);
@@ -207,7 +207,7 @@ int main(void)
     uint64_t word = 0U;
     int index;
     /* CALLS */
-    is((int64_t)test_scale_rs485_sent_encode(&TEST_SCALE_RS485_AR, &sent, bytes, 5U), (int64_t)CW_OK, __LINE__);
+    is((int64_t)test_scale_rs485_sent_encode(TEST_SCALE_RS485_AR, &sent, bytes, 5U), (int64_t)CW_OK, __LINE__);
     for (index = 0; index < 5; index++) {
         is(bytes[index], minus_two[index], __LINE__);
     }
@@ -221,7 +221,7 @@ def test_c_rejects_them_and_continues_across_the_wrap(generated: Path) -> None:
     lines = [f"    moved({now}, {before}, {distance});" for now, before, distance in MOVES]
     for code in RANGES:
         for position in positions(code):
-            encoder, result = f"&TEST_SCALE_BISS_{code}", "CW_OK" if is_valid(code, position) else "CW_FAULT_RANGE"
+            encoder, result = f"TEST_SCALE_BISS_{code}", "CW_OK" if is_valid(code, position) else "CW_FAULT_RANGE"
             calls = f"test_scale_biss_decode({encoder}, {frame_of(position)}U, &frame)"
             lines.append(f"    is((int64_t){calls}, (int64_t){result}, __LINE__);")
             lines.append(f"    frame.position = {position};")

@@ -172,7 +172,8 @@ int main(void)
         variant.low_battery_only = answer;
         for (place = 0U; place < sizeof(words) / sizeof(*words); ++place) {
             uint64_t position = 5U;
-            const cw_verdict verdict = lika_amm5_biss_position(&variant, words[place], &position);
+            const cw_word word = cw_word_of(words[place], lika_amm5_biss_bits(variant));
+            const cw_verdict verdict = lika_amm5_biss_position(variant, word, &position);
             printf("%d %d\\n", (int)verdict, (int)position);
         }
     }

@@ -175,15 +175,23 @@ class Batch:
             "gets": gets,
             "size": str(at),
             "sent": str(codec.encoded_bytes),
-            "decode": answers(view) + ("word_of(from), &out" if bits else "&from[1], from[0], &out"),
+            "decode": answers(view) + (f"{_word(view)}, &out" if bits else "&from[1], from[0], &out"),
             "answers": answers(view),
-            "verdict": f"{view.reports.verdict}(variant, &out)" if view.reports and view.reports.verdict else "255U",
-            "reports": f"{view.reports.reports}(variant, &out)" if view.reports and view.reports.reports else "0U",
+            "verdict": f"{view.reports.verdict}(*variant, &out)" if view.reports and view.reports.verdict else "255U",
+            "reports": f"{view.reports.reports}(*variant, &out)" if view.reports and view.reports.reports else "0U",
             "encode": "&word" if bits else f"to, {view.plan.length}U",
             "before": "uint64_t word = 0U;" if bits else "",
             "after": "put_word(to, word);" if bits else "",
         }
         return _fill(_CODEC, values)
+
+
+def _word(view: StructCodec) -> str:
+    """Return the word of a record, with the length of the variant. Too high a number is a word that is too long."""
+    if not view.word_has_length:
+        return "word_of(from)"
+    taken = "".join(f", {question.type}_taken" for question in view.length_alternatives)
+    return f"cw_word_of(word_of(from), {view.name}_bits(*variant{taken}))"
 
 
 def _row(codec: Codec) -> str:
@@ -236,7 +244,7 @@ static void encode_@name@(const @prefix@ *variant, const uint8_t *from, uint8_t 
     cw_result result;
     @before@
     wipe((uint8_t *)&in, sizeof in, 0U);
-@gets@    result = @struct@_encode(variant, @answers@&in, @encode@);
+@gets@    result = @struct@_encode(*variant, @answers@&in, @encode@);
     to[-1] = (uint8_t)result;
     if (result == CW_OK) {
         @after@
@@ -248,7 +256,7 @@ static void decode_@name@(const @prefix@ *variant, const uint8_t *from, uint8_t 
     @type@ out;
     cw_result result;
     wipe((uint8_t *)&out, sizeof out, 0x5AU);
-    result = @struct@_decode(variant, @decode@);
+    result = @struct@_decode(*variant, @decode@);
     to[-1] = (uint8_t)result;
     if (result != CW_OK) {
         to[-1] |= is_all((const uint8_t *)&out, sizeof out, 0x5AU) ? 0U : 0x80U;

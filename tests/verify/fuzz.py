@@ -92,9 +92,12 @@ class Header:
         arguments = [] if argument_text == "void" else [self._split(text) for text in argument_text.split(", ")]
         for index, (type_, is_pointer, argument) in enumerate(arguments):
             _, next_is_pointer, next_argument = arguments[index + 1] if index + 1 < len(arguments) else ("", False, "")
-            has_length = next_argument in _LENGTHS and not next_is_pointer
+            is_first = _shares_length(argument, next_argument)
+            has_length = is_first or (next_argument in _LENGTHS and not next_is_pointer)
             if is_pointer:
-                declared, local, released = self._pointer(index, type_, has_length)
+                follows_first = index > 0 and _shares_length(arguments[index - 1][2], argument)
+                count = f"n{index - 1}" if follows_first else "(size_t)(take(1U) % 24U)"
+                declared, local, released = self._pointer(index, type_, count if has_length else "")
             elif argument in _LENGTHS and index and arguments[index - 1][1]:
                 declared, local, released = "", f"n{index - 1}", ""
             else:
@@ -107,13 +110,20 @@ class Header:
 
     def _value(self, type_: str, argument: str, local: str) -> str:
         """Return the declaration of an argument that is passed by value."""
+        if type_ == self.prefix:
+            return f"const {type_} {local} = *variant;"
+        if type_ == "cw_word":
+            return f"const {type_} {local} = {{ take(8U), (uint32_t)take(1U) }};"
         number = self._number(type_)
         if (type_, argument) == ("int64_t", "position"):
             number = "(int64_t)take(7U) - INT64_C(0x80000000000000)"
         return f"const {type_} {local} = {number};"
 
-    def _pointer(self, index: int, type_: str, has_length: bool) -> tuple[str, str, str]:
-        """Return the declaration of an argument that is passed by address, what is passed, and its release."""
+    def _pointer(self, index: int, type_: str, count: str) -> tuple[str, str, str]:
+        """Return the declaration of an argument that is passed by address, what is passed, and its release.
+
+        ``count`` is the number of elements, or empty for a single one.
+        """
         local = f"a{index}"
         if type_ == "char":
             return f"char *const {local} = text();", local, f"free({local});"
@@ -122,15 +132,15 @@ class Header:
         if type_.endswith("_failure"):
             failure = f"{type_} f{index};\n    {type_} *const {local} = (take(1U) & 1U) != 0U ? &f{index} : NULL;"
             return failure, local, ""
-        if has_length:
-            return self._array(index, type_), local, f"free({local});"
+        if count:
+            return self._array(index, type_, count), local, f"free({local});"
         if type_ == self.prefix:
             return f"{type_} {local} = *variant;", f"&{local}", ""
         return f"{type_} {local};\n    {self._fill(type_, local)}", f"&{local}", ""
 
-    def _array(self, index: int, type_: str) -> str:
+    def _array(self, index: int, type_: str, count: str) -> str:
         local = f"a{index}"
-        return f"""const size_t n{index} = (size_t)(take(1U) % 24U);
+        return f"""const size_t n{index} = {count};
     {type_} *const {local} = malloc(n{index} * sizeof(*{local}) + (n{index} == 0U));
     {{
         size_t i;
@@ -169,6 +179,11 @@ class Header:
             else:
                 lines.append(self._fill(member, f"{place}.{name}"))
         return " ".join(lines)
+
+
+def _shares_length(argument: str, next_argument: str) -> bool:
+    """Return True for the first of two buffers with the same length."""
+    return (argument, next_argument) == ("first", "second")
 
 
 def source(batch: Batch, include: Path) -> str:

@@ -126,7 +126,13 @@ class _Arguments:
         counted = ""
         for (kind, name), follows in zip(function.arguments, [*kinds[1:], ""], strict=True):
             plain, local = kind.removeprefix("const ").rstrip(" *"), f"a_{name}"
-            if counted and kind == "size_t":
+            if (kind, name) == ("const uint8_t *", "first"):
+                # Two buffers have the same length, which follows the second one.
+                self._several(plain, kind, local, f"{local}_count")
+            elif (kind, name) == ("const uint8_t *", "second"):
+                counted = "a_first_count"
+                self._several(plain, kind, local, f"{local}_count", counted)
+            elif counted and kind == "size_t":
                 self.passed.append(counted)
                 counted = ""
             elif kind.endswith("*") and follows == "size_t" and plain in ("uint8_t", "cw_step"):
@@ -138,18 +144,20 @@ class _Arguments:
                 self.passed.append(local)
             elif kind.endswith("*"):
                 self._pointer(plain, kind, local)
+            elif proof.device is not None and kind == proof.prefix:
+                self.passed.append("variant")
             else:
                 self.lines.append(f"{kind} {local}{' = nondet_bool()' if kind == 'bool' else ''};")
                 if (kind, name) == ("int64_t", "position"):
                     self.lines.append(f"__CPROVER_assume({local} >= -{POSITION} && {local} <= {POSITION});")
                 self.passed.append(local)
 
-    def _several(self, plain: str, kind: str, local: str, count: str) -> None:
+    def _several(self, plain: str, kind: str, local: str, count: str, same_as: str = "nondet_size()") -> None:
         """Add a buffer and its length."""
         limit = BYTES if plain == "uint8_t" else 4 * BYTES
         if self._any_steps or kind == "const cw_step *":
             limit = STEPS
-        self.lines.append(f"size_t {count} = nondet_size(); __CPROVER_assume({count} <= {limit});")
+        self.lines.append(f"size_t {count} = {same_as}; __CPROVER_assume({count} <= {limit});")
         if self._any_steps:
             # Memory of arbitrary size is too hard here.
             self.lines.append(f"{plain} {local}[{limit}];")

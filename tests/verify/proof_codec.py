@@ -55,7 +55,7 @@ def _harness(codec: Codec) -> str:
     text += f"typedef unsigned __CPROVER_bitvector[{max(codec.layout.widest, 64) + 8}] number;\n"
     text += codec.variants.declare(codec.prefix, codec.header) + reference(codec)
     text += _codec(codec) + _length(codec) + "".join(_setters(codec)) + _expected_claims(codec) + _report_claims(codec)
-    calls = ["decode_members", "encode_members", *(["length"] if not codec.by_word else []), *_set_names(codec)]
+    calls = ["decode_members", "encode_members", *(["length"] if _length(codec) else []), *_set_names(codec)]
     calls += ["expected"] if _has_expected(codec) else []
     calls += ["tells"] if any(report_functions(codec)) else []
     if codec.crc is None:
@@ -78,15 +78,15 @@ class _Wire(NamedTuple):
 
     @classmethod
     def of_codec(cls, codec: Codec) -> _Wire:
-        return cls.word() if codec.by_word else cls.buffer(codec.size, codec.bytes_upwards)
+        return cls.word(_given_word(codec)) if codec.by_word else cls.buffer(codec.size, codec.bytes_upwards)
 
     @classmethod
-    def word(cls) -> _Wire:
+    def word(cls, source: str) -> _Wire:
         return cls(
             declare="unsigned long long wire = nondet_word();",
             declare_before="unsigned long long before = wire;",
             is_unchanged="wire == before",
-            source="wire",
+            source=source,
             destination="&wire",
             number="(number)wire",
             declare_again="unsigned long long again = nondet_word();",
@@ -107,13 +107,21 @@ class _Wire(NamedTuple):
         )
 
 
+def _given_word(codec: Codec) -> str:
+    """Return the argument for a decoder, with the length of the layout if words have several lengths."""
+    is_received = codec.register is None and codec.layout.sender == "encoder"
+    if not is_received or codec.layout.bits.is_constant:
+        return "wire"
+    return f"cw_word_of(wire, {in_c(codec.layout.bits)})"
+
+
 def _codec(codec: Codec) -> str:
     """Return a harness that runs decoder and encoder on the same arbitrary frame, and on the same arbitrary values."""
     wire, answers = _Wire.of_codec(codec), codec.variants.answers
     out, declare_in = codec.header.anything(codec.type, "out"), codec.header.anything(codec.type, "in")
-    decode = f"{codec.name}_decode(&variant, {answers}{wire.source}, &out);"
-    encode = f"{codec.name}_encode(&variant, {answers}&in, {wire.destination});"
-    encode_again = f"{codec.name}_encode(&variant, {answers}&out, {wire.destination_again});"
+    decode = f"{codec.name}_decode(variant, {answers}{wire.source}, &out);"
+    encode = f"{codec.name}_encode(variant, {answers}&in, {wire.destination});"
+    encode_again = f"{codec.name}_encode(variant, {answers}&out, {wire.destination_again});"
     decoded = (out, wire.declare, f"{codec.type} before = out;", f"cw_result found = {decode}")
     encoded = (declare_in, wire.declare, wire.declare_before, f"cw_result found = {encode}")
     text = _decode(codec, wire, decoded) + _encode(codec, wire, encoded)
@@ -202,9 +210,9 @@ def _writable(codec: Codec) -> Iterator[str]:
 
 def _length(codec: Codec) -> str:
     if codec.by_word:
-        return ""
+        return _word_length(codec)
     out, declare_in = codec.header.anything(codec.type, "out"), codec.header.anything(codec.type, "in")
-    refused = f"{codec.name}_decode(&variant, {codec.variants.answers}none, length, &out) == {LENGTH}"
+    refused = f"{codec.name}_decode(variant, {codec.variants.answers}none, length, &out) == {LENGTH}"
     return _function(
         "length",
         out,
@@ -217,9 +225,24 @@ def _length(codec: Codec) -> str:
         ),
         declare_in,
         _claim(
-            f"{codec.name}_encode(&variant, {codec.variants.answers}&in, none, length) == {LENGTH}",
+            f"{codec.name}_encode(variant, {codec.variants.answers}&in, none, length) == {LENGTH}",
             "another length is refused before a byte is written",
         ),
+    )
+
+
+def _word_length(codec: Codec) -> str:
+    if _given_word(codec) == "wire":
+        return ""
+    refused = f"{codec.name}_decode(variant, {codec.variants.answers}cw_word_of(wire, length), &out) == {LENGTH}"
+    return _function(
+        "length",
+        codec.header.anything(codec.type, "out"),
+        f"{codec.type} before = out;",
+        "unsigned long long wire = nondet_word();",
+        "uint32_t length = (uint32_t)nondet_size();",
+        f"__CPROVER_assume(length != {in_c(codec.layout.bits)});",
+        _claim(f"{refused} && {_unchanged(codec, _every_name(codec))}", "a word of another length is refused"),
     )
 
 
@@ -266,7 +289,7 @@ def _setter(codec: Codec, name: str, fits: str, parts: dict[str, str]) -> str:
         codec.header.anything(codec.type, "out"),
         f"{codec.type} before = out;",
         f"{whole.type} given = ({whole.type})nondet_word();",
-        f"int found = (int){codec.name}_set_{name}(&variant, given, &out);",
+        f"int found = (int){codec.name}_set_{name}(variant, given, &out);",
         _claim(f"found == (({fits}) ? 0 : {RANGE})", "takes exactly the numbers that fit"),
         _claim(_unchanged(codec, set(_every_name(codec)) - touched), "sets nothing else"),
         _claim(f"found != 0 || ({equal})", "sets the number and its parts"),
@@ -292,7 +315,7 @@ def _expected_claims(codec: Codec) -> str:
         elif field.equals is not None:
             conditions.append(f"(number)in.{member} == {field.equals}")
     conditions += ["in.unused == 0"] if codec.layout.unused else []
-    test = f"{codec.name}_is_expected(&variant, &in) == ({_all(conditions)})"
+    test = f"{codec.name}_is_expected(variant, &in) == ({_all(conditions)})"
     return _function("expected", codec.header.anything(codec.type, "in"), _claim(test, "reads as the manual states"))
 
 
@@ -301,7 +324,7 @@ def _report_claims(codec: Codec) -> str:
     unused_bits = sum(((1 << field.widest) - 1) << place for field, place in codec.layout.unused)
     assume = [f"__CPROVER_assume((in.unused & ~{unused_bits:#x}ULL) == 0);"] if codec.layout.unused else []
     reports = report_functions(codec)
-    claims = [_claim(f"{function}(&variant, &in) == ({value})", words) for function, value, words in reports]
+    claims = [_claim(f"{function}(variant, &in) == ({value})", words) for function, value, words in reports]
     return _function("tells", codec.header.anything(codec.type, "in"), *assume, *claims) if claims else ""
 
 

@@ -38,15 +38,15 @@ int main(void)
         {codec.type} out = {{ 0 }}, set = {{ 0 }};
         int decoded, chosen;
         {writes}
-        decoded = (int){codec.name}_decode(&variant, sent, sizeof sent, &out);
-        chosen = (int){codec.name}_set_{field.name}(&variant, ({whole.type})number, &set);
+        decoded = (int){codec.name}_decode(variant, sent, sizeof sent, &out);
+        chosen = (int){codec.name}_set_{field.name}(variant, ({whole.type})number, &set);
         if (number >= {limit}U) {{
             if (decoded != {RANGE} || chosen != {RANGE}) return 1;
             continue;
         }}
         count.{whole.name} = ({whole.type})number;
         if (decoded != 0 || chosen != 0 || !({_equal("out", compared)}) || !({_equal("set", compared)})) return 2;
-        if (({codec.name}_encode(&variant, &count, again, sizeof again) != 0) || !({right_bytes})) return 3;
+        if (({codec.name}_encode(variant, &count, again, sizeof again) != 0) || !({right_bytes})) return 3;
         {odometer}
     }}
     return 0;

@@ -214,7 +214,7 @@ def test_cpp_takes_the_headers(folder: Path, tmp_path: Path) -> None:
 #include <cstdio>
 int main()
 {
-    const lika_amm5_biss *const encoder = &LIKA_AMM5_BISS_A21_65KSC1;
+    const lika_amm5_biss encoder = LIKA_AMM5_BISS_A21_65KSC1;
     const uint8_t bytes[] = { 0x0A, 0xE8, 0x69, 0xEE };
     lika_amm5_biss_reg_serial_number serial;
     const cw_result result = lika_amm5_biss_reg_serial_number_decode(encoder, bytes, sizeof bytes, &serial);

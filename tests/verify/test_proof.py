@@ -275,7 +275,7 @@ SEEDED = {
     "flag left out of a verdict": (
         "amm5_rs485",
         "lika_amm5_rs485_complete_reply_verdict",
-        r"(?s) \|\|\s+\(\(variant->multiturn_bits != 0U\) && frame->mt_error\)",
+        r"(?s) \|\|\s+\(\(variant\.multiturn_bits != 0U\) && frame->mt_error\)",
         "",
         "amm5_rs485_complete_reply everything",
     ),

@@ -183,10 +183,10 @@ POSITIONS = """
 int @name@_read(const uint8_t *rx, uint64_t *position);
 int @name@_read(const uint8_t *rx, uint64_t *position)
 {
-    static const lika_@family@_biss *const encoder = &LIKA_@NAME@;
+    const lika_@family@_biss encoder = LIKA_@NAME@;
     lika_@family@_biss_frame frame;
-    uint64_t word;
-    cw_result result = cw_biss_receive(rx, LIKA_@NAME@_@ANSWER@RX_BYTES, LIKA_@NAME@_@ANSWER@BITS, &word);
+    cw_word word;
+    cw_result result = lika_@family@_biss_receive(encoder, @answer@rx, LIKA_@NAME@_@ANSWER@RX_BYTES, &word);
     if (result == CW_OK) {
         result = lika_@family@_biss_decode(encoder, @answer@word, &frame);
     }

@@ -7,7 +7,7 @@
 #include "ams/as5047p_spi_registers.h"
 #include "codewheel/spi.h"
 
-static const ams_as5047p_spi *const encoder = &AMS_AS5047P_SPI_AS5047P;
+#define encoder AMS_AS5047P_SPI_AS5047P
 
 static uint64_t exchange(uint64_t word)
 {

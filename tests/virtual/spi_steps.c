@@ -10,7 +10,7 @@
 
 #define WORD 6U
 
-static const infineon_tle5012b_spi *const encoder = &INFINEON_TLE5012B_SPI_TLE5012B;
+#define encoder INFINEON_TLE5012B_SPI_TLE5012B
 
 static uint64_t exchange(uint64_t word)
 {

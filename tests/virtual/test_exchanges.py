@@ -218,8 +218,8 @@ PROGRAM = r"""
 /* One line for each reply in hex: A or S, then its bytes. Print the result and the position. */
 int main(void)
 {
-    static const cui_amt21_rs485 *const amt = &CUI_AMT21_RS485_2B;
-    static const sick_skm36_rs485 *const skm = &SICK_SKM36_RS485_SKM36;
+    const cui_amt21_rs485 amt = CUI_AMT21_RS485_2B;
+    const sick_skm36_rs485 skm = SICK_SKM36_RS485_SKM36;
     const cui_amt21_rs485_position_request of_amt = { 0x15U };
     const sick_skm36_rs485_position_request of_skm = { 0x40U };
     uint8_t request[3];

@@ -258,7 +258,7 @@ def test_c_accepts_exactly_the_valid_words(outputs: Path, tmp_path: Path) -> Non
     source = tmp_path / "words.c"
     source.write_text(
         '#include <stdio.h>\n#include "ams/as5047p_spi_simulate.h"\n'
-        "static const ams_as5047p_spi *const encoder = &AMS_AS5047P_SPI_AS5047P;\n"
+        "#define encoder AMS_AS5047P_SPI_AS5047P\n"
         "int main(void)\n{\nuint64_t word, again;\nfor (word = 0U; word < 65536U; word++) {\n"
         + "\n".join(lines)
         + "\n}\nreturn 0;\n}\n",

@@ -88,7 +88,7 @@ def test_the_steps_of_a_spec_read_neighbours_on_their_own(outputs: Path, tmp_pat
         "int main(void)\n{\n"
         "    const cw_transport transport = { NULL, read_register, NULL, NULL, NULL, 0U, 0U };\n"
         "    mps_ma732_spi_trimming_read held;\n"
-        "    return (int)mps_ma732_spi_trimming(&transport, &MPS_MA732_SPI_MA732, &held, NULL);\n}\n",
+        "    return (int)mps_ma732_spi_trimming(&transport, MPS_MA732_SPI_MA732, &held, NULL);\n}\n",
         encoding="ascii",
     )
     include = str(outputs / "mps" / "c" / "include")

@@ -76,7 +76,7 @@ def test_c_decodes_both_lengths(outputs: Path, tmp_path: Path) -> None:
     for at, (code, word) in enumerate(WORDS.items(), 1):
         table = f"RLS_ORBIS_SPI_{code.removeprefix('Orbis-')}"
         checks += (
-            f"    if ((rls_orbis_spi_decode(&{table}, UINT64_C(0x{word.hex()}),"
+            f"    if ((rls_orbis_spi_decode({table}, cw_word_of(UINT64_C(0x{word.hex()}), {8 * len(word)}U),"
             f" &frame) != CW_OK) || (frame.position != 0x{POSITION:X}U)) return {at};\n"
         )
     source.write_text(
@@ -156,7 +156,7 @@ def test_words_of_64_bits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> No
     source = tmp_path / "long.c"
     source.write_text(
         '#include "acme/long_spi.h"\nint main(void)\n{\n    acme_long_spi_position frame;\n'
-        f"    return (acme_long_spi_position_decode(&ACME_LONG_SPI_LONG, UINT64_C(0x{autosar(REPLY).hex()}), &frame)"
+        f"    return (acme_long_spi_position_decode(ACME_LONG_SPI_LONG, UINT64_C(0x{autosar(REPLY).hex()}), &frame)"
         " == CW_OK) && (frame.position == UINT64_C(0xFEDCBA987654)) ? 0 : 1;\n}\n",
         encoding="ascii",
     )

@@ -21,7 +21,7 @@ PROGRAM = """
 int main(void)
 {
     test_lowfirst_spi_position frame = { 0 };
-    const cw_result result = test_lowfirst_spi_position_decode(&TEST_LOWFIRST_SPI_L14, 0x2FB10000270002E1U, &frame);
+    const cw_result result = test_lowfirst_spi_position_decode(TEST_LOWFIRST_SPI_L14, 0x2FB10000270002E1U, &frame);
     printf("%d %u\\n", (int)result, (unsigned)frame.position);
     return 0;
 }

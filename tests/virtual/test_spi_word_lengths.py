@@ -127,7 +127,7 @@ _LENGTHS_C = """
 #include <stdio.h>
 #include "codewheel/spi.h"
 #include "cui/amt22_spi.h"
-static const cui_amt22_spi *const encoder = &CUI_AMT22_SPI_14;
+#define encoder CUI_AMT22_SPI_14
 #ifdef CUI_AMT22_SPI_WORD_BITS
 #error "words have several lengths"
 #endif

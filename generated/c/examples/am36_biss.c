@@ -15,14 +15,14 @@
 #include "lika/am36_biss_procedures.h"
 
 /* The order code from the label, AM3616/4096-I7. The compiler computes the position of each bit. */
-static const lika_am36_biss *const encoder = &LIKA_AM36_BISS_AM3616_4096_I7;
+#define ENCODER LIKA_AM36_BISS_AM3616_4096_I7
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
 /* Single cycle data, as sent by the encoder: made up, since the manual has no example of it. */
-static uint64_t receive_word(void)
+static cw_word receive_word(void)
 {
-    return UINT64_C(0x2ABCD15EF);
+    return cw_word_of(UINT64_C(0x2ABCD15EF), lika_am36_biss_bits(ENCODER));
 }
 
 /* The registers of the encoder. */
@@ -111,7 +111,7 @@ static cw_result show_frame(void)
         "the position is usable"
     };
     cw_verdict verdict;
-    const cw_result result = lika_am36_biss_decode(encoder, receive_word(), &frame);
+    const cw_result result = lika_am36_biss_decode(ENCODER, receive_word(), &frame);
     if (result != CW_OK) {
         return result;
     }
@@ -119,12 +119,12 @@ static cw_result show_frame(void)
     printf("  multiturn: %llu\n", (unsigned long long)frame.multiturn);
     printf("  singleturn: %llu\n", (unsigned long long)frame.singleturn);
     printf("  position: %llu\n", (unsigned long long)frame.position);
-    print_reports(lika_am36_biss_reports(encoder, &frame));
+    print_reports(lika_am36_biss_reports(ENCODER, &frame));
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
-    verdict = lika_am36_biss_verdict(encoder, &frame);
+    verdict = lika_am36_biss_verdict(ENCODER, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {
-        printf("  that is %.3f degrees\n", lika_am36_biss_degrees(encoder,
+        printf("  that is %.3f degrees\n", lika_am36_biss_degrees(ENCODER,
             (uint64_t)frame.position));
     }
     return CW_OK;
@@ -134,14 +134,14 @@ static cw_result show_frame(void)
 static cw_result run_procedure(cw_failure *failure)
 {
     printf("%s\n", "Set, save and activate a preset: position 100000");
-    return lika_am36_biss_set_preset(&transport, encoder, 100000U, failure);
+    return lika_am36_biss_set_preset(&transport, ENCODER, 100000U, failure);
 }
 
 /* Configuration 49h: a worked example [6.5] */
 static cw_result show_configuration(cw_failure *failure)
 {
     lika_am36_biss_reg_configuration held;
-    const cw_result result = lika_am36_biss_read_configuration(&transport, encoder, &held, failure);
+    const cw_result result = lika_am36_biss_read_configuration(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }
@@ -163,7 +163,7 @@ static cw_result show_information_per_revolution(cw_failure *failure)
 {
     lika_am36_biss_reg_information_per_revolution held;
     const cw_result result =
-        lika_am36_biss_read_information_per_revolution(&transport, encoder, &held, failure);
+        lika_am36_biss_read_information_per_revolution(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }
@@ -179,7 +179,7 @@ static cw_result show_number_of_revolutions(cw_failure *failure)
 {
     lika_am36_biss_reg_number_of_revolutions held;
     const cw_result result =
-        lika_am36_biss_read_number_of_revolutions(&transport, encoder, &held, failure);
+        lika_am36_biss_read_number_of_revolutions(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }
@@ -194,7 +194,7 @@ static cw_result show_number_of_revolutions(cw_failure *failure)
 static cw_result show_preset(cw_failure *failure)
 {
     lika_am36_biss_reg_preset held;
-    const cw_result result = lika_am36_biss_read_preset(&transport, encoder, &held, failure);
+    const cw_result result = lika_am36_biss_read_preset(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }
@@ -210,7 +210,7 @@ static cw_result show_singleturn_bits_used(cw_failure *failure)
 {
     uint8_t held;
     const cw_result result =
-        lika_am36_biss_read_singleturn_bits_used(&transport, encoder, &held, failure);
+        lika_am36_biss_read_singleturn_bits_used(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }
@@ -226,7 +226,7 @@ static cw_result show_multiturn_bits_used(cw_failure *failure)
 {
     uint8_t held;
     const cw_result result =
-        lika_am36_biss_read_multiturn_bits_used(&transport, encoder, &held, failure);
+        lika_am36_biss_read_multiturn_bits_used(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }
@@ -241,7 +241,7 @@ static cw_result show_multiturn_bits_used(cw_failure *failure)
 static cw_result show_device_id(cw_failure *failure)
 {
     lika_am36_biss_reg_device_id held;
-    const cw_result result = lika_am36_biss_read_device_id(&transport, encoder, &held, failure);
+    const cw_result result = lika_am36_biss_read_device_id(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }
@@ -260,7 +260,7 @@ static cw_result show_manufacturer_id(cw_failure *failure)
 {
     lika_am36_biss_reg_manufacturer_id held;
     const cw_result result =
-        lika_am36_biss_read_manufacturer_id(&transport, encoder, &held, failure);
+        lika_am36_biss_read_manufacturer_id(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }

@@ -15,14 +15,14 @@
 #include "lika/amm5_biss_procedures.h"
 
 /* The order code from the label, AMM5A21/65KSC1. The compiler computes the position of each bit. */
-static const lika_amm5_biss *const encoder = &LIKA_AMM5_BISS_A21_65KSC1;
+#define ENCODER LIKA_AMM5_BISS_A21_65KSC1
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
 /* Single cycle data, as sent by the encoder: made up, since the manual has no example of it. */
-static uint64_t receive_word(void)
+static cw_word receive_word(void)
 {
-    return UINT64_C(0x55BCD15E2);
+    return cw_word_of(UINT64_C(0x55BCD15E2), lika_amm5_biss_bits(ENCODER));
 }
 
 /* The registers of the encoder. */
@@ -106,7 +106,7 @@ static cw_result show_frame(void)
         "the position is usable"
     };
     cw_verdict verdict;
-    const cw_result result = lika_amm5_biss_decode(encoder, receive_word(), &frame);
+    const cw_result result = lika_amm5_biss_decode(ENCODER, receive_word(), &frame);
     if (result != CW_OK) {
         return result;
     }
@@ -116,12 +116,12 @@ static cw_result show_frame(void)
     printf("  error: %s\n", frame.error ? "yes" : "no");
     printf("  warning: %s\n", frame.warning ? "yes" : "no");
     printf("  position: %llu\n", (unsigned long long)frame.position);
-    print_reports(lika_amm5_biss_reports(encoder, &frame));
+    print_reports(lika_amm5_biss_reports(ENCODER, &frame));
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
-    verdict = lika_amm5_biss_verdict(encoder, &frame);
+    verdict = lika_amm5_biss_verdict(ENCODER, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {
-        printf("  that is %.3f degrees\n", lika_amm5_biss_degrees(encoder,
+        printf("  that is %.3f degrees\n", lika_amm5_biss_degrees(ENCODER,
             (uint64_t)frame.position));
     }
     return CW_OK;
@@ -131,14 +131,14 @@ static cw_result show_frame(void)
 static cw_result run_procedure(cw_failure *failure)
 {
     printf("%s\n", "Set, save and activate a preset: position 1000003");
-    return lika_amm5_biss_set_preset(&transport, encoder, 1000003U, failure);
+    return lika_amm5_biss_set_preset(&transport, ENCODER, 1000003U, failure);
 }
 
 /* Preset 11h: a worked example [6.4] */
 static cw_result show_preset(cw_failure *failure)
 {
     lika_amm5_biss_reg_preset held;
-    const cw_result result = lika_amm5_biss_read_preset(&transport, encoder, &held, failure);
+    const cw_result result = lika_amm5_biss_read_preset(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }
@@ -155,7 +155,7 @@ static cw_result show_preset(cw_failure *failure)
 static cw_result show_serial_number(cw_failure *failure)
 {
     lika_amm5_biss_reg_serial_number held;
-    const cw_result result = lika_amm5_biss_read_serial_number(&transport, encoder, &held, failure);
+    const cw_result result = lika_amm5_biss_read_serial_number(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }
@@ -174,7 +174,7 @@ static cw_result show_manufacturer_id(cw_failure *failure)
 {
     lika_amm5_biss_reg_manufacturer_id held;
     const cw_result result =
-        lika_amm5_biss_read_manufacturer_id(&transport, encoder, &held, failure);
+        lika_amm5_biss_read_manufacturer_id(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }

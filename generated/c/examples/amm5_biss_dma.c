@@ -10,14 +10,13 @@
  */
 #include <stdio.h>
 
-#include "codewheel/receive.h"
 #include "codewheel/tracker.h"
 #include "lika/amm5_biss.h"
 
-/* The order code from the label, AMM5A23/65KSC1. */
-static const lika_amm5_biss *const encoder = &LIKA_AMM5_BISS_A23_65KSC1;
-
-/* One frame as SPI receives it: acknowledge, start bit, CDS, word and stop bit. */
+/*
+ * One frame as SPI receives it: acknowledge, start bit, CDS, word and stop bit. Its size, the call
+ * that reads it and the tracker name the order code from the label, AMM5A23/65KSC1.
+ */
 static uint8_t rx[LIKA_AMM5_BISS_A23_65KSC1_RX_BYTES];
 
 /* Position of the axis. After a preset, call cw_tracker_restart(&axis, now_us). */
@@ -43,12 +42,9 @@ static bool spi_receive(uint8_t *buffer, size_t size)
 /* Call it when DMA has filled the buffer, with the time at which the frame began. */
 static void spi_dma_done(uint32_t now_us)
 {
-    lika_amm5_biss_frame frame;
-    uint64_t word;
-    if (LIKA_AMM5_BISS_RECEIVE(A23_65KSC1, rx, &word) == CW_OK
-        && lika_amm5_biss_decode(encoder, word, &frame) == CW_OK
-        && lika_amm5_biss_verdict(encoder, &frame) != CW_NOT_USABLE) {
-        cw_tracker_add(&axis, frame.position, now_us);
+    uint64_t position;
+    if (LIKA_AMM5_BISS_READ(A23_65KSC1, rx, &position) != CW_NOT_USABLE) {
+        cw_tracker_add(&axis, position, now_us);
     }
 }
 
@@ -56,7 +52,8 @@ int main(void)
 {
     uint32_t now_us = 0U;
     const cw_tracker_config config = {
-        lika_amm5_biss_modulus(encoder), MAX_SPEED, BOOT_US, LOST_AFTER_US, LOST_AFTER_REFUSED
+        lika_amm5_biss_modulus(LIKA_AMM5_BISS_A23_65KSC1), MAX_SPEED, BOOT_US, LOST_AFTER_US,
+            LOST_AFTER_REFUSED
     };
     cw_tracker_start(&axis, &config, now_us);
     while (spi_receive(rx, sizeof(rx))) {

@@ -17,7 +17,7 @@
 #include "lika/amm5_rs485_procedures.h"
 
 /* The order code from the label, AMM5A23/65KJP1. The compiler computes the position of each bit. */
-static const lika_amm5_rs485 *const encoder = &LIKA_AMM5_RS485_A23_65KJP1;
+#define ENCODER LIKA_AMM5_RS485_A23_65KJP1
 
 /* Time between two requests. */
 #define POLL_US 1000U
@@ -112,7 +112,7 @@ static cw_result show_frame(const uint8_t *bytes, size_t length)
     };
     cw_verdict verdict;
     const cw_result result =
-        lika_amm5_rs485_singleturn_reply_decode(encoder, bytes, length, &frame);
+        lika_amm5_rs485_singleturn_reply_decode(ENCODER, bytes, length, &frame);
     if (result != CW_OK) {
         return result;
     }
@@ -121,9 +121,9 @@ static cw_result show_frame(const uint8_t *bytes, size_t length)
     printf("  status_st_error: %s\n", frame.status_st_error ? "yes" : "no");
     printf("  status_other_error: %s\n", frame.status_other_error ? "yes" : "no");
     printf("  singleturn: %llu\n", (unsigned long long)frame.singleturn);
-    print_reports(lika_amm5_rs485_singleturn_reply_reports(encoder, &frame));
+    print_reports(lika_amm5_rs485_singleturn_reply_reports(ENCODER, &frame));
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
-    verdict = lika_amm5_rs485_singleturn_reply_verdict(encoder, &frame);
+    verdict = lika_amm5_rs485_singleturn_reply_verdict(ENCODER, &frame);
     printf("  %s\n", worth[verdict]);
     return CW_OK;
 }

@@ -13,7 +13,7 @@
 #include "lika/amm5_ssi.h"
 
 /* The order code from the label, AMM5A23/65KBG1. The compiler computes the position of each bit. */
-static const lika_amm5_ssi *const encoder = &LIKA_AMM5_SSI_A23_65KBG1;
+#define ENCODER LIKA_AMM5_SSI_A23_65KBG1
 
 /* Set this yourself: maximum number of counts that the axis moves from one word to the next. */
 #define AT_MOST 100U
@@ -32,11 +32,11 @@ static void spi_receive(uint8_t *buffer, size_t size)
     }
 }
 
-static cw_result receive_word(uint64_t *word)
+static cw_result receive_word(cw_word *word)
 {
     uint8_t rx[LIKA_AMM5_SSI_A23_65KBG1_RX_BYTES];
     spi_receive(rx, sizeof(rx));
-    return cw_ssi_receive(rx, sizeof(rx), LIKA_AMM5_SSI_A23_65KBG1_BITS, word);
+    return lika_amm5_ssi_receive(ENCODER, rx, sizeof(rx), word);
 }
 
 /* -- your application -------------------------------------------------------------------------- */
@@ -53,21 +53,21 @@ static cw_result show_frame(void)
     };
     cw_verdict verdict;
     lika_amm5_ssi_frame again;
-    uint64_t word = 0U;
+    cw_word word = { 0U, 0U };
     cw_result result = receive_word(&word);
     if (result == CW_OK) {
-        result = lika_amm5_ssi_decode(encoder, word, &frame);
+        result = lika_amm5_ssi_decode(ENCODER, word, &frame);
     }
     /* No CRC protects this word, so the next one, read immediately after it, must agree. */
     if (result == CW_OK) {
         result = receive_word(&word);
     }
     if (result == CW_OK) {
-        result = lika_amm5_ssi_decode(encoder, word, &again);
+        result = lika_amm5_ssi_decode(ENCODER, word, &again);
     }
     if (result == CW_OK) {
         result = cw_ssi_repeats((uint64_t)frame.position, (uint64_t)again.position,
-            lika_amm5_ssi_modulus(encoder), AT_MOST);
+            lika_amm5_ssi_modulus(ENCODER), AT_MOST);
     }
     if (result != CW_OK) {
         return result;
@@ -77,10 +77,10 @@ static cw_result show_frame(void)
     printf("  singleturn: %llu\n", (unsigned long long)frame.singleturn);
     printf("  position: %llu\n", (unsigned long long)frame.position);
     /* A frame can be well formed while its position is not usable. */
-    verdict = lika_amm5_ssi_verdict(encoder, &frame);
+    verdict = lika_amm5_ssi_verdict(ENCODER, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {
-        printf("  that is %.3f degrees\n", lika_amm5_ssi_degrees(encoder,
+        printf("  that is %.3f degrees\n", lika_amm5_ssi_degrees(ENCODER,
             (uint64_t)frame.position));
     }
     return CW_OK;

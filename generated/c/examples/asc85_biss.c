@@ -14,7 +14,7 @@
 #include "lika/asc85_biss_registers.h"
 
 /* The order code from the label, ASC8525/SC1. The compiler computes the position of each bit. */
-static const lika_asc85_biss *const encoder = &LIKA_ASC85_BISS_25_SC1;
+#define ENCODER LIKA_ASC85_BISS_25_SC1
 
 /*
  * Choose this yourself, since the manual leaves it open: Constant 0 bit between position and error
@@ -25,9 +25,9 @@ static const lika_asc85_biss_zero_bit my_zero_bit = LIKA_ASC85_BISS_ZERO_BIT_AS_
 /* -- your bus ---------------------------------------------------------------------------------- */
 
 /* Single cycle data, as sent by the encoder: made up, since the manual has no example of it. */
-static uint64_t receive_word(void)
+static cw_word receive_word(void)
 {
-    return UINT64_C(0x2B79A2AC1);
+    return cw_word_of(UINT64_C(0x2B79A2AC1), lika_asc85_biss_bits(ENCODER, my_zero_bit));
 }
 
 /* The registers of the encoder. */
@@ -112,7 +112,7 @@ static cw_result show_frame(void)
         "the position is usable"
     };
     cw_verdict verdict;
-    const cw_result result = lika_asc85_biss_decode(encoder, my_zero_bit, receive_word(), &frame);
+    const cw_result result = lika_asc85_biss_decode(ENCODER, my_zero_bit, receive_word(), &frame);
     if (result != CW_OK) {
         return result;
     }
@@ -120,12 +120,12 @@ static cw_result show_frame(void)
     printf("  position: %llu\n", (unsigned long long)frame.position);
     printf("  error: %s\n", frame.error ? "yes" : "no");
     printf("  warning: %s\n", frame.warning ? "yes" : "no");
-    print_reports(lika_asc85_biss_reports(encoder, &frame));
+    print_reports(lika_asc85_biss_reports(ENCODER, &frame));
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
-    verdict = lika_asc85_biss_verdict(encoder, &frame);
+    verdict = lika_asc85_biss_verdict(ENCODER, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {
-        printf("  that is %.3f degrees\n", lika_asc85_biss_degrees(encoder,
+        printf("  that is %.3f degrees\n", lika_asc85_biss_degrees(ENCODER,
             (uint64_t)frame.position));
     }
     return CW_OK;
@@ -135,7 +135,7 @@ static cw_result show_frame(void)
 static cw_result show_profile_id(cw_failure *failure)
 {
     lika_asc85_biss_reg_profile_id held;
-    const cw_result result = lika_asc85_biss_read_profile_id(&transport, encoder, &held, failure);
+    const cw_result result = lika_asc85_biss_read_profile_id(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }
@@ -152,7 +152,7 @@ static cw_result show_serial_number(cw_failure *failure)
 {
     lika_asc85_biss_reg_serial_number held;
     const cw_result result =
-        lika_asc85_biss_read_serial_number(&transport, encoder, &held, failure);
+        lika_asc85_biss_read_serial_number(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }
@@ -167,7 +167,7 @@ static cw_result show_serial_number(cw_failure *failure)
 static cw_result show_device_id(cw_failure *failure)
 {
     lika_asc85_biss_reg_device_id held;
-    const cw_result result = lika_asc85_biss_read_device_id(&transport, encoder, &held, failure);
+    const cw_result result = lika_asc85_biss_read_device_id(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }
@@ -184,7 +184,7 @@ static cw_result show_manufacturer_id(cw_failure *failure)
 {
     lika_asc85_biss_reg_manufacturer_id held;
     const cw_result result =
-        lika_asc85_biss_read_manufacturer_id(&transport, encoder, &held, failure);
+        lika_asc85_biss_read_manufacturer_id(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }

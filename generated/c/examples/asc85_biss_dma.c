@@ -10,20 +10,13 @@
  */
 #include <stdio.h>
 
-#include "codewheel/receive.h"
 #include "codewheel/tracker.h"
 #include "lika/asc85_biss.h"
 
-/* The order code from the label, ASC8525/SC1. */
-static const lika_asc85_biss *const encoder = &LIKA_ASC85_BISS_25_SC1;
-
 /*
- * Choose this yourself, since the manual leaves it open: Constant 0 bit between position and error
- * bit of a BiSS frame [6.2.1 p.20]. See the answers in lika/asc85_biss.h.
+ * One frame as SPI receives it: acknowledge, start bit, CDS, word and stop bit. Its size, the call
+ * that reads it and the tracker name the order code from the label, ASC8525/SC1.
  */
-static const lika_asc85_biss_zero_bit my_zero_bit = LIKA_ASC85_BISS_ZERO_BIT_AS_PRINTED;
-
-/* One frame as SPI receives it: acknowledge, start bit, CDS, word and stop bit. */
 static uint8_t rx[LIKA_ASC85_BISS_25_SC1_AS_PRINTED_RX_BYTES];
 
 /* Position of the axis. After a preset, call cw_tracker_restart(&axis, now_us). */
@@ -49,12 +42,10 @@ static bool spi_receive(uint8_t *buffer, size_t size)
 /* Call it when DMA has filled the buffer, with the time at which the frame began. */
 static void spi_dma_done(uint32_t now_us)
 {
-    lika_asc85_biss_frame frame;
-    uint64_t word;
-    if (LIKA_ASC85_BISS_RECEIVE(25_SC1_AS_PRINTED, rx, &word) == CW_OK
-        && lika_asc85_biss_decode(encoder, my_zero_bit, word, &frame) == CW_OK
-        && lika_asc85_biss_verdict(encoder, &frame) != CW_NOT_USABLE) {
-        cw_tracker_add(&axis, frame.position, now_us);
+    uint32_t position;
+    /* Choose zero_bit yourself, since the manual leaves it open. */
+    if (LIKA_ASC85_BISS_READ(25_SC1, AS_PRINTED, rx, &position) != CW_NOT_USABLE) {
+        cw_tracker_add(&axis, position, now_us);
     }
 }
 
@@ -62,7 +53,8 @@ int main(void)
 {
     uint32_t now_us = 0U;
     const cw_tracker_config config = {
-        lika_asc85_biss_modulus(encoder), MAX_SPEED, BOOT_US, LOST_AFTER_US, LOST_AFTER_REFUSED
+        lika_asc85_biss_modulus(LIKA_ASC85_BISS_25_SC1), MAX_SPEED, BOOT_US, LOST_AFTER_US,
+            LOST_AFTER_REFUSED
     };
     cw_tracker_start(&axis, &config, now_us);
     while (spi_receive(rx, sizeof(rx))) {

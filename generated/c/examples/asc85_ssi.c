@@ -13,7 +13,7 @@
 #include "lika/asc85_ssi.h"
 
 /* The order code from the label, ASC8525/GG1. The compiler computes the position of each bit. */
-static const lika_asc85_ssi *const encoder = &LIKA_ASC85_SSI_25_GG1;
+#define ENCODER LIKA_ASC85_SSI_25_GG1
 
 /* Set this yourself: maximum number of counts that the axis moves from one word to the next. */
 #define AT_MOST 100U
@@ -32,11 +32,11 @@ static void spi_receive(uint8_t *buffer, size_t size)
     }
 }
 
-static cw_result receive_word(uint64_t *word)
+static cw_result receive_word(cw_word *word)
 {
     uint8_t rx[LIKA_ASC85_SSI_25_GG1_RX_BYTES];
     spi_receive(rx, sizeof(rx));
-    return cw_ssi_receive(rx, sizeof(rx), LIKA_ASC85_SSI_25_GG1_BITS, word);
+    return lika_asc85_ssi_receive(ENCODER, rx, sizeof(rx), word);
 }
 
 /* -- your application -------------------------------------------------------------------------- */
@@ -53,21 +53,21 @@ static cw_result show_frame(void)
     };
     cw_verdict verdict;
     lika_asc85_ssi_frame again;
-    uint64_t word = 0U;
+    cw_word word = { 0U, 0U };
     cw_result result = receive_word(&word);
     if (result == CW_OK) {
-        result = lika_asc85_ssi_decode(encoder, word, &frame);
+        result = lika_asc85_ssi_decode(ENCODER, word, &frame);
     }
     /* No CRC protects this word, so the next one, read immediately after it, must agree. */
     if (result == CW_OK) {
         result = receive_word(&word);
     }
     if (result == CW_OK) {
-        result = lika_asc85_ssi_decode(encoder, word, &again);
+        result = lika_asc85_ssi_decode(ENCODER, word, &again);
     }
     if (result == CW_OK) {
         result = cw_ssi_repeats((uint64_t)frame.position, (uint64_t)again.position,
-            lika_asc85_ssi_modulus(encoder), AT_MOST);
+            lika_asc85_ssi_modulus(ENCODER), AT_MOST);
     }
     if (result != CW_OK) {
         return result;
@@ -75,10 +75,10 @@ static cw_result show_frame(void)
     printf("%s\n", "SSI word");
     printf("  position: %llu\n", (unsigned long long)frame.position);
     /* A frame can be well formed while its position is not usable. */
-    verdict = lika_asc85_ssi_verdict(encoder, &frame);
+    verdict = lika_asc85_ssi_verdict(ENCODER, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {
-        printf("  that is %.3f degrees\n", lika_asc85_ssi_degrees(encoder,
+        printf("  that is %.3f degrees\n", lika_asc85_ssi_degrees(ENCODER,
             (uint64_t)frame.position));
     }
     return CW_OK;

@@ -14,14 +14,14 @@
 #include "ichaus/icmu_biss_registers.h"
 
 /* The order code from the label, iC-MU-28-2. The compiler computes the position of each bit. */
-static const ichaus_icmu_biss *const encoder = &ICHAUS_ICMU_BISS_IC_MU_28_2;
+#define ENCODER ICHAUS_ICMU_BISS_IC_MU_28_2
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
 /* Single cycle data, as sent by the encoder: made up, since the spec has no example of it. */
-static uint64_t receive_word(void)
+static cw_word receive_word(void)
 {
-    return UINT64_C(0x1D6F3454D2);
+    return cw_word_of(UINT64_C(0x1D6F3454D2), ichaus_icmu_biss_bits(ENCODER));
 }
 
 /* The registers of the encoder. */
@@ -104,7 +104,7 @@ static cw_result show_frame(void)
         "the position is usable"
     };
     cw_verdict verdict;
-    const cw_result result = ichaus_icmu_biss_decode(encoder, receive_word(), &frame);
+    const cw_result result = ichaus_icmu_biss_decode(ENCODER, receive_word(), &frame);
     if (result != CW_OK) {
         return result;
     }
@@ -112,9 +112,9 @@ static cw_result show_frame(void)
     printf("  position: %llu\n", (unsigned long long)frame.position);
     printf("  error: %s\n", frame.error ? "yes" : "no");
     printf("  warning: %s\n", frame.warning ? "yes" : "no");
-    print_reports(ichaus_icmu_biss_reports(encoder, &frame));
+    print_reports(ichaus_icmu_biss_reports(ENCODER, &frame));
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
-    verdict = ichaus_icmu_biss_verdict(encoder, &frame);
+    verdict = ichaus_icmu_biss_verdict(ENCODER, &frame);
     printf("  %s\n", worth[verdict]);
     return CW_OK;
 }
@@ -123,7 +123,7 @@ static cw_result show_frame(void)
 static cw_result show_device_id(cw_failure *failure)
 {
     ichaus_icmu_biss_reg_device_id held;
-    const cw_result result = ichaus_icmu_biss_read_device_id(&transport, encoder, &held, failure);
+    const cw_result result = ichaus_icmu_biss_read_device_id(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }
@@ -139,7 +139,7 @@ static cw_result show_manufacturer_id(cw_failure *failure)
 {
     ichaus_icmu_biss_reg_manufacturer_id held;
     const cw_result result =
-        ichaus_icmu_biss_read_manufacturer_id(&transport, encoder, &held, failure);
+        ichaus_icmu_biss_read_manufacturer_id(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }

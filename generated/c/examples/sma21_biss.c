@@ -15,16 +15,16 @@
 #include "lika/sma21_biss_procedures.h"
 
 /* The order code from the label, SMA21-SC1-0050. The compiler computes the position of each bit. */
-static const lika_sma21_biss *const encoder = &LIKA_SMA21_BISS_SC1_0050;
+#define ENCODER LIKA_SMA21_BISS_SC1_0050
 
 /* -- your bus ---------------------------------------------------------------------------------- */
 
 /*
  * Single cycle data, as sent by the encoder: made up, with the position of a worked example [6.2].
  */
-static uint64_t receive_word(void)
+static cw_word receive_word(void)
 {
-    return UINT64_C(0x7BD6);
+    return cw_word_of(UINT64_C(0x7BD6), lika_sma21_biss_bits(ENCODER));
 }
 
 /* The registers of the encoder. */
@@ -110,7 +110,7 @@ static cw_result show_frame(void)
         "the position is usable"
     };
     cw_verdict verdict;
-    const cw_result result = lika_sma21_biss_decode(encoder, receive_word(), &frame);
+    const cw_result result = lika_sma21_biss_decode(ENCODER, receive_word(), &frame);
     if (result != CW_OK) {
         return result;
     }
@@ -118,12 +118,12 @@ static cw_result show_frame(void)
     printf("  position: %llu\n", (unsigned long long)frame.position);
     printf("  error: %s\n", frame.error ? "yes" : "no");
     printf("  warning: %s\n", frame.warning ? "yes" : "no");
-    print_reports(lika_sma21_biss_reports(encoder, &frame));
+    print_reports(lika_sma21_biss_reports(ENCODER, &frame));
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
-    verdict = lika_sma21_biss_verdict(encoder, &frame);
+    verdict = lika_sma21_biss_verdict(ENCODER, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {
-        printf("  that is %.3f mm\n", lika_sma21_biss_millimetres(encoder,
+        printf("  that is %.3f mm\n", lika_sma21_biss_millimetres(ENCODER,
             (int64_t)frame.position));
     }
     return CW_OK;
@@ -135,14 +135,14 @@ static cw_result show_frame(void)
 static cw_result run_procedure(cw_failure *failure)
 {
     printf("%s\n", "Set, save and activate a preset: position 100000");
-    return lika_sma21_biss_set_preset(&transport, encoder, 100000U, failure);
+    return lika_sma21_biss_set_preset(&transport, ENCODER, 100000U, failure);
 }
 
 /* Profile ID 42h: a worked example [6.4 p.28] */
 static cw_result show_profile_id(cw_failure *failure)
 {
     lika_sma21_biss_reg_profile_id held;
-    const cw_result result = lika_sma21_biss_read_profile_id(&transport, encoder, &held, failure);
+    const cw_result result = lika_sma21_biss_read_profile_id(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }
@@ -158,7 +158,7 @@ static cw_result show_absolute_resolution(cw_failure *failure)
 {
     uint8_t held;
     const cw_result result =
-        lika_sma21_biss_read_absolute_resolution(&transport, encoder, &held, failure);
+        lika_sma21_biss_read_absolute_resolution(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }
@@ -174,7 +174,7 @@ static cw_result show_configuration(cw_failure *failure)
 {
     lika_sma21_biss_reg_configuration held;
     const cw_result result =
-        lika_sma21_biss_read_configuration(&transport, encoder, &held, failure);
+        lika_sma21_biss_read_configuration(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }
@@ -199,7 +199,7 @@ static cw_result show_preset_offset(cw_failure *failure)
 {
     lika_sma21_biss_reg_preset_offset held;
     const cw_result result =
-        lika_sma21_biss_read_preset_offset(&transport, encoder, &held, failure);
+        lika_sma21_biss_read_preset_offset(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }
@@ -215,7 +215,7 @@ static cw_result show_manufacturer_id(cw_failure *failure)
 {
     lika_sma21_biss_reg_manufacturer_id held;
     const cw_result result =
-        lika_sma21_biss_read_manufacturer_id(&transport, encoder, &held, failure);
+        lika_sma21_biss_read_manufacturer_id(&transport, ENCODER, &held, failure);
     if (result != CW_OK) {
         return result;
     }

@@ -17,7 +17,7 @@
 #include "lika/sma21_rs485_procedures.h"
 
 /* The order code from the label, SMA21-JP1-0005. The compiler computes the position of each bit. */
-static const lika_sma21_rs485 *const encoder = &LIKA_SMA21_RS485_JP1_0005;
+#define ENCODER LIKA_SMA21_RS485_JP1_0005
 
 /* Time between two requests. */
 #define POLL_US 1000U
@@ -108,7 +108,7 @@ static cw_result show_frame(const uint8_t *bytes, size_t length)
         "the position is usable"
     };
     cw_verdict verdict;
-    const cw_result result = lika_sma21_rs485_position_reply_decode(encoder, bytes, length, &frame);
+    const cw_result result = lika_sma21_rs485_position_reply_decode(ENCODER, bytes, length, &frame);
     if (result != CW_OK) {
         return result;
     }
@@ -125,12 +125,12 @@ static cw_result show_frame(const uint8_t *bytes, size_t length)
     printf("  low_amplitude_error: %s\n", frame.low_amplitude_error ? "yes" : "no");
     printf("  signal_strength_alarm: %s\n", frame.signal_strength_alarm ? "yes" : "no");
     printf("  temperature_alarm: %s\n", frame.temperature_alarm ? "yes" : "no");
-    print_reports(lika_sma21_rs485_position_reply_reports(encoder, &frame));
+    print_reports(lika_sma21_rs485_position_reply_reports(ENCODER, &frame));
     /* A frame can be well formed and have a correct CRC while its position is not usable. */
-    verdict = lika_sma21_rs485_position_reply_verdict(encoder, &frame);
+    verdict = lika_sma21_rs485_position_reply_verdict(ENCODER, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {
-        printf("  that is %.3f mm\n", lika_sma21_rs485_millimetres(encoder,
+        printf("  that is %.3f mm\n", lika_sma21_rs485_millimetres(ENCODER,
             (int64_t)frame.position));
     }
     return CW_OK;

@@ -14,7 +14,7 @@
 #include "lika/sma21_ssi_reports.h"
 
 /* The order code from the label, SMA21-BG1-0001. The compiler computes the position of each bit. */
-static const lika_sma21_ssi *const encoder = &LIKA_SMA21_SSI_BG1_0001;
+#define ENCODER LIKA_SMA21_SSI_BG1_0001
 
 /* Set this yourself: maximum number of counts that the axis moves from one word to the next. */
 #define AT_MOST 100U
@@ -33,11 +33,11 @@ static void spi_receive(uint8_t *buffer, size_t size)
     }
 }
 
-static cw_result receive_word(uint64_t *word)
+static cw_result receive_word(cw_word *word)
 {
     uint8_t rx[LIKA_SMA21_SSI_BG1_0001_RX_BYTES];
     spi_receive(rx, sizeof(rx));
-    return cw_ssi_receive(rx, sizeof(rx), LIKA_SMA21_SSI_BG1_0001_BITS, word);
+    return lika_sma21_ssi_receive(ENCODER, rx, sizeof(rx), word);
 }
 
 /* -- your application -------------------------------------------------------------------------- */
@@ -67,21 +67,21 @@ static cw_result show_frame(void)
     };
     cw_verdict verdict;
     lika_sma21_ssi_frame again;
-    uint64_t word = 0U;
+    cw_word word = { 0U, 0U };
     cw_result result = receive_word(&word);
     if (result == CW_OK) {
-        result = lika_sma21_ssi_decode(encoder, word, &frame);
+        result = lika_sma21_ssi_decode(ENCODER, word, &frame);
     }
     /* No CRC protects this word, so the next one, read immediately after it, must agree. */
     if (result == CW_OK) {
         result = receive_word(&word);
     }
     if (result == CW_OK) {
-        result = lika_sma21_ssi_decode(encoder, word, &again);
+        result = lika_sma21_ssi_decode(ENCODER, word, &again);
     }
     if (result == CW_OK) {
         result = cw_ssi_repeats((uint64_t)frame.position, (uint64_t)again.position,
-            lika_sma21_ssi_modulus(encoder), AT_MOST);
+            lika_sma21_ssi_modulus(ENCODER), AT_MOST);
     }
     if (result != CW_OK) {
         return result;
@@ -89,12 +89,12 @@ static cw_result show_frame(void)
     printf("%s\n", "SSI word");
     printf("  position: %llu\n", (unsigned long long)frame.position);
     printf("  error: %s\n", frame.error ? "yes" : "no");
-    print_reports(lika_sma21_ssi_reports(encoder, &frame));
+    print_reports(lika_sma21_ssi_reports(ENCODER, &frame));
     /* A frame can be well formed while its position is not usable. */
-    verdict = lika_sma21_ssi_verdict(encoder, &frame);
+    verdict = lika_sma21_ssi_verdict(ENCODER, &frame);
     printf("  %s\n", worth[verdict]);
     if (verdict != CW_NOT_USABLE) {
-        printf("  that is %.3f mm\n", lika_sma21_ssi_millimetres(encoder, (int64_t)frame.position));
+        printf("  that is %.3f mm\n", lika_sma21_ssi_millimetres(ENCODER, (int64_t)frame.position));
     }
     return CW_OK;
 }

@@ -71,7 +71,7 @@ static bool writes(const cw_step *steps, size_t count, const written *sound, siz
 /* 1: configuration register [6.5] */
 static bool check_1(void)
 {
-    const lika_am36_biss *const variant = &LIKA_AM36_BISS_AM3616_4096_I7;
+    const lika_am36_biss variant = LIKA_AM36_BISS_AM3616_4096_I7;
     static const uint8_t bytes[] = {
         0x60U
     };
@@ -97,7 +97,7 @@ static bool check_1(void)
 /* 2: configuration default [6.5 p.25, 7 p.33] */
 static bool check_2(void)
 {
-    const lika_am36_biss *const variant = &LIKA_AM36_BISS_AM3616_4096_I7;
+    const lika_am36_biss variant = LIKA_AM36_BISS_AM3616_4096_I7;
     static const uint8_t bytes[] = {
         0x20U
     };
@@ -127,7 +127,7 @@ static bool check_3(void)
         { 0x49U, 0x60U },
         { 0x48U, 0x01U }
     };
-    const lika_am36_biss *const variant = &LIKA_AM36_BISS_AM3616_4096_I7;
+    const lika_am36_biss variant = LIKA_AM36_BISS_AM3616_4096_I7;
     cw_step steps[LIKA_AM36_BISS_SET_CONFIGURATION_STEPS_COUNT];
     size_t count = 0U;
     return (lika_am36_biss_set_configuration_steps(variant, 96U, steps,
@@ -138,7 +138,7 @@ static bool check_3(void)
 /* 4: information default [6.5 p.27] */
 static bool check_4(void)
 {
-    const lika_am36_biss *const variant = &LIKA_AM36_BISS_AM3616_4096_I7;
+    const lika_am36_biss variant = LIKA_AM36_BISS_AM3616_4096_I7;
     static const uint8_t bytes[] = {
         0x10U, 0x00U, 0x00U
     };
@@ -159,7 +159,7 @@ static bool check_4(void)
 /* 5: revolutions 65536 [6.5 p.28] */
 static bool check_5(void)
 {
-    const lika_am36_biss *const variant = &LIKA_AM36_BISS_AM3616_4096_I7;
+    const lika_am36_biss variant = LIKA_AM36_BISS_AM3616_4096_I7;
     static const uint8_t bytes[] = {
         0x00U, 0x00U
     };
@@ -180,7 +180,7 @@ static bool check_5(void)
 /* 6: revolutions 1 [6.5 p.28] */
 static bool check_6(void)
 {
-    const lika_am36_biss *const variant = &LIKA_AM36_BISS_AM3616_4096_I7;
+    const lika_am36_biss variant = LIKA_AM36_BISS_AM3616_4096_I7;
     static const uint8_t bytes[] = {
         0x00U, 0x01U
     };
@@ -201,7 +201,7 @@ static bool check_6(void)
 /* 7: revolutions 2 [6.5 p.28] */
 static bool check_7(void)
 {
-    const lika_am36_biss *const variant = &LIKA_AM36_BISS_AM3616_4096_I7;
+    const lika_am36_biss variant = LIKA_AM36_BISS_AM3616_4096_I7;
     static const uint8_t bytes[] = {
         0x00U, 0x02U
     };
@@ -222,7 +222,7 @@ static bool check_7(void)
 /* 8: revolutions 2000 [6.5 p.28] */
 static bool check_8(void)
 {
-    const lika_am36_biss *const variant = &LIKA_AM36_BISS_AM3616_4096_I7;
+    const lika_am36_biss variant = LIKA_AM36_BISS_AM3616_4096_I7;
     static const uint8_t bytes[] = {
         0x07U, 0xD0U
     };
@@ -243,7 +243,7 @@ static bool check_8(void)
 /* 9: revolutions 2048 [6.5 p.28] */
 static bool check_9(void)
 {
-    const lika_am36_biss *const variant = &LIKA_AM36_BISS_AM3616_4096_I7;
+    const lika_am36_biss variant = LIKA_AM36_BISS_AM3616_4096_I7;
     static const uint8_t bytes[] = {
         0x08U, 0x00U
     };
@@ -264,7 +264,7 @@ static bool check_9(void)
 /* 10: revolutions 4096 [6.5] */
 static bool check_10(void)
 {
-    const lika_am36_biss *const variant = &LIKA_AM36_BISS_AM3616_4096_I7;
+    const lika_am36_biss variant = LIKA_AM36_BISS_AM3616_4096_I7;
     static const uint8_t bytes[] = {
         0x10U, 0x00U
     };
@@ -285,7 +285,7 @@ static bool check_10(void)
 /* 11: revolutions 65535 [6.5 p.28] */
 static bool check_11(void)
 {
-    const lika_am36_biss *const variant = &LIKA_AM36_BISS_AM3616_4096_I7;
+    const lika_am36_biss variant = LIKA_AM36_BISS_AM3616_4096_I7;
     static const uint8_t bytes[] = {
         0xFFU, 0xFFU
     };
@@ -306,7 +306,7 @@ static bool check_11(void)
 /* 12: preset register [6.5 p.29] */
 static bool check_12(void)
 {
-    const lika_am36_biss *const variant = &LIKA_AM36_BISS_AM3616_4096_I7;
+    const lika_am36_biss variant = LIKA_AM36_BISS_AM3616_4096_I7;
     static const uint8_t bytes[] = {
         0x00U, 0x00U, 0x01U, 0x86U, 0xA0U
     };
@@ -325,7 +325,7 @@ static bool check_12(void)
 /* 13: preset maximum [6.5 p.29] */
 static bool check_13(void)
 {
-    const lika_am36_biss *const variant = &LIKA_AM36_BISS_AM3616_4096_I7;
+    const lika_am36_biss variant = LIKA_AM36_BISS_AM3616_4096_I7;
     static const uint8_t bytes[] = {
         0x0FU, 0xFFU, 0xFFU, 0xFFU, 0xFFU
     };
@@ -353,7 +353,7 @@ static bool check_14(void)
         { 0x54U, 0xA0U },
         { 0x48U, 0x02U }
     };
-    const lika_am36_biss *const variant = &LIKA_AM36_BISS_AM3616_4096_I7;
+    const lika_am36_biss variant = LIKA_AM36_BISS_AM3616_4096_I7;
     cw_step steps[LIKA_AM36_BISS_SET_PRESET_STEPS_COUNT];
     size_t count = 0U;
     return (lika_am36_biss_set_preset_steps(variant, 100000U, steps,
@@ -373,7 +373,7 @@ static bool check_15(void)
         { 0x54U, 0xA0U },
         { 0x48U, 0x01U }
     };
-    const lika_am36_biss *const variant = &LIKA_AM36_BISS_AM3616_4096_I7;
+    const lika_am36_biss variant = LIKA_AM36_BISS_AM3616_4096_I7;
     cw_step steps[LIKA_AM36_BISS_STORE_PRESET_STEPS_COUNT];
     size_t count = 0U;
     return (lika_am36_biss_store_preset_steps(variant, 100000U, steps,
@@ -384,7 +384,7 @@ static bool check_15(void)
 /* 16: device id [6.5 p.31] */
 static bool check_16(void)
 {
-    const lika_am36_biss *const variant = &LIKA_AM36_BISS_AM3616_4096_I7;
+    const lika_am36_biss variant = LIKA_AM36_BISS_AM3616_4096_I7;
     static const uint8_t bytes[] = {
         0x41U, 0x4DU, 0x49U, 0x37U, 0x32U, 0x31U
     };
@@ -412,7 +412,7 @@ static bool check_16(void)
 /* 17: manufacturer id [6.5 p.32] */
 static bool check_17(void)
 {
-    const lika_am36_biss *const variant = &LIKA_AM36_BISS_AM3616_4096_I7;
+    const lika_am36_biss variant = LIKA_AM36_BISS_AM3616_4096_I7;
     static const uint8_t bytes[] = {
         0x4CU, 0x69U
     };

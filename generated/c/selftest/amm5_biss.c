@@ -71,7 +71,7 @@ static bool writes(const cw_step *steps, size_t count, const written *sound, siz
 /* 1: preset register [6.4] */
 static bool check_1(void)
 {
-    const lika_amm5_biss *const variant = &LIKA_AMM5_BISS_A21_65KSC1;
+    const lika_amm5_biss variant = LIKA_AMM5_BISS_A21_65KSC1;
     static const uint8_t bytes[] = {
         0x00U, 0x30U, 0x24U, 0xF4U, 0x00U, 0x00U, 0x00U
     };
@@ -109,7 +109,7 @@ static bool check_2(void)
         { 0x77U, 0x01U },
         { 0x77U, 0x02U }
     };
-    const lika_amm5_biss *const variant = &LIKA_AMM5_BISS_A21_65KSC1;
+    const lika_amm5_biss variant = LIKA_AMM5_BISS_A21_65KSC1;
     cw_step steps[LIKA_AMM5_BISS_SET_PRESET_STEPS_COUNT];
     size_t count = 0U;
     return (lika_amm5_biss_set_preset_steps(variant, 1000003U, steps,
@@ -120,7 +120,7 @@ static bool check_2(void)
 /* 3: serial number [6.4 p.38, it: 6.4 p.39] */
 static bool check_3(void)
 {
-    const lika_amm5_biss *const variant = &LIKA_AMM5_BISS_A21_65KSC1;
+    const lika_amm5_biss variant = LIKA_AMM5_BISS_A21_65KSC1;
     static const uint8_t bytes[] = {
         0x0AU, 0xE8U, 0x69U, 0xEEU
     };
@@ -149,7 +149,7 @@ static bool check_3(void)
 /* 4: manufacturer id [6.4 p.39, it: 6.4 p.40] */
 static bool check_4(void)
 {
-    const lika_amm5_biss *const variant = &LIKA_AMM5_BISS_A21_65KSC1;
+    const lika_amm5_biss variant = LIKA_AMM5_BISS_A21_65KSC1;
     static const uint8_t bytes[] = {
         0x4CU, 0x69U
     };

@@ -28,7 +28,7 @@ static bool are_bytes(const uint8_t *bytes, const uint8_t *sound, size_t length)
 /* 1: request of data id 0 [7.4.2] */
 static bool check_1(void)
 {
-    const lika_amm5_rs485 *const variant = &LIKA_AMM5_RS485_A23_65KJP1;
+    const lika_amm5_rs485 variant = LIKA_AMM5_RS485_A23_65KJP1;
     static const uint8_t bytes[] = {
         0x02U
     };
@@ -56,7 +56,7 @@ return lika_amm5_rs485_crc_rs485_8(bytes, sizeof(bytes)) == 0xB3U;
 /* 3: crc example as frame [7.6] */
 static bool check_3(void)
 {
-    const lika_amm5_rs485 *const variant = &LIKA_AMM5_RS485_A23_65KJP1;
+    const lika_amm5_rs485 variant = LIKA_AMM5_RS485_A23_65KJP1;
     static const uint8_t bytes[] = {
         0x32U, 0x10U, 0x01U, 0x28U, 0xB0U, 0x08U, 0xB3U
     };
@@ -68,7 +68,7 @@ static bool check_3(void)
 /* 4: crc example as frame [7.6] */
 static bool check_4(void)
 {
-    const lika_amm5_rs485 *const variant = &LIKA_AMM5_RS485_A23_65KJP1;
+    const lika_amm5_rs485 variant = LIKA_AMM5_RS485_A23_65KJP1;
     static const uint8_t bytes[] = {
         0x32U, 0x10U, 0x01U, 0x28U, 0xB0U, 0x08U, 0xB3U
     };
@@ -80,7 +80,7 @@ static bool check_4(void)
 /* 5: crc example as frame [7.6] */
 static bool check_5(void)
 {
-    const lika_amm5_rs485 *const variant = &LIKA_AMM5_RS485_A23_65KJP1;
+    const lika_amm5_rs485 variant = LIKA_AMM5_RS485_A23_65KJP1;
     static const uint8_t bytes[] = {
         0x32U, 0x10U, 0x01U, 0x28U, 0xB0U, 0x08U, 0xB3U
     };
@@ -92,7 +92,7 @@ static bool check_5(void)
 /* 6: crc example as frame [7.6] */
 static bool check_6(void)
 {
-    const lika_amm5_rs485 *const variant = &LIKA_AMM5_RS485_A23_65KJP1;
+    const lika_amm5_rs485 variant = LIKA_AMM5_RS485_A23_65KJP1;
     static const uint8_t bytes[] = {
         0x32U, 0x10U, 0x01U, 0x28U, 0xB0U, 0x08U, 0xB3U
     };
@@ -104,7 +104,7 @@ static bool check_6(void)
 /* 7: crc example as frame [7.6] */
 static bool check_7(void)
 {
-    const lika_amm5_rs485 *const variant = &LIKA_AMM5_RS485_A23_65KJP1;
+    const lika_amm5_rs485 variant = LIKA_AMM5_RS485_A23_65KJP1;
     static const uint8_t bytes[] = {
         0x32U, 0x10U, 0x01U, 0x28U, 0xB0U, 0x08U, 0xB3U
     };
@@ -116,7 +116,7 @@ static bool check_7(void)
 /* 8: crc example as frame [7.6] */
 static bool check_8(void)
 {
-    const lika_amm5_rs485 *const variant = &LIKA_AMM5_RS485_A23_65KJP1;
+    const lika_amm5_rs485 variant = LIKA_AMM5_RS485_A23_65KJP1;
     static const uint8_t bytes[] = {
         0x32U, 0x10U, 0x01U, 0x28U, 0xB0U, 0x08U, 0xB3U
     };
@@ -131,7 +131,7 @@ static bool check_8(void)
  */
 static bool check_9(void)
 {
-    const lika_amm5_rs485 *const variant = &LIKA_AMM5_RS485_A23_65KJP1;
+    const lika_amm5_rs485 variant = LIKA_AMM5_RS485_A23_65KJP1;
     static const uint8_t bytes[] = {
         0x02U, 0x20U, 0xC7U, 0xD1U, 0x6AU, 0x5EU
     };
@@ -160,7 +160,7 @@ static bool check_9(void)
 /* 10: public all data reply [hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst] */
 static bool check_10(void)
 {
-    const lika_amm5_rs485 *const variant = &LIKA_AMM5_RS485_A23_65KJP1;
+    const lika_amm5_rs485 variant = LIKA_AMM5_RS485_A23_65KJP1;
     static const uint8_t bytes[] = {
         0x1AU, 0x00U, 0xA5U, 0xA5U, 0x00U, 0x17U, 0x88U, 0x88U, 0x00U, 0x00U, 0x0DU
     };
@@ -218,7 +218,7 @@ return lika_amm5_rs485_crc_rs485_8(bytes, sizeof(bytes)) == 0xEBU;
 /* 14: public eeprom page request [hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst] */
 static bool check_14(void)
 {
-    const lika_amm5_rs485 *const variant = &LIKA_AMM5_RS485_A23_65KJP1;
+    const lika_amm5_rs485 variant = LIKA_AMM5_RS485_A23_65KJP1;
     static const uint8_t bytes[] = {
         0x32U, 0x7FU, 0x01U, 0x4CU
     };
@@ -242,7 +242,7 @@ static bool check_14(void)
 /* 15: public eeprom write request [hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst] */
 static bool check_15(void)
 {
-    const lika_amm5_rs485 *const variant = &LIKA_AMM5_RS485_A23_65KJP1;
+    const lika_amm5_rs485 variant = LIKA_AMM5_RS485_A23_65KJP1;
     static const uint8_t bytes[] = {
         0x32U, 0x01U, 0x5AU, 0x69U
     };
@@ -266,7 +266,7 @@ static bool check_15(void)
 /* 16: public eeprom read request [hpm_sdk: samples/drivers/sei/slave/tamagawa/README_en.rst] */
 static bool check_16(void)
 {
-    const lika_amm5_rs485 *const variant = &LIKA_AMM5_RS485_A23_65KJP1;
+    const lika_amm5_rs485 variant = LIKA_AMM5_RS485_A23_65KJP1;
     static const uint8_t bytes[] = {
         0xEAU, 0x01U, 0xEBU
     };

@@ -45,7 +45,7 @@ static bool are_bytes(const uint8_t *bytes, const uint8_t *sound, size_t length)
 /* 1: profile id [6.4 p.23] */
 static bool check_1(void)
 {
-    const lika_asc85_biss *const variant = &LIKA_ASC85_BISS_25_SC1;
+    const lika_asc85_biss variant = LIKA_ASC85_BISS_25_SC1;
     static const uint8_t bytes[] = {
         0x28U, 0x1AU
     };
@@ -67,7 +67,7 @@ static bool check_1(void)
 /* 2: serial number [6.4 p.23] */
 static bool check_2(void)
 {
-    const lika_asc85_biss *const variant = &LIKA_ASC85_BISS_25_SC1;
+    const lika_asc85_biss variant = LIKA_ASC85_BISS_25_SC1;
     static const uint8_t bytes[] = {
         0x0AU, 0x35U, 0x2CU, 0x0EU
     };
@@ -87,7 +87,7 @@ static bool check_2(void)
 /* 3: device id [6.4 p.31] */
 static bool check_3(void)
 {
-    const lika_asc85_biss *const variant = &LIKA_ASC85_BISS_25_SC1;
+    const lika_asc85_biss variant = LIKA_ASC85_BISS_25_SC1;
     static const uint8_t bytes[] = {
         0x41U, 0x53U, 0x38U, 0x35U, 0x30U, 0x31U
     };
@@ -109,7 +109,7 @@ static bool check_3(void)
 /* 4: manufacturer id [6.4 p.32] */
 static bool check_4(void)
 {
-    const lika_asc85_biss *const variant = &LIKA_ASC85_BISS_25_SC1;
+    const lika_asc85_biss variant = LIKA_ASC85_BISS_25_SC1;
     static const uint8_t bytes[] = {
         0x4CU, 0x69U
     };

@@ -28,7 +28,7 @@ static bool are_bytes(const uint8_t *bytes, const uint8_t *sound, size_t length)
 /* 1: spot device id [spot: appendix B] */
 static bool check_1(void)
 {
-    const ichaus_icmu_biss *const variant = &ICHAUS_ICMU_BISS_IC_MU_28_2;
+    const ichaus_icmu_biss variant = ICHAUS_ICMU_BISS_IC_MU_28_2;
     static const uint8_t bytes[] = {
         0x4DU, 0x55U, 0x07U, 0x00U, 0x00U, 0x00U
     };
@@ -47,7 +47,7 @@ static bool check_1(void)
 /* 2: spot manufacturer id [spot: appendix B] */
 static bool check_2(void)
 {
-    const ichaus_icmu_biss *const variant = &ICHAUS_ICMU_BISS_IC_MU_28_2;
+    const ichaus_icmu_biss variant = ICHAUS_ICMU_BISS_IC_MU_28_2;
     static const uint8_t bytes[] = {
         0x69U, 0x43U
     };
@@ -67,7 +67,7 @@ static bool check_2(void)
 /* 3: spot output length [spot: appendix B] */
 static bool check_3(void)
 {
-    const ichaus_icmu_biss *const variant = &ICHAUS_ICMU_BISS_IC_MU_28_2;
+    const ichaus_icmu_biss variant = ICHAUS_ICMU_BISS_IC_MU_28_2;
     static const uint8_t bytes[] = {
         0x4EU
     };

@@ -71,21 +71,21 @@ static bool writes(const cw_step *steps, size_t count, const written *sound, siz
 /* 1: biss length 50 um [6.2] */
 static bool check_1(void)
 {
-    const lika_sma21_biss *const variant = &LIKA_SMA21_BISS_SC1_0050;
+    const lika_sma21_biss variant = LIKA_SMA21_BISS_SC1_0050;
     return lika_sma21_biss_micrometres(variant, 123U) == 6150U;
 }
 
 /* 2: biss length 1 um [6.2] */
 static bool check_2(void)
 {
-    const lika_sma21_biss *const variant = &LIKA_SMA21_BISS_SC1_0001;
+    const lika_sma21_biss variant = LIKA_SMA21_BISS_SC1_0001;
     return lika_sma21_biss_micrometres(variant, 1569U) == 1569U;
 }
 
 /* 3: profile id 50 um [6.4 p.28] */
 static bool check_3(void)
 {
-    const lika_sma21_biss *const variant = &LIKA_SMA21_BISS_SC1_0050;
+    const lika_sma21_biss variant = LIKA_SMA21_BISS_SC1_0050;
     static const uint8_t bytes[] = {
         0x28U, 0x14U
     };
@@ -104,7 +104,7 @@ static bool check_3(void)
 /* 4: profile id 10 um [6.4 p.28] */
 static bool check_4(void)
 {
-    const lika_sma21_biss *const variant = &LIKA_SMA21_BISS_SC1_0010;
+    const lika_sma21_biss variant = LIKA_SMA21_BISS_SC1_0010;
     static const uint8_t bytes[] = {
         0x28U, 0x16U
     };
@@ -123,7 +123,7 @@ static bool check_4(void)
 /* 5: profile id 5 um [6.4 p.28] */
 static bool check_5(void)
 {
-    const lika_sma21_biss *const variant = &LIKA_SMA21_BISS_SC1_0005;
+    const lika_sma21_biss variant = LIKA_SMA21_BISS_SC1_0005;
     static const uint8_t bytes[] = {
         0x28U, 0x17U
     };
@@ -142,7 +142,7 @@ static bool check_5(void)
 /* 6: profile id 2 um [6.4 p.28] */
 static bool check_6(void)
 {
-    const lika_sma21_biss *const variant = &LIKA_SMA21_BISS_SC1_0002;
+    const lika_sma21_biss variant = LIKA_SMA21_BISS_SC1_0002;
     static const uint8_t bytes[] = {
         0x28U, 0x18U
     };
@@ -161,7 +161,7 @@ static bool check_6(void)
 /* 7: profile id 1 um [6.4 p.28] */
 static bool check_7(void)
 {
-    const lika_sma21_biss *const variant = &LIKA_SMA21_BISS_SC1_0001;
+    const lika_sma21_biss variant = LIKA_SMA21_BISS_SC1_0001;
     static const uint8_t bytes[] = {
         0x28U, 0x19U
     };
@@ -180,7 +180,7 @@ static bool check_7(void)
 /* 8: configuration default [6.4 p.30, 12 p.51] */
 static bool check_8(void)
 {
-    const lika_sma21_biss *const variant = &LIKA_SMA21_BISS_SC1_0050;
+    const lika_sma21_biss variant = LIKA_SMA21_BISS_SC1_0050;
     static const uint8_t bytes[] = {
         0x20U
     };
@@ -209,7 +209,7 @@ static bool check_8(void)
 /* 9: configuration register [6.6.1 p.35] */
 static bool check_9(void)
 {
-    const lika_sma21_biss *const variant = &LIKA_SMA21_BISS_SC1_0050;
+    const lika_sma21_biss variant = LIKA_SMA21_BISS_SC1_0050;
     static const uint8_t bytes[] = {
         0x60U
     };
@@ -242,7 +242,7 @@ static bool check_10(void)
         { 0x49U, 0x60U },
         { 0x48U, 0x01U }
     };
-    const lika_sma21_biss *const variant = &LIKA_SMA21_BISS_SC1_0050;
+    const lika_sma21_biss variant = LIKA_SMA21_BISS_SC1_0050;
     cw_step steps[LIKA_SMA21_BISS_SET_CONFIGURATION_STEPS_COUNT];
     size_t count = 0U;
     return (lika_sma21_biss_set_configuration_steps(variant, 96U, steps,
@@ -253,7 +253,7 @@ static bool check_10(void)
 /* 11: preset register [6.6.2 p.35] */
 static bool check_11(void)
 {
-    const lika_sma21_biss *const variant = &LIKA_SMA21_BISS_SC1_0050;
+    const lika_sma21_biss variant = LIKA_SMA21_BISS_SC1_0050;
     static const uint8_t bytes[] = {
         0x00U, 0x01U, 0x86U, 0xA0U
     };
@@ -280,7 +280,7 @@ static bool check_12(void)
         { 0x53U, 0xA0U },
         { 0x48U, 0x02U }
     };
-    const lika_sma21_biss *const variant = &LIKA_SMA21_BISS_SC1_0050;
+    const lika_sma21_biss variant = LIKA_SMA21_BISS_SC1_0050;
     cw_step steps[LIKA_SMA21_BISS_SET_PRESET_STEPS_COUNT];
     size_t count = 0U;
     return (lika_sma21_biss_set_preset_steps(variant, 100000U, steps,
@@ -291,7 +291,7 @@ static bool check_12(void)
 /* 13: manufacturer id [6.4 p.34] */
 static bool check_13(void)
 {
-    const lika_sma21_biss *const variant = &LIKA_SMA21_BISS_SC1_0050;
+    const lika_sma21_biss variant = LIKA_SMA21_BISS_SC1_0050;
     static const uint8_t bytes[] = {
         0x4CU, 0x69U
     };
@@ -311,10 +311,10 @@ static bool check_13(void)
 /* 14: public biss frame [biss_bridge: 2_hdl/tb/tb_data_checker.vhd] */
 static bool check_14(void)
 {
-    const lika_sma21_biss *const variant = &LIKA_SMA21_BISS_SC1_0010;
+    const lika_sma21_biss variant = LIKA_SMA21_BISS_SC1_0010;
     lika_sma21_biss_frame out;
     uint64_t again = 0U;
-    if (lika_sma21_biss_decode(variant, UINT64_C(0x2EFCADC), &out) != CW_OK) {
+    if (lika_sma21_biss_decode(variant, cw_word_of(UINT64_C(0x2EFCADC), 32U), &out) != CW_OK) {
         return false;
     }
     if (out.position != 192458U) {
@@ -333,10 +333,10 @@ static bool check_14(void)
 /* 15: public biss frame with error [biss_bridge: 2_hdl/tb/tb_data_checker.vhd] */
 static bool check_15(void)
 {
-    const lika_sma21_biss *const variant = &LIKA_SMA21_BISS_SC1_0010;
+    const lika_sma21_biss variant = LIKA_SMA21_BISS_SC1_0010;
     lika_sma21_biss_frame out;
     uint64_t again = 0U;
-    if (lika_sma21_biss_decode(variant, UINT64_C(0x123454B), &out) != CW_OK) {
+    if (lika_sma21_biss_decode(variant, cw_word_of(UINT64_C(0x123454B), 32U), &out) != CW_OK) {
         return false;
     }
     if (out.position != 74565U) {

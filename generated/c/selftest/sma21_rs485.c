@@ -28,7 +28,7 @@ static bool are_bytes(const uint8_t *bytes, const uint8_t *sound, size_t length)
 /* 1: request of data id 4 [7.3.3.2, 7.3.4] */
 static bool check_1(void)
 {
-    const lika_sma21_rs485 *const variant = &LIKA_SMA21_RS485_JP1_0005;
+    const lika_sma21_rs485 variant = LIKA_SMA21_RS485_JP1_0005;
     static const uint8_t bytes[] = {
         0xA2U
     };
@@ -47,7 +47,7 @@ static bool check_1(void)
 /* 2: request of data id 5 [7.3.4] */
 static bool check_2(void)
 {
-    const lika_sma21_rs485 *const variant = &LIKA_SMA21_RS485_JP1_0005;
+    const lika_sma21_rs485 variant = LIKA_SMA21_RS485_JP1_0005;
     static const uint8_t bytes[] = {
         0x2AU
     };
@@ -66,7 +66,7 @@ static bool check_2(void)
 /* 3: reply of data id 4 [7.3.4] */
 static bool check_3(void)
 {
-    const lika_sma21_rs485 *const variant = &LIKA_SMA21_RS485_JP1_0005;
+    const lika_sma21_rs485 variant = LIKA_SMA21_RS485_JP1_0005;
     static const uint8_t bytes[] = {
         0xA2U, 0x00U, 0x10U, 0x32U, 0x54U, 0x00U, 0xD4U
     };
@@ -127,7 +127,7 @@ return lika_sma21_rs485_crc_rs485_8(bytes, sizeof(bytes)) == 0xD4U;
 /* 5: reply of data id 5 [7.3.4] */
 static bool check_5(void)
 {
-    const lika_sma21_rs485 *const variant = &LIKA_SMA21_RS485_JP1_0001;
+    const lika_sma21_rs485 variant = LIKA_SMA21_RS485_JP1_0001;
     static const uint8_t bytes[] = {
         0x2AU, 0x02U, 0xDAU, 0x04U, 0x00U, 0x43U, 0x25U, 0x00U, 0x90U
     };

@@ -15,14 +15,14 @@
 /* 1: ssi length 50 um [5.2] */
 static bool check_1(void)
 {
-    const lika_sma21_ssi *const variant = &LIKA_SMA21_SSI_BG1_0050;
+    const lika_sma21_ssi variant = LIKA_SMA21_SSI_BG1_0050;
     return lika_sma21_ssi_micrometres(variant, 123U) == 6150U;
 }
 
 /* 2: ssi length 1 um [5.2] */
 static bool check_2(void)
 {
-    const lika_sma21_ssi *const variant = &LIKA_SMA21_SSI_BG1_0001;
+    const lika_sma21_ssi variant = LIKA_SMA21_SSI_BG1_0001;
     return lika_sma21_ssi_micrometres(variant, 1569U) == 1569U;
 }
 

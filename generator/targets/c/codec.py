@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 from itertools import chain
 
-from ...model import Field, Piece, assert_never
+from ...model import Biss, Field, Piece, Spi, Ssi, assert_never
 from ...model.expressions import Expression
 from ...plan.codec import characters
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, Refusal, TooWide, depends, refusals
@@ -287,6 +287,10 @@ class StructCodec:
             yield self.bits_crc.name
         if self.measured:
             yield f"{self.name}_position"
+        if self.is_received:
+            yield f"{self.name}_receive"
+        if self.is_read:
+            yield f"{self.name}_read"
         if self.tells_difference:
             yield f"{self.name}_is_expected"
             yield from (self.expected_macro(field) for field in self.expected if self.has_one_value(field))
@@ -295,14 +299,57 @@ class StructCodec:
     def measured(self) -> str:
         """The field or join with the position that a function returns, or an empty text if there is no such function.
 
-        Only the frame of an interface with one frame has it, if its verdict is known.
+        A frame has it if its verdict is known.
         """
         context, layout = self.struct.context, self.struct.layout
         measurement = context.device.measurement_of(context.interface.name)
         has_verdict = self.reports is not None and bool(self.reports.verdict)
-        if measurement is None or self.name != context.prefix or not has_verdict:
+        if measurement is None or layout.sender != "encoder" or not has_verdict:
             return ""
         return measurement.of if measurement.of in layout.member_names else ""
+
+    @property
+    def receiver(self) -> str:
+        """The function of the runtime that extracts the frame from a buffer, empty if a port receives its bytes."""
+        if self.struct.register is not None or not self.decodes:
+            return ""
+        match self.struct.context.interface:
+            case Biss() | Ssi() as interface:
+                return f"cw_{interface.name}_receive" + ("_frame" if self.plan.in_bytes else "")
+            case Spi() if not self.plan.in_bytes:
+                return "cw_spi_load"
+            case _:
+                return ""
+
+    @property
+    def is_received(self) -> bool:
+        """True if a function extracts the word of the frame from a buffer."""
+        return bool(self.receiver) and not self.plan.in_bytes
+
+    @property
+    def is_read(self) -> bool:
+        """True if a function returns the position from a buffer."""
+        return bool(self.measured and self.receiver)
+
+    @property
+    def length_alternatives(self) -> tuple[AlternativeCode, ...]:
+        """The alternatives on whose answers the length of the frame depends."""
+        return self.alternatives_for(self.plan.layout.bits)
+
+    @property
+    def word_has_length(self) -> bool:
+        """True if the decoder takes a word with its length, because not all words of the frame have the same length."""
+        return self.is_received and not self.plan.layout.bits.is_constant
+
+    @property
+    def word_type(self) -> str:
+        """The type of the word that the decoder takes."""
+        return "cw_word" if self.word_has_length else "uint64_t"
+
+    @property
+    def word_parameter(self) -> str:
+        """The word as a parameter of functions that pass it on to the decoder."""
+        return self.struct.context.passing.parameter("cw_word", "word") if self.word_has_length else "uint64_t word"
 
     @property
     def about_unused(self) -> str:

@@ -12,7 +12,7 @@ from ...plan.frames import held_parameters
 from ...say.order_code import timing as said_of
 from .comments import S
 from .enumerations import AlternativeCode, Enumerations, Reports
-from .names import Cast, Expr, Scope, number, unsigned
+from .names import BY_VALUE, Cast, Expr, Passing, Scope, number, unsigned
 
 
 class Context:
@@ -22,8 +22,8 @@ class Context:
     The device has only this interface. ``prefix`` begins every name, and is the type of the order codes.
     """
 
-    def __init__(self, device: Device) -> None:
-        self.device = device
+    def __init__(self, device: Device, passing: Passing = BY_VALUE) -> None:
+        self.device, self.passing = device, passing
         self.maker = device.manufacturer
         (self.interface,) = device.interfaces
         self.stem = f"{device.name}_{self.interface.name}"
@@ -38,10 +38,10 @@ class Context:
                 if name in largest:
                     largest[name] = max(largest[name], held_parameter.highest_value)
         answers = {name: code.argument for code in self.alternatives for name in code.item.answers[0].sets}
-        self.scope = Scope(self.prefix, largest, answers)
+        self.scope = Scope(self.prefix, largest, answers, passing)
         self.enumerations = Enumerations(device, self.prefix)
         self.choices = self.enumerations.choices
-        self.reports = Reports(device, self.prefix, self.choices)
+        self.reports = Reports(device, self.prefix, self.choices, self.scope)
 
     def crc_name(self, crc: Crc, carried_as: str) -> str:
         """Return the name of the function of a CRC over bits or bytes. A CRC needed for both has two functions."""

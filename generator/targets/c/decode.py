@@ -41,7 +41,7 @@ from .names import (
 from .structs import Struct
 
 #: Names of arguments and locals in the generated functions. The locals of fields have other names.
-_LOCALS = frozenset("variant word plain bytes length out in crc index v wide value flags".split())
+_LOCALS = frozenset("variant word received plain bytes length out in crc index v wide value flags".split())
 
 
 @dataclass(frozen=True, slots=True)

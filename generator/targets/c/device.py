@@ -10,7 +10,7 @@ from functools import cached_property, partial
 from itertools import chain
 from typing import Protocol, TypeVar
 
-from ...model import Crc, Device, Document, Layout, Parameter, Procedure, Register, Ssi
+from ...model import Crc, Device, Document, Layout, Parameter, Procedure, Register, Ssi, first_of
 from ...model.record import dataclass
 from ...order_codes.reduction import for_codes
 from ...plan.crcs import Carrier, CrcFunction, Form, carrier_of, crc_functions, reflect, table, word_table
@@ -27,8 +27,9 @@ from .comments import Paragraph, S
 from .context import Context, timing_macros
 from .decode import RangeFunctions, positions
 from .interfaces import InterfaceCode, ReplyRequest
-from .names import Declared, Names, c_name, unsigned
+from .names import BY_VALUE, Declared, Names, Passing, c_name, unsigned
 from .procedures import ProcedureCode
+from .reading import ReadCode
 from .registers import AlarmCode, RegisterCode, identity_codes, state_registers
 from .variants import LengthCode, Taker, VariantCode
 
@@ -141,9 +142,10 @@ class DeviceView:
     ``device`` has only this interface, and only its order codes.
     """
 
-    def __init__(self, device: Device) -> None:
+    def __init__(self, device: Device, passing: Passing = BY_VALUE) -> None:
         self.device = device
-        self.context = context = Context(device)
+        self.context = context = Context(device, passing)
+        self.parameter, self.argument, self.member = passing.parameter, passing.argument, passing.member
         self.maker, self.prefix, self.PREFIX, self.stem = context.maker, context.prefix, context.PREFIX, context.stem
         self.reports, self.alternatives = context.reports, context.alternatives
         self.variants = VariantCode(context)
@@ -164,12 +166,20 @@ class DeviceView:
         self.crcs = [crc for crc in crcs if crc.is_called or crc.table]
         codes = {code.register.name: code for code in self.registers}
         self.takers = [Taker(context, group, codes[group.register.name].access) for group in held_parameters(device)]
+        usage = self.usage
+        twice = usage is not None and usage.twice
+        self.reading = ReadCode(context, usage.frame if usage is not None else None, self.lengths, twice=twice)
         self.initial = initial(device)
         self.read_state = f"{self.prefix}_read_state" if state_registers(device) else ""
         self.identities = list(identity_codes(context, codes))
         self.procedures = [self._procedure(procedure, codes) for procedure in device.procedures]
         self.alarms = [AlarmCode(context, alarm) for alarm in device.alarms]
         self.timings = [macro for timing in device.timings for macro in timing_macros(timing, self.PREFIX)]
+
+    @property
+    def variant(self) -> str:
+        """The parameter of functions that receive an order code."""
+        return self.parameter(self.prefix, "variant")
 
     def _register(self, register: Register) -> RegisterCode:
         return _with_path(partial(RegisterCode, self.context, register), "registers", register.name)
@@ -236,7 +246,7 @@ class DeviceView:
             self.crcs,
             [self.reports],
             self.alternatives,
-            [self.interface, self.lengths],
+            [self.interface, self.lengths, self.reading],
             [self.positions] if self.positions is not None else (),
             self.registers,
             self.takers,
@@ -283,6 +293,17 @@ class DeviceView:
         """Return the other documents that ``text`` cites."""
         cited_documents = (document for document in self.device.documents if _cites(text, document.key))
         return [(f"  {document.key}: ", _title_and_url(document)) for document in cited_documents]
+
+    @property
+    def takes_spi_words(self) -> bool:
+        """True if words come from the bytes of SPI as they are."""
+        return any(codec.receiver == "cw_spi_load" for codec in self.interface.codecs)
+
+    @property
+    def received_codec(self) -> StructCodec:
+        """The frame whose lengths the header has, if it is the only one."""
+        codecs = (codec for codec in self.interface.codecs if codec.struct.layout.name in self.lengths.layouts)
+        return first_of(codecs, f"frame received over {self.context.interface.title}")
 
     def modulus(self, encoder: str, layout: Layout | None = None) -> str:
         """Return the counts after which the position in a frame wraps around, as C, 0 if it does not or may not.
@@ -339,30 +360,31 @@ def _is_range_of(functions: RangeFunctions, layout: Layout) -> bool:
     return any(candidate.name == layout.name for candidate in functions.layouts)
 
 
-def views_of(device: Device) -> Sequence[DeviceView]:
+def views_of(device: Device, passing: Passing = BY_VALUE) -> Sequence[DeviceView]:
     """Return the interfaces of a family, in the order of the spec. The last families are remembered.
 
     Raises:
         TargetError: C cannot express an interface.
     """
-    views = next((known_views for known_device, known_views in _LATEST if known_device is device), None)
-    if views is None:
-        views = tuple(_views_of(device))
-        _LATEST.append((device, views))
+    for known_device, known_passing, known_views in _LATEST:
+        if known_device is device and known_passing == passing:
+            return known_views
+    views = tuple(_views_of(device, passing))
+    _LATEST.append((device, passing, views))
     return views
 
 
 #: Families are compared by identity, because comparing their members takes longer than making their views.
-_LATEST: deque[tuple[Device, Sequence[DeviceView]]] = deque(maxlen=8)
+_LATEST: deque[tuple[Device, Passing, Sequence[DeviceView]]] = deque(maxlen=8)
 
 
-def _views_of(device: Device) -> Iterator[DeviceView]:
+def _views_of(device: Device, passing: Passing) -> Iterator[DeviceView]:
     for interface in device.interfaces:
         codes = {variant.code for variant in device.variants_over(interface.name)}
         narrowed_device = for_codes(device, codes)
         known_registers = {"", *(register.name for register in narrowed_device.registers)}
         parameters = (_with_known_register(parameter, known_registers) for parameter in narrowed_device.parameters)
-        yield DeviceView(replace(narrowed_device, parameters=tuple(parameters)))
+        yield DeviceView(replace(narrowed_device, parameters=tuple(parameters)), passing)
 
 
 def _with_known_register(parameter: Parameter, known_registers: Set[str]) -> Parameter:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 from ...language.document import Path
 from ...model import Alternative, Answer, Device, Field, Layout, Parameter, Value, Verdict, cite, first_of
@@ -20,7 +21,7 @@ from ...say.report import meaning as report_meaning
 from ...say.text import Statement, spec_text, statement
 from .. import TargetError
 from .comments import Paragraph, S
-from .names import Cast, Conditional, Declared, Expr, Name, Number, Operation, c_name, joined, masked, unsigned
+from .names import Cast, Conditional, Declared, Expr, Name, Number, Operation, Scope, c_name, joined, masked, unsigned
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,7 +110,9 @@ def _note(value: Value) -> str:
 
 
 #: Names of the other arguments and locals in the functions of a frame.
-_TAKEN = frozenset(("bytes", "crc", "flags", "in", "length", "out", "plain", "unused", "variant", "word"))
+_TAKEN = frozenset(
+    "bits bytes code crc flags frame in length out plain position received rx unused value variant verdict word".split()
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,6 +190,7 @@ class FrameReports:
     ) -> None:
         self.family, self.reporting, self.frame, self.type = family, reporting, frame, type_
         self._choices = choices
+        self._holds = partial(_holds, family.scope)
         self.judgement = reporting.judgement
         self.verdict = f"{frame}_verdict" if reporting.judgement is not None else ""
         self.reports = f"{frame}_reports" if reporting.causes else ""
@@ -200,7 +204,7 @@ class FrameReports:
     def mask_terms(self) -> Iterator[Expr]:
         """The terms of the mask of its reports."""
         for report_cause in self.reporting.causes:
-            says = joined("&&", (*map(_holds, report_cause.conditions), self._says(report_cause.by)))
+            says = joined("&&", (*map(self._holds, report_cause.conditions), self._says(report_cause.by)))
             yield Conditional(says, self.family.constant(report_cause.report), Number(0))
 
     @property
@@ -246,7 +250,7 @@ class FrameReports:
             if isinstance(cause.by, Reserved):
                 unused.append(cause.by)
                 continue
-            terms = (*map(_holds, cause.conditions), *self._active(cause.by), *map(_inactive, cause.unless))
+            terms = (*map(self._holds, cause.conditions), *self._active(cause.by), *map(_inactive, cause.unless))
             conditions.append(joined("&&", terms))
         if unused:
             conditions.append(self._differ(unused))
@@ -261,8 +265,10 @@ class FrameReports:
 class Reports:
     """All reports of a family. ``mask`` is the type with a bit for each."""
 
-    def __init__(self, device: Device, prefix: str, choices: Mapping[tuple[str, str], Enumeration]) -> None:
-        self.all, self._choices = reports_of(device), choices
+    def __init__(
+        self, device: Device, prefix: str, choices: Mapping[tuple[str, str], Enumeration], scope: Scope
+    ) -> None:
+        self.all, self._choices, self.scope = reports_of(device), choices, scope
         if len(self.all) > 64:
             problem = f"the frames have {len(self.all)} flags, values and fields of unused bits to report"
             raise TargetError(f"{problem}; the C target supports at most 64", ("interfaces",))
@@ -327,9 +333,9 @@ def _report_note(device: Device, report: Report) -> str:
     return S.sentence(statement(title(field), unused, source=source(field, alarm_of(device, field))))
 
 
-def _holds(only: Only) -> Expr:
+def _holds(scope: Scope, only: Only) -> Expr:
     """Return the condition on a parameter of the order code."""
-    return Operation("!=" if only.holds else "==", (Name(f"variant->{c_name(only.parameter)}"), Number(0)))
+    return Operation("!=" if only.holds else "==", (scope.member(only.parameter), Number(0)))
 
 
 def _inactive(part: Part) -> Expr:

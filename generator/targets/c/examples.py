@@ -31,6 +31,7 @@ from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComple
 from ...say.names_and_places import title, words
 from ...say.text import WORTH
 from .chosen import Chosen, Frame, NoFrame
+from .codec import StructCodec
 from .comments import ascii_text
 from .decode import Positions
 from .device import DeviceView
@@ -137,15 +138,25 @@ class ExampleCode:
     # -- the frame
 
     @property
+    def codec(self) -> StructCodec:
+        """The functions of the frame."""
+        codecs = (codec for codec in self.view.interface.codecs if codec.struct is self.struct)
+        return first_of(codecs, f"codec for '{self.struct.layout.name}'")
+
+    @property
     def alternatives(self) -> tuple[AlternativeCode, ...]:
         """The alternatives that the user must answer to decode the frame. The program uses the first answers."""
-        codecs = (codec for codec in self.view.interface.codecs if codec.struct is self.struct)
-        return first_of(codecs, f"codec for '{self.struct.layout.name}'").alternatives
+        return self.codec.alternatives
+
+    @property
+    def length_encoder(self) -> str:
+        """The first arguments of functions that need only the length of the frame."""
+        return ", ".join(("ENCODER", *(question.constant for question in self.codec.length_alternatives)))
 
     @property
     def encoder(self) -> str:
         """The first arguments of the decoder."""
-        return ", ".join(("encoder", *(question.constant for question in self.alternatives)))
+        return ", ".join(("ENCODER", *(question.constant for question in self.alternatives)))
 
     @property
     def received(self) -> list[FrameSize]:
@@ -263,7 +274,7 @@ class ExampleCode:
     @property
     def modulus(self) -> str:
         """The counts after which the position wraps around, for a tracker."""
-        return self.view.modulus("encoder", self.frame.layout) if self.position is not None else "0U"
+        return self.view.modulus("ENCODER", self.frame.layout) if self.position is not None else "0U"
 
     @property
     def counts(self) -> str:

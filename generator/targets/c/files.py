@@ -36,7 +36,21 @@ from .crc_functions import FoldOperation
 from .decode import ByteIs, FlagsIn, Positions, UnusedAre, UnusedIn
 from .device import DeviceView, Part, views_of
 from .examples import ExampleCode
-from .names import FOLDER, c_name, called, clashes, mask, number, runtime_headers, runtime_version, string, unsigned
+from .names import (
+    BY_ADDRESS,
+    BY_VALUE,
+    FOLDER,
+    Passing,
+    c_name,
+    called,
+    clashes,
+    mask,
+    number,
+    runtime_headers,
+    runtime_version,
+    string,
+    unsigned,
+)
 from .package import (
     FILES,
     FOUND_BY_NAME,
@@ -121,6 +135,13 @@ ONLY = Option(
     "",
 )
 
+PASSING = Option(
+    "passing",
+    "how functions take order codes and words: by value, or by address for SDCC, which writes only the headers for C",
+    "value",
+    ("value", "address"),
+)
+
 
 class Shared(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
@@ -154,12 +175,15 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         devices = narrowed_to(library.devices, options.get(ONLY.name, ""))
     except UnknownName as error:
         raise OptionError(f"c.{ONLY.name}: {error}") from None
+    passing = _passing(options)
     for device in devices:
         files |= library.files_of(_family, device, options)
-    views = [view for device in devices for view in views_of(device)]
+    views = [view for device in devices for view in views_of(device, passing)]
     for device, clash in clashes((view.device, view.names) for view in views):
         raise TargetError(f"{device.name}: {called(clash.path)}: {clash.message()}")
     if views:
+        files |= {f"c/include/{FOLDER}/{name}": text for name, text in runtime_headers().items()} | licence_in("c")
+    if views and not passing.by_address:
 
         def rendered(template: str, values: Mapping[str, object]) -> str:
             return _render(library, template, values)
@@ -168,9 +192,12 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         shared = selftest_files(views, tests, rendered)
         shared |= package_files(views, [*shared, *(test.path for test in tests)], rendered)
         shared |= dict(assumptions_files(library, rendered))
-        files |= {f"c/{path}": text for path, text in shared.items()} | licence_in("c")
-        files |= {f"c/include/{FOLDER}/{name}": text for name, text in runtime_headers().items()}
+        files |= {f"c/{path}": text for path, text in shared.items()}
     return files
+
+
+def _passing(options: Options) -> Passing:
+    return BY_ADDRESS if options.get(PASSING.name) == "address" else BY_VALUE
 
 
 def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
@@ -179,8 +206,12 @@ def _family(device: Device, library: Library, options: Options) -> Iterator[tupl
     def later(template: str, values: Mapping[str, object]) -> Callable[[], str]:
         return partial(_render, library, template, values)
 
-    for view in views_of(device):
+    passing = _passing(options)
+    for view in views_of(device, passing):
         yield from ((f"c/include/{path}", text) for path, text in _headers(library, view))
+        if passing.by_address:
+            continue
+        yield f"c/include/{view.cpp_header}", later("device.hpp.jinja", _values(view))
         yield from ((f"c/{path}", text) for path, text in own_test(view, later))
         yield from ((f"c/{path}", text) for path, text in own_programs(view, later))
 
@@ -202,12 +233,15 @@ def problems(library: Library) -> Iterator[TargetProblem]:
 
 def _headers(library: Library, view: DeviceView) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the include path of each header of an interface, and a function for its text."""
-    values: Family = {"maker": view.maker, "PREFIX": view.maker.name.upper(), "d": view}
+    values = _values(view)
     yield view.header, partial(_render, library, "device.h.jinja", values | {"runtime": runtime_version()})
-    yield view.cpp_header, partial(_render, library, "device.hpp.jinja", values)
     for part in view.parts:
         text = partial(_render, library, "part.h.jinja", values | {"further": part})
         yield f"{view.maker.name}/{part.file}", text
+
+
+def _values(view: DeviceView) -> Family:
+    return {"maker": view.maker, "PREFIX": view.maker.name.upper(), "d": view}
 
 
 def _render(library: Library, template: str, values: Mapping[str, object]) -> str:
@@ -248,7 +282,7 @@ TARGET = Target(
     summary="headers for C99 and C++11, packaged for CMake, pkg-config, PlatformIO, Arduino and Zephyr",
     files=generate,
     problems=problems,
-    options=(ONLY,),
+    options=(ONLY, PASSING),
     templates=TEMPLATES,
     family=_family,
 )

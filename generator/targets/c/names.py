@@ -335,6 +335,25 @@ def joined(operator: str, operands: tuple[Expr, ...]) -> Expr:
     return operands[0] if len(operands) == 1 else Operation(operator, operands)
 
 
+@dataclass(frozen=True, slots=True)
+class Passing:
+    """The spelling of structures that functions receive: by value, or by address for compilers that cannot do this."""
+
+    by_address: bool = False
+
+    def parameter(self, type_: str, name: str) -> str:
+        return f"const {type_} *{name}" if self.by_address else f"{type_} {name}"
+
+    def argument(self, structure: str) -> str:
+        return f"&{structure}" if self.by_address else structure
+
+    def member(self, parameter: str, member: str) -> str:
+        return f"{parameter}{'->' if self.by_address else '.'}{member}"
+
+
+BY_VALUE, BY_ADDRESS = Passing(), Passing(by_address=True)
+
+
 @dataclass(frozen=True)
 class Scope:
     """The spelling of parameters: set ones are members of the variant, others are functions of it.
@@ -346,13 +365,18 @@ class Scope:
     prefix: str
     largest: Mapping[str, int]
     answers: Mapping[str, str]
+    passing: Passing = BY_VALUE
 
     def atom(self, parameter: str) -> Expr:
         if parameter in self.answers:
             return Call(f"{self.prefix}_{parameter}", (Name(self.answers[parameter]),))
         if parameter in self.largest:
-            return Name(f"variant->{c_name(parameter)}")
+            return self.member(parameter)
         return Call(f"{self.prefix}_{parameter}", (Name("variant"),))
+
+    def member(self, parameter: str) -> Expr:
+        """Return a parameter that order codes set."""
+        return Name(self.passing.member("variant", c_name(parameter)))
 
     def mask(self, width: Expression) -> Expr:
         """Return a mask of ``width`` ones."""

@@ -130,10 +130,10 @@ class ReceiverCode:
         rows = (row for row in view.variants.rows if row.variant is variant)
         self.row: CodeRow = first_of(rows, f"row for {variant.code}")
         self.bits, self.size = (macro.name for macro in view.lengths.macros_of(self.longest))
-        self.receive = (
-            f"{view.lengths.receive}({view.lengths.code_of(self.longest)}, rx, {view.lengths.receiver_argument()})"
-        )
-        self.modulus = example.modulus
+        reading = view.reading
+        self.read = f"{reading.macro}({reading.arguments_of(self.row.code)}, rx, &position)"
+        self.position_type = reading.frame.struct.member_type(reading.frame.measured) if reading.frame else ""
+        self.modulus = view.modulus(self.row.macro, example.frame.layout)
 
 
 def receiver_codes(examples: Iterable[ExampleCode]) -> Iterator[ReceiverCode]:

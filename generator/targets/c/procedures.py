@@ -162,7 +162,7 @@ class ProcedureCode:
     @property
     def variant(self) -> str:
         """The variant that functions receive, which is a copy if limits depend on values written earlier."""
-        return "&written" if self._teaching else "variant"
+        return self.context.passing.argument("written") if self._teaching else "variant"
 
     def taker(self, written: FilledRegister | Whole) -> str:
         """Return the function that updates the copy from written bytes, or an empty text if no limit needs it."""

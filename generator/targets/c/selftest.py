@@ -32,6 +32,7 @@ from .codec import StructCodec
 from .crc_functions import WordCrc
 from .decode import LengthPositions
 from .device import DeviceView
+from .enumerations import AlternativeCode
 from .names import c_name, number, runtime_tests, signed_number, string
 from .procedures import ProcedureCode
 
@@ -54,6 +55,8 @@ class FrameCheck:
     answers: str
     data: tuple[str, ...]
     word: str
+    #: The number of bits in the word, if its decoder takes it.
+    length: str
     expected: tuple[Expected, ...]
     fault: str
 
@@ -216,17 +219,25 @@ class SelfTest:
         return FrameCheck(
             codec=codec,
             variant=self._variant(example.order_code),
-            answers=self._answers(codec, example),
+            answers=self._answers(codec.alternatives, example),
             data=_bytes(example.bytes) if codec.plan.in_bytes else (),
             word="" if codec.plan.in_bytes else _hex(word, 64),
+            length=self._length(codec, example) if codec.word_has_length else "",
             expected=() if fault else tuple(self._expected_members(codec, layout.name, example.values)),
             fault=fault,
         )
 
-    def _answers(self, codec: StructCodec, example: FrameExample) -> str:
+    def _length(self, codec: StructCodec, example: FrameExample) -> str:
+        """Return the number of bits in the word of an example, as C."""
+        if example.bits:
+            return number(len(example.bits))
+        answers = self._answers(codec.length_alternatives, example).removesuffix(", ")
+        return f"{codec.name}_bits({', '.join(filter(None, ('variant', answers)))})"
+
+    def _answers(self, questions: Sequence[AlternativeCode], example: FrameExample) -> str:
         """Return the answers for the example, or the first answer if it states none."""
         answers = ""
-        for question in codec.alternatives:
+        for question in questions:
             names = [answer.name for answer in question.item.answers]
             at = names.index(example.alternatives.get(question.item.name, names[0]))
             answers += f"{question.enumeration.entries[at].name}, "
@@ -242,6 +253,7 @@ class SelfTest:
                 answers="",
                 data=_bytes(example.bytes),
                 word="",
+                length="",
                 expected=tuple(self._expected_members(code.codec, f"reg_{example.register}", example.values)),
                 fault="",
             )

@@ -10,12 +10,10 @@
 
 #include "lika/am36_biss.h"
 
-/* The order code from the label, AM3616/4096-I7. */
-static const lika_am36_biss *const encoder = &LIKA_AM36_BISS_AM3616_4096_I7;
-
 /* Set this yourself: the pause between two bytes must be shorter than the time-out of the encoder. */
 #define CLOCK_HZ 250000UL
 
+/* A frame. Its size and the call below name the order code from the label, AM3616/4096-I7. */
 static uint8_t rx[LIKA_AM36_BISS_AM3616_4096_I7_RX_BYTES];
 
 static void print_number(uint64_t value)
@@ -39,18 +37,14 @@ void setup()
 
 void loop()
 {
-    lika_am36_biss_frame frame;
-    uint64_t word;
+    uint64_t position;
     SPI.beginTransaction(SPISettings(CLOCK_HZ, MSBFIRST, SPI_MODE3));
     SPI.transfer(rx, sizeof(rx));
     SPI.endTransaction();
-    if (LIKA_AM36_BISS_RECEIVE(AM3616_4096_I7, rx, &word) != CW_OK
-        || lika_am36_biss_decode(encoder, word, &frame) != CW_OK) {
-        Serial.println("no valid frame");
-    } else if (lika_am36_biss_verdict(encoder, &frame) == CW_NOT_USABLE) {
-        Serial.println("the position is not usable");
+    if (LIKA_AM36_BISS_READ(AM3616_4096_I7, rx, &position) == CW_NOT_USABLE) {
+        Serial.println("no usable position");
     } else {
-        print_number(frame.position);
+        print_number(position);
     }
     delay(10);
 }

@@ -10,12 +10,10 @@
 
 #include "lika/amm5_biss.h"
 
-/* The order code from the label, AMM5A23/65KSC1. */
-static const lika_amm5_biss *const encoder = &LIKA_AMM5_BISS_A23_65KSC1;
-
 /* Set this yourself: the pause between two bytes must be shorter than the time-out of the encoder. */
 #define CLOCK_HZ 250000UL
 
+/* A frame. Its size and the call below name the order code from the label, AMM5A23/65KSC1. */
 static uint8_t rx[LIKA_AMM5_BISS_A23_65KSC1_RX_BYTES];
 
 static void print_number(uint64_t value)
@@ -39,18 +37,14 @@ void setup()
 
 void loop()
 {
-    lika_amm5_biss_frame frame;
-    uint64_t word;
+    uint64_t position;
     SPI.beginTransaction(SPISettings(CLOCK_HZ, MSBFIRST, SPI_MODE3));
     SPI.transfer(rx, sizeof(rx));
     SPI.endTransaction();
-    if (LIKA_AMM5_BISS_RECEIVE(A23_65KSC1, rx, &word) != CW_OK
-        || lika_amm5_biss_decode(encoder, word, &frame) != CW_OK) {
-        Serial.println("no valid frame");
-    } else if (lika_amm5_biss_verdict(encoder, &frame) == CW_NOT_USABLE) {
-        Serial.println("the position is not usable");
+    if (LIKA_AMM5_BISS_READ(A23_65KSC1, rx, &position) == CW_NOT_USABLE) {
+        Serial.println("no usable position");
     } else {
-        print_number(frame.position);
+        print_number(position);
     }
     delay(10);
 }

@@ -10,18 +10,10 @@
 
 #include "lika/asc85_biss.h"
 
-/* The order code from the label, ASC8525/SC1. */
-static const lika_asc85_biss *const encoder = &LIKA_ASC85_BISS_25_SC1;
-
-/*
- * Choose this yourself, since the manual leaves it open: Constant 0 bit between position and error
- * bit of a BiSS frame [6.2.1 p.20]. See the answers in lika/asc85_biss.h.
- */
-static const lika_asc85_biss_zero_bit my_zero_bit = LIKA_ASC85_BISS_ZERO_BIT_AS_PRINTED;
-
 /* Set this yourself: the pause between two bytes must be shorter than the time-out of the encoder. */
 #define CLOCK_HZ 250000UL
 
+/* A frame. Its size and the call below name the order code from the label, ASC8525/SC1. */
 static uint8_t rx[LIKA_ASC85_BISS_25_SC1_AS_PRINTED_RX_BYTES];
 
 static void print_number(uint64_t value)
@@ -45,18 +37,15 @@ void setup()
 
 void loop()
 {
-    lika_asc85_biss_frame frame;
-    uint64_t word;
+    uint32_t position;
     SPI.beginTransaction(SPISettings(CLOCK_HZ, MSBFIRST, SPI_MODE3));
     SPI.transfer(rx, sizeof(rx));
     SPI.endTransaction();
-    if (LIKA_ASC85_BISS_RECEIVE(25_SC1_AS_PRINTED, rx, &word) != CW_OK
-        || lika_asc85_biss_decode(encoder, my_zero_bit, word, &frame) != CW_OK) {
-        Serial.println("no valid frame");
-    } else if (lika_asc85_biss_verdict(encoder, &frame) == CW_NOT_USABLE) {
-        Serial.println("the position is not usable");
+    /* Choose zero_bit yourself, since the manual leaves it open. */
+    if (LIKA_ASC85_BISS_READ(25_SC1, AS_PRINTED, rx, &position) == CW_NOT_USABLE) {
+        Serial.println("no usable position");
     } else {
-        print_number(frame.position);
+        print_number(position);
     }
     delay(10);
 }

@@ -10,12 +10,10 @@
 
 #include "lika/sma21_biss.h"
 
-/* The order code from the label, SMA21-SC1-0001. */
-static const lika_sma21_biss *const encoder = &LIKA_SMA21_BISS_SC1_0001;
-
 /* Set this yourself: the pause between two bytes must be shorter than the time-out of the encoder. */
 #define CLOCK_HZ 250000UL
 
+/* A frame. Its size and the call below name the order code from the label, SMA21-SC1-0001. */
 static uint8_t rx[LIKA_SMA21_BISS_SC1_0001_RX_BYTES];
 
 static void print_number(uint64_t value)
@@ -39,18 +37,14 @@ void setup()
 
 void loop()
 {
-    lika_sma21_biss_frame frame;
-    uint64_t word;
+    uint32_t position;
     SPI.beginTransaction(SPISettings(CLOCK_HZ, MSBFIRST, SPI_MODE3));
     SPI.transfer(rx, sizeof(rx));
     SPI.endTransaction();
-    if (LIKA_SMA21_BISS_RECEIVE(SC1_0001, rx, &word) != CW_OK
-        || lika_sma21_biss_decode(encoder, word, &frame) != CW_OK) {
-        Serial.println("no valid frame");
-    } else if (lika_sma21_biss_verdict(encoder, &frame) == CW_NOT_USABLE) {
-        Serial.println("the position is not usable");
+    if (LIKA_SMA21_BISS_READ(SC1_0001, rx, &position) == CW_NOT_USABLE) {
+        Serial.println("no usable position");
     } else {
-        print_number(frame.position);
+        print_number(position);
     }
     delay(10);
 }

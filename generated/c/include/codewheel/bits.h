@@ -30,6 +30,24 @@
 extern "C" {
 #endif
 
+/* -- words ------------------------------------------------------------------------------------- */
+
+/** A received word with the number of its bits, for decoders of words with several lengths. */
+typedef struct cw_word {
+    uint64_t value;  /**< the last bit sent is bit 0, and the bits above the word are 0 */
+    uint32_t length; /**< number of bits received */
+} cw_word;
+
+#if !defined(__SDCC) /* it cannot return structures */
+/** Return a word of this many bits, for a master that gives you a number. */
+CW_CONSTEXPR
+static inline cw_word cw_word_of(uint64_t value, uint32_t length)
+{
+    const cw_word word = { value, length };
+    return word;
+}
+#endif
+
 /* -- bits -------------------------------------------------------------------------------------- */
 
 /** Return a mask with the lowest 0 to 64 bits set. */

@@ -54,14 +54,6 @@
 #error "ichaus/icmu_biss.h needs the codewheel runtime 1.0 or a newer 1.x: see codewheel/version.h"
 #endif
 
-/**
- * An order code of another interface or encoder is an error in C as well, unless you define this.
- */
-#if !defined(CW_POINTERS_UNCHECKED) && !defined(__cplusplus) && \
-    (defined(__clang__) || (__GNUC__ >= 5))
-#pragma GCC diagnostic error "-Wincompatible-pointer-types"
-#endif
-
 #define ICHAUS_ICMU_BISS_VERSION "0.1.0" /**< semantic version of this header */
 
 #ifdef __cplusplus
@@ -269,17 +261,6 @@ typedef enum ichaus_icmu_biss_report {
 #define ICHAUS_ICMU_BISS_IC_MU150_38_7_RX_BYTES 13U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
- * code can be IC_MU_28_2, as in ICHAUS_ICMU_BISS_IC_MU_28_2_BITS. The array rx must have the size
- * _RX_BYTES. Another size, or a pointer, does not compile. For other buffers, call cw_biss_receive
- * yourself.
- */
-#define ICHAUS_ICMU_BISS_RECEIVE(code, rx, word) \
-    cw_biss_receive((rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[ICHAUS_ICMU_BISS_##code##_RX_BYTES])&(rx))), \
-        ICHAUS_ICMU_BISS_##code##_BITS, (word))
-
-/**
  * For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before
  * the last clock of the same frame. It comes at least 24 clock periods after its CDS: 2.4 us at 10
  * MHz and 960 us at 25 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is needed before
@@ -310,9 +291,9 @@ typedef struct ichaus_icmu_biss_frame {
 
 /** Return the number of bits in the word. */
 CW_CONSTEXPR
-static inline uint32_t ichaus_icmu_biss_bits(const ichaus_icmu_biss *variant)
+static inline uint32_t ichaus_icmu_biss_bits(ichaus_icmu_biss variant)
 {
-    return 8U + variant->zero_bits + variant->position_bits;
+    return 8U + variant.zero_bits + variant.position_bits;
 }
 
 /**
@@ -353,23 +334,26 @@ static inline uint32_t ichaus_icmu_biss_crc(uint64_t word)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
+ * @param received The frame as a number with its length: from ichaus_icmu_biss_receive, or
+ * from cw_word_of if a master gives you the number. The last bit sent is bit 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_decode(
-    const ichaus_icmu_biss *variant, uint64_t word, ichaus_icmu_biss_frame *out)
+    ichaus_icmu_biss variant, cw_word received, ichaus_icmu_biss_frame *out)
 {
-    if (cw_above(word, ichaus_icmu_biss_bits(variant)) != 0U) {
+    const uint64_t word = received.value;
+    if ((received.length != ichaus_icmu_biss_bits(variant)) ||
+        (cw_above(word, ichaus_icmu_biss_bits(variant)) != 0U)) {
         return CW_FAULT_LENGTH;
     }
     if (ichaus_icmu_biss_crc(word) != 0U) {
         return CW_FAULT_CRC;
     }
-    const uint64_t position = cw_above(word, 8U + variant->zero_bits);
-    if (cw_field(word, 8U, variant->zero_bits) != 0x00U) { /* zero */
+    const uint64_t position = cw_above(word, 8U + variant.zero_bits);
+    if (cw_field(word, 8U, variant.zero_bits) != 0x00U) { /* zero */
         return CW_FAULT_CONSTANT;
     }
     out->position = position;
@@ -378,11 +362,28 @@ static inline cw_result ichaus_icmu_biss_decode(
     return CW_OK;
 }
 
+/**
+ * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
+ */
+CW_NODISCARD
+static inline cw_result ichaus_icmu_biss_receive(
+    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length, cw_word *word)
+{
+    const uint32_t bits = ichaus_icmu_biss_bits(variant);
+    uint64_t value = 0U;
+    const cw_result result = cw_biss_receive(bytes, length, bits, &value);
+    if (result == CW_OK) {
+        word->value = value;
+        word->length = bits;
+    }
+    return result;
+}
+
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_verdict ichaus_icmu_biss_verdict(
-    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_frame *frame)
+    ichaus_icmu_biss variant, const ichaus_icmu_biss_frame *frame)
 {
     (void)variant;
     if (frame->error) {
@@ -397,12 +398,24 @@ static inline cw_verdict ichaus_icmu_biss_verdict(
 /** Return the active reports, as a mask of ICHAUS_ICMU_BISS_REPORT_ bits. */
 CW_CONSTEXPR
 static inline uint32_t ichaus_icmu_biss_reports(
-    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_frame *frame)
+    ichaus_icmu_biss variant, const ichaus_icmu_biss_frame *frame)
 {
     (void)variant;
     return (frame->error ? (uint32_t)ICHAUS_ICMU_BISS_REPORT_ERROR : 0U) |
         (frame->warning ? (uint32_t)ICHAUS_ICMU_BISS_REPORT_WARNING : 0U);
 }
+
+/**
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be IC_MU_28_2, as in ICHAUS_ICMU_BISS_IC_MU_28_2. The array rx must have the size
+ * _RX_BYTES. Another size, or a pointer, does not compile. For other buffers, call
+ * ichaus_icmu_biss_receive yourself.
+ */
+#define ICHAUS_ICMU_BISS_RECEIVE(code, rx, word) \
+    ichaus_icmu_biss_receive(ICHAUS_ICMU_BISS_##code, \
+        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[ICHAUS_ICMU_BISS_##code##_RX_BYTES])&(rx))), \
+        (word))
 
 #ifdef __cplusplus
 }

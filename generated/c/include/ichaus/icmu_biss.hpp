@@ -6,7 +6,8 @@
  * This file is yours: use it, change it and pass it on as you like.
  *
  * The functions have the names of those in icmu_biss.h without ichaus_icmu_biss_. They work at
- * compile time too, like all functions in that header except those that end in _position.
+ * compile time too, like all functions in that header except those that end in _position, _receive
+ * or _read.
  */
 #ifndef ICHAUS_ICMU_BISS_HPP
 #define ICHAUS_ICMU_BISS_HPP
@@ -19,10 +20,10 @@ namespace ichaus::icmu_biss {
 /** Decode a word, as ichaus_icmu_biss_decode does. */
 [[nodiscard]] constexpr codewheel::result<::ichaus_icmu_biss_frame>
 decode(
-    const ::ichaus_icmu_biss &variant, uint64_t word) noexcept
+    const ::ichaus_icmu_biss &variant, cw_word word) noexcept
 {
     ::ichaus_icmu_biss_frame out{};
-    const cw_result found = ichaus_icmu_biss_decode(&variant, word, &out);
+    const cw_result found = ichaus_icmu_biss_decode(variant, word, &out);
     return {found, out};
 }
 
@@ -31,7 +32,7 @@ decode(
 verdict(
     const ::ichaus_icmu_biss &variant, const ::ichaus_icmu_biss_frame &frame) noexcept
 {
-    return static_cast<codewheel::verdict>(ichaus_icmu_biss_verdict(&variant, &frame));
+    return static_cast<codewheel::verdict>(ichaus_icmu_biss_verdict(variant, &frame));
 }
 
 /** Return the active reports, as a mask of ICHAUS_ICMU_BISS_REPORT_ bits. */
@@ -39,7 +40,7 @@ constexpr uint32_t
 reports(
     const ::ichaus_icmu_biss &variant, const ::ichaus_icmu_biss_frame &frame) noexcept
 {
-    return ichaus_icmu_biss_reports(&variant, &frame);
+    return ichaus_icmu_biss_reports(variant, &frame);
 }
 
 } // namespace ichaus::icmu_biss

@@ -56,8 +56,7 @@ typedef struct ichaus_icmu_biss_reg_bank {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_bank_decode(
-    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
-    ichaus_icmu_biss_reg_bank *out)
+    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length, ichaus_icmu_biss_reg_bank *out)
 {
     (void)variant;
     if (length != ICHAUS_ICMU_BISS_REG_BANK_LENGTH) {
@@ -72,8 +71,7 @@ static inline cw_result ichaus_icmu_biss_reg_bank_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_bank_encode(
-    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_bank *in, uint8_t *bytes,
-    size_t length)
+    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_bank *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != ICHAUS_ICMU_BISS_REG_BANK_LENGTH) {
@@ -89,7 +87,7 @@ static inline cw_result ichaus_icmu_biss_reg_bank_encode(
 /** Read the BANKSEL register (40h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_bank(
-    const cw_transport *transport, const ichaus_icmu_biss *variant,
+    const cw_transport *transport, ichaus_icmu_biss variant,
     ichaus_icmu_biss_reg_bank *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_BANK_LENGTH];
@@ -104,7 +102,7 @@ static inline cw_result ichaus_icmu_biss_read_bank(
 /** Write the BANKSEL register (40h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_write_bank(
-    const cw_transport *transport, const ichaus_icmu_biss *variant,
+    const cw_transport *transport, ichaus_icmu_biss variant,
     const ichaus_icmu_biss_reg_bank *in, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_BANK_LENGTH];
@@ -152,8 +150,7 @@ typedef struct ichaus_icmu_biss_reg_mode {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_mode_decode(
-    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
-    ichaus_icmu_biss_reg_mode *out)
+    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length, ichaus_icmu_biss_reg_mode *out)
 {
     (void)variant;
     if (length != ICHAUS_ICMU_BISS_REG_MODE_LENGTH) {
@@ -168,8 +165,7 @@ static inline cw_result ichaus_icmu_biss_reg_mode_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_mode_encode(
-    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_mode *in, uint8_t *bytes,
-    size_t length)
+    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_mode *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != ICHAUS_ICMU_BISS_REG_MODE_LENGTH) {
@@ -188,7 +184,7 @@ static inline cw_result ichaus_icmu_biss_reg_mode_encode(
  */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_mode(
-    const cw_transport *transport, const ichaus_icmu_biss *variant,
+    const cw_transport *transport, ichaus_icmu_biss variant,
     ichaus_icmu_biss_reg_mode *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_MODE_LENGTH];
@@ -210,7 +206,7 @@ static inline cw_result ichaus_icmu_biss_read_mode(
  */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_write_mode(
-    const cw_transport *transport, const ichaus_icmu_biss *variant,
+    const cw_transport *transport, ichaus_icmu_biss variant,
     const ichaus_icmu_biss_reg_mode *in, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_MODE_LENGTH];
@@ -254,7 +250,7 @@ typedef struct ichaus_icmu_biss_reg_output_length {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_output_length_decode(
-    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
+    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_output_length *out)
 {
     (void)variant;
@@ -272,7 +268,7 @@ static inline cw_result ichaus_icmu_biss_reg_output_length_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_output_length_encode(
-    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_output_length *in, uint8_t *bytes,
+    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_output_length *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -295,7 +291,7 @@ static inline cw_result ichaus_icmu_biss_reg_output_length_encode(
  */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_output_length(
-    const cw_transport *transport, const ichaus_icmu_biss *variant,
+    const cw_transport *transport, ichaus_icmu_biss variant,
     ichaus_icmu_biss_reg_output_length *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_OUTPUT_LENGTH_LENGTH];
@@ -318,7 +314,7 @@ static inline cw_result ichaus_icmu_biss_read_output_length(
  */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_write_output_length(
-    const cw_transport *transport, const ichaus_icmu_biss *variant,
+    const cw_transport *transport, ichaus_icmu_biss variant,
     const ichaus_icmu_biss_reg_output_length *in, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_OUTPUT_LENGTH_LENGTH];
@@ -376,7 +372,7 @@ typedef struct ichaus_icmu_biss_reg_output_selection {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_output_selection_decode(
-    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
+    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_output_selection *out)
 {
     (void)variant;
@@ -402,8 +398,8 @@ static inline cw_result ichaus_icmu_biss_reg_output_selection_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_output_selection_encode(
-    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_output_selection *in,
-    uint8_t *bytes, size_t length)
+    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_output_selection *in, uint8_t *bytes,
+    size_t length)
 {
     (void)variant;
     if (length != ICHAUS_ICMU_BISS_REG_OUTPUT_SELECTION_LENGTH) {
@@ -428,7 +424,7 @@ static inline cw_result ichaus_icmu_biss_reg_output_selection_encode(
  */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_output_selection(
-    const cw_transport *transport, const ichaus_icmu_biss *variant,
+    const cw_transport *transport, ichaus_icmu_biss variant,
     ichaus_icmu_biss_reg_output_selection *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_OUTPUT_SELECTION_LENGTH];
@@ -451,7 +447,7 @@ static inline cw_result ichaus_icmu_biss_read_output_selection(
  */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_write_output_selection(
-    const cw_transport *transport, const ichaus_icmu_biss *variant,
+    const cw_transport *transport, ichaus_icmu_biss variant,
     const ichaus_icmu_biss_reg_output_selection *in, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_OUTPUT_SELECTION_LENGTH];
@@ -481,7 +477,7 @@ static inline cw_result ichaus_icmu_biss_write_output_selection(
 /** Read the EDSBANK register (41h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_eds_bank(
-    const cw_transport *transport, const ichaus_icmu_biss *variant,
+    const cw_transport *transport, ichaus_icmu_biss variant,
     uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
@@ -519,7 +515,7 @@ typedef struct ichaus_icmu_biss_reg_profile_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_profile_id_decode(
-    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
+    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_profile_id *out)
 {
     (void)variant;
@@ -535,7 +531,7 @@ static inline cw_result ichaus_icmu_biss_reg_profile_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_profile_id_encode(
-    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_profile_id *in, uint8_t *bytes,
+    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_profile_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -550,7 +546,7 @@ static inline cw_result ichaus_icmu_biss_reg_profile_id_encode(
 /** Read the PROFILE_ID register (42h to 43h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_profile_id(
-    const cw_transport *transport, const ichaus_icmu_biss *variant,
+    const cw_transport *transport, ichaus_icmu_biss variant,
     ichaus_icmu_biss_reg_profile_id *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_PROFILE_ID_LENGTH];
@@ -587,7 +583,7 @@ typedef struct ichaus_icmu_biss_reg_serial_number {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_serial_number_decode(
-    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
+    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_serial_number *out)
 {
     (void)variant;
@@ -604,7 +600,7 @@ static inline cw_result ichaus_icmu_biss_reg_serial_number_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_serial_number_encode(
-    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_serial_number *in, uint8_t *bytes,
+    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_serial_number *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -621,7 +617,7 @@ static inline cw_result ichaus_icmu_biss_reg_serial_number_encode(
 /** Read the SERIAL register (44h to 47h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_serial_number(
-    const cw_transport *transport, const ichaus_icmu_biss *variant,
+    const cw_transport *transport, ichaus_icmu_biss variant,
     ichaus_icmu_biss_reg_serial_number *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_SERIAL_NUMBER_LENGTH];
@@ -646,7 +642,7 @@ static inline cw_result ichaus_icmu_biss_read_serial_number(
 /** Read the EVENT_COUNT register (73h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_event_count(
-    const cw_transport *transport, const ichaus_icmu_biss *variant,
+    const cw_transport *transport, ichaus_icmu_biss variant,
     uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
@@ -673,7 +669,7 @@ static inline cw_result ichaus_icmu_biss_read_event_count(
 /** Read the HARD_REV register (74h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_hardware_revision(
-    const cw_transport *transport, const ichaus_icmu_biss *variant,
+    const cw_transport *transport, ichaus_icmu_biss variant,
     uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
@@ -723,7 +719,7 @@ typedef enum ichaus_icmu_biss_command {
 /** Write the CMD_MU register (75h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_write_command(
-    const cw_transport *transport, const ichaus_icmu_biss *variant,
+    const cw_transport *transport, ichaus_icmu_biss variant,
     ichaus_icmu_biss_command value, cw_failure *failure)
 {
     (void)variant;
@@ -776,7 +772,7 @@ typedef struct ichaus_icmu_biss_reg_status0 {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_status0_decode(
-    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
+    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_status0 *out)
 {
     (void)variant;
@@ -796,8 +792,7 @@ static inline cw_result ichaus_icmu_biss_reg_status0_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_status0_encode(
-    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_status0 *in, uint8_t *bytes,
-    size_t length)
+    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_status0 *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != ICHAUS_ICMU_BISS_REG_STATUS0_LENGTH) {
@@ -811,7 +806,7 @@ static inline cw_result ichaus_icmu_biss_reg_status0_encode(
 /** Read the STATUS0 register (76h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_status0(
-    const cw_transport *transport, const ichaus_icmu_biss *variant,
+    const cw_transport *transport, ichaus_icmu_biss variant,
     ichaus_icmu_biss_reg_status0 *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_STATUS0_LENGTH];
@@ -861,7 +856,7 @@ typedef struct ichaus_icmu_biss_reg_status1 {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_status1_decode(
-    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
+    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_status1 *out)
 {
     (void)variant;
@@ -884,8 +879,7 @@ static inline cw_result ichaus_icmu_biss_reg_status1_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_status1_encode(
-    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_status1 *in, uint8_t *bytes,
-    size_t length)
+    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_status1 *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != ICHAUS_ICMU_BISS_REG_STATUS1_LENGTH) {
@@ -901,7 +895,7 @@ static inline cw_result ichaus_icmu_biss_reg_status1_encode(
 /** Read the STATUS1 register (77h). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_status1(
-    const cw_transport *transport, const ichaus_icmu_biss *variant,
+    const cw_transport *transport, ichaus_icmu_biss variant,
     ichaus_icmu_biss_reg_status1 *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_STATUS1_LENGTH];
@@ -938,7 +932,7 @@ typedef struct ichaus_icmu_biss_reg_device_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_device_id_decode(
-    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
+    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_device_id *out)
 {
     (void)variant;
@@ -956,7 +950,7 @@ static inline cw_result ichaus_icmu_biss_reg_device_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_device_id_encode(
-    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_device_id *in, uint8_t *bytes,
+    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_device_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -978,7 +972,7 @@ static inline cw_result ichaus_icmu_biss_reg_device_id_encode(
 /** Read the DEV_ID register (78h to 7Dh). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_device_id(
-    const cw_transport *transport, const ichaus_icmu_biss *variant,
+    const cw_transport *transport, ichaus_icmu_biss variant,
     ichaus_icmu_biss_reg_device_id *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_DEVICE_ID_LENGTH];
@@ -1016,7 +1010,7 @@ typedef struct ichaus_icmu_biss_reg_manufacturer_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_manufacturer_id_decode(
-    const ichaus_icmu_biss *variant, const uint8_t *bytes, size_t length,
+    ichaus_icmu_biss variant, const uint8_t *bytes, size_t length,
     ichaus_icmu_biss_reg_manufacturer_id *out)
 {
     (void)variant;
@@ -1032,7 +1026,7 @@ static inline cw_result ichaus_icmu_biss_reg_manufacturer_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_manufacturer_id_encode(
-    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_reg_manufacturer_id *in, uint8_t *bytes,
+    ichaus_icmu_biss variant, const ichaus_icmu_biss_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -1047,7 +1041,7 @@ static inline cw_result ichaus_icmu_biss_reg_manufacturer_id_encode(
 /** Read the MFG_ID register (7Eh to 7Fh). */
 CW_NODISCARD
 static inline cw_result ichaus_icmu_biss_read_manufacturer_id(
-    const cw_transport *transport, const ichaus_icmu_biss *variant,
+    const cw_transport *transport, ichaus_icmu_biss variant,
     ichaus_icmu_biss_reg_manufacturer_id *out, cw_failure *failure)
 {
     uint8_t bytes[ICHAUS_ICMU_BISS_REG_MANUFACTURER_ID_LENGTH];

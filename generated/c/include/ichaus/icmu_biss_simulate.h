@@ -18,13 +18,13 @@ extern "C" {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_encode(
-    const ichaus_icmu_biss *variant, const ichaus_icmu_biss_frame *in, uint64_t *out)
+    ichaus_icmu_biss variant, const ichaus_icmu_biss_frame *in, uint64_t *out)
 {
-    if (in->position > cw_mask(variant->position_bits)) {
+    if (in->position > cw_mask(variant.position_bits)) {
         return CW_FAULT_RANGE;
     }
     uint64_t word =
-        ((uint64_t)in->position << (8U + variant->zero_bits)) |
+        ((uint64_t)in->position << (8U + variant.zero_bits)) |
         ((uint64_t)(in->error ? 0U : 1U) << 7U) |
         ((uint64_t)(in->warning ? 0U : 1U) << 6U);
     word |= ichaus_icmu_biss_crc(word);

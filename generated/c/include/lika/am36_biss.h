@@ -10,13 +10,14 @@
  *
  * To read a position:
  *
- *     static const lika_am36_biss *const encoder = &LIKA_AM36_BISS_AM3616_4096_I7;
+ *     uint8_t rx[LIKA_AM36_BISS_AM3616_4096_I7_RX_BYTES];
  *     uint64_t position;
- *     if (lika_am36_biss_position(encoder, word, &position) != CW_NOT_USABLE) {
+ *     if (LIKA_AM36_BISS_READ(AM3616_4096_I7, rx, &position) != CW_NOT_USABLE) {
  *         ... position ...
  *     }
  *
- * The word comes from a master for BiSS C-mode, or from SPI and DMA with LIKA_AM36_BISS_RECEIVE.
+ * The bytes in rx come from SPI and DMA. A master for BiSS C-mode that gives you a number needs
+ * lika_am36_biss_position with cw_word_of.
  *
  * More headers of this interface, to include if you need them:
  *   am36_biss_labels.h           find the order code that a label shows
@@ -69,14 +70,6 @@
 
 #if (CW_RUNTIME_MAJOR != 1) || (CW_RUNTIME_MINOR < 0)
 #error "lika/am36_biss.h needs the codewheel runtime 1.0 or a newer 1.x: see codewheel/version.h"
-#endif
-
-/**
- * An order code of another interface or encoder is an error in C as well, unless you define this.
- */
-#if !defined(CW_POINTERS_UNCHECKED) && !defined(__cplusplus) && \
-    (defined(__clang__) || (__GNUC__ >= 5))
-#pragma GCC diagnostic error "-Wincompatible-pointer-types"
 #endif
 
 #define LIKA_AM36_BISS_VERSION "0.1.0" /**< semantic version of this header */
@@ -173,16 +166,16 @@ static CW_CONST lika_am36_biss LIKA_AM36_BISS_AMC3619_4096_I7 = { 20U, 16U, 6553
 
 /** Width of the whole BiSS position, as currently set, at most 36 bits [6.3.1 p.21]. Unit: bits. */
 CW_CONSTEXPR
-static inline uint32_t lika_am36_biss_used_position_bits(const lika_am36_biss *variant)
+static inline uint32_t lika_am36_biss_used_position_bits(lika_am36_biss variant)
 {
-    return (uint32_t)variant->used_singleturn_bits + variant->used_multiturn_bits;
+    return (uint32_t)variant.used_singleturn_bits + variant.used_multiturn_bits;
 }
 
 /** Position encoding over BiSS, as currently set: 1 Gray code, 0 binary code [6.5 p.26]. */
 CW_CONSTEXPR
-static inline uint32_t lika_am36_biss_biss_gray(const lika_am36_biss *variant)
+static inline uint32_t lika_am36_biss_biss_gray(lika_am36_biss variant)
 {
-    return 1U - variant->output_code;
+    return 1U - variant.output_code;
 }
 
 /* -- CRCs -------------------------------------------------------------------------------------- */
@@ -287,17 +280,6 @@ typedef enum lika_am36_biss_report {
 #define LIKA_AM36_BISS_AMC3619_4096_I7_RX_BYTES 12U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
- * code can be AM3616_4096_I7, as in LIKA_AM36_BISS_AM3616_4096_I7_BITS. The array rx must have the
- * size _RX_BYTES. Another size, or a pointer, does not compile. For other buffers, call
- * cw_biss_receive yourself.
- */
-#define LIKA_AM36_BISS_RECEIVE(code, rx, word) \
-    cw_biss_receive((rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_AM36_BISS_##code##_RX_BYTES])&(rx))), \
-        LIKA_AM36_BISS_##code##_BITS, (word))
-
-/**
  * For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before
  * the last clock of the same frame. It comes 44 clock periods after its CDS with factory defaults:
  * 4.4 us at 10 MHz and 220 us at 200 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is
@@ -350,9 +332,9 @@ typedef struct lika_am36_biss_frame {
 
 /** Return the number of bits in the word. */
 CW_CONSTEXPR
-static inline uint32_t lika_am36_biss_bits(const lika_am36_biss *variant)
+static inline uint32_t lika_am36_biss_bits(lika_am36_biss variant)
 {
-    return 8U + variant->used_singleturn_bits + variant->used_multiturn_bits;
+    return 8U + variant.used_singleturn_bits + variant.used_multiturn_bits;
 }
 
 /**
@@ -396,25 +378,28 @@ static inline uint32_t lika_am36_biss_crc(uint64_t word)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
+ * @param received The frame as a number with its length: from lika_am36_biss_receive, or
+ * from cw_word_of if a master gives you the number. The last bit sent is bit 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_decode(
-    const lika_am36_biss *variant, uint64_t word, lika_am36_biss_frame *out)
+    lika_am36_biss variant, cw_word received, lika_am36_biss_frame *out)
 {
-    if (cw_above(word, lika_am36_biss_bits(variant)) != 0U) {
+    const uint64_t word = received.value;
+    if ((received.length != lika_am36_biss_bits(variant)) ||
+        (cw_above(word, lika_am36_biss_bits(variant)) != 0U)) {
         return CW_FAULT_LENGTH;
     }
     if (lika_am36_biss_crc(word) != 0U) {
         return CW_FAULT_CRC;
     }
     const uint64_t plain = (lika_am36_biss_biss_gray(variant) != 0U) ? cw_from_gray(word, 8U,
-        (uint32_t)variant->used_multiturn_bits + variant->used_singleturn_bits) : word;
-    const uint16_t multiturn = (uint16_t)cw_above(plain, 8U + variant->used_singleturn_bits);
-    const uint32_t singleturn = (uint32_t)cw_field(plain, 8U, variant->used_singleturn_bits);
+        (uint32_t)variant.used_multiturn_bits + variant.used_singleturn_bits) : word;
+    const uint16_t multiturn = (uint16_t)cw_above(plain, 8U + variant.used_singleturn_bits);
+    const uint32_t singleturn = (uint32_t)cw_field(plain, 8U, variant.used_singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
     out->position = plain >> 8U;
@@ -425,17 +410,34 @@ static inline cw_result lika_am36_biss_decode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_am36_biss_is_expected(
-    const lika_am36_biss *variant, const lika_am36_biss_frame *in)
+    lika_am36_biss variant, const lika_am36_biss_frame *in)
 {
     (void)variant;
     return in->unused == 0U;
+}
+
+/**
+ * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
+ */
+CW_NODISCARD
+static inline cw_result lika_am36_biss_receive(
+    lika_am36_biss variant, const uint8_t *bytes, size_t length, cw_word *word)
+{
+    const uint32_t bits = lika_am36_biss_bits(variant);
+    uint64_t value = 0U;
+    const cw_result result = cw_biss_receive(bytes, length, bits, &value);
+    if (result == CW_OK) {
+        word->value = value;
+        word->length = bits;
+    }
+    return result;
 }
 
 /** Return the verdict of the most severe active report, or CW_UNKNOWN if none is active. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_verdict lika_am36_biss_verdict(
-    const lika_am36_biss *variant, const lika_am36_biss_frame *frame)
+    lika_am36_biss variant, const lika_am36_biss_frame *frame)
 {
     (void)variant;
     if ((frame->unused & 0x02U) != 0U) {
@@ -452,45 +454,75 @@ static inline cw_verdict lika_am36_biss_verdict(
  */
 CW_NODISCARD
 static inline cw_verdict lika_am36_biss_position(
-    const lika_am36_biss *variant, uint64_t word, uint64_t *position)
+    lika_am36_biss variant, cw_word word, uint64_t *position)
 {
     lika_am36_biss_frame frame;
-    cw_verdict verdict = CW_NOT_USABLE;
-    if (lika_am36_biss_decode(variant, word, &frame) == CW_OK) {
-        verdict = lika_am36_biss_verdict(variant, &frame);
+    if (lika_am36_biss_decode(variant, word, &frame) != CW_OK) {
+        return CW_NOT_USABLE;
     }
+    const cw_verdict verdict = lika_am36_biss_verdict(variant, &frame);
     if (verdict != CW_NOT_USABLE) {
         *position = frame.position;
     }
     return verdict;
 }
 
+/**
+ * Extract a frame from a buffer, decode it, and store its position if it may be used.
+ *
+ * @return The verdict on the position. Unless it is CW_NOT_USABLE, position was stored. A buffer
+ * without a well-formed frame is not usable.
+ */
+CW_NODISCARD
+static inline cw_verdict lika_am36_biss_read(
+    lika_am36_biss variant, const uint8_t *bytes, size_t length, uint64_t *position)
+{
+    const uint32_t bits = lika_am36_biss_bits(variant);
+    cw_word word = { 0U, bits };
+    if (cw_biss_receive(bytes, length, bits, &word.value) != CW_OK) {
+        return CW_NOT_USABLE;
+    }
+    return lika_am36_biss_position(variant, word, position);
+}
+
 /** Return the active reports, as a mask of LIKA_AM36_BISS_REPORT_ bits. */
 CW_CONSTEXPR
 static inline uint32_t lika_am36_biss_reports(
-    const lika_am36_biss *variant, const lika_am36_biss_frame *frame)
+    lika_am36_biss variant, const lika_am36_biss_frame *frame)
 {
     (void)variant;
     return (((frame->unused & 0x01U) != 0U) ? (uint32_t)LIKA_AM36_BISS_REPORT_WARNING : 0U) |
         (((frame->unused & 0x02U) != 0U) ? (uint32_t)LIKA_AM36_BISS_REPORT_ERROR : 0U);
 }
 
+/**
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be AM3616_4096_I7, as in LIKA_AM36_BISS_AM3616_4096_I7. The array rx must have the size
+ * _RX_BYTES. Another size, or a pointer, does not compile. For other buffers, call
+ * lika_am36_biss_receive yourself.
+ */
+#define LIKA_AM36_BISS_RECEIVE(code, rx, word) \
+    lika_am36_biss_receive(LIKA_AM36_BISS_##code, \
+        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_AM36_BISS_##code##_RX_BYTES])&(rx))), \
+        (word))
+
 /* -- positions --------------------------------------------------------------------------------- */
 
 /** Return the number of counts in one revolution [6.5 p.27, 6.5 p.28]. */
 CW_CONSTEXPR
-static inline uint64_t lika_am36_biss_counts_per_turn(const lika_am36_biss *variant)
+static inline uint64_t lika_am36_biss_counts_per_turn(lika_am36_biss variant)
 {
-    return (uint64_t)1U << variant->used_singleturn_bits;
+    return (uint64_t)1U << variant.used_singleturn_bits;
 }
 
 /**
  * Return the number of counts after which the position wraps around to 0, which is all revolutions.
  */
 CW_CONSTEXPR
-static inline uint64_t lika_am36_biss_modulus(const lika_am36_biss *variant)
+static inline uint64_t lika_am36_biss_modulus(lika_am36_biss variant)
 {
-    return lika_am36_biss_counts_per_turn(variant) * variant->used_revolutions;
+    return lika_am36_biss_counts_per_turn(variant) * variant.used_revolutions;
 }
 
 /**
@@ -499,14 +531,14 @@ static inline uint64_t lika_am36_biss_modulus(const lika_am36_biss *variant)
  */
 CW_CONSTEXPR
 static inline int64_t lika_am36_biss_position_difference(
-    const lika_am36_biss *variant, uint64_t now, uint64_t before)
+    lika_am36_biss variant, uint64_t now, uint64_t before)
 {
     return cw_difference(now, before, lika_am36_biss_modulus(variant));
 }
 
 /** Convert a position to revolutions. */
 CW_CONSTEXPR
-static inline double lika_am36_biss_turns(const lika_am36_biss *variant, uint64_t position)
+static inline double lika_am36_biss_turns(lika_am36_biss variant, uint64_t position)
 {
     const uint64_t counts = lika_am36_biss_counts_per_turn(variant);
     return (double)position / (double)counts;
@@ -514,12 +546,31 @@ static inline double lika_am36_biss_turns(const lika_am36_biss *variant, uint64_
 
 /** Convert a position to degrees within its revolution, 0 to below 360. */
 CW_CONSTEXPR
-static inline double lika_am36_biss_degrees(const lika_am36_biss *variant, uint64_t position)
+static inline double lika_am36_biss_degrees(lika_am36_biss variant, uint64_t position)
 {
     const uint64_t counts = lika_am36_biss_counts_per_turn(variant);
     const uint64_t angle = position % counts;
     return ((double)angle * 360.0) / (double)counts;
 }
+
+/* -- reading a position ------------------------------------------------------------------------ */
+
+/**
+ * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
+ * position was stored. For example, code can be AM3616_4096_I7, as in
+ * LIKA_AM36_BISS_AM3616_4096_I7. The order code is named once, so no length or decoder of another
+ * one can be mixed in. Another size of rx, or a pointer, does not compile. If registers were
+ * changed, pass your own variant to lika_am36_biss_read instead.
+ */
+#define LIKA_AM36_BISS_READ(code, rx, position) \
+    lika_am36_biss_read(LIKA_AM36_BISS_##code, \
+        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_AM36_BISS_##code##_RX_BYTES])&(rx))), \
+        (position))
+/** Read a position from a pointer to any number of bytes. */
+#define LIKA_AM36_BISS_READ_BYTES(code, bytes, length, position) \
+    lika_am36_biss_read(LIKA_AM36_BISS_##code, \
+        (bytes), (length), (position))
 
 #ifdef __cplusplus
 }

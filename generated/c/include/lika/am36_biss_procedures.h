@@ -25,7 +25,7 @@ extern "C" {
 /** Write these steps to an array with room for all of them, and store their number in count. */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_set_configuration_steps(
-    const lika_am36_biss *variant, uint8_t configuration,
+    lika_am36_biss variant, uint8_t configuration,
     cw_step *steps, size_t capacity, size_t *count)
 {
     if (capacity < LIKA_AM36_BISS_SET_CONFIGURATION_STEPS_COUNT) {
@@ -65,7 +65,7 @@ static inline cw_result lika_am36_biss_set_configuration_steps(
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_set_configuration(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     uint8_t configuration, cw_failure *failure)
 {
     size_t count = 0U;
@@ -85,7 +85,7 @@ static inline cw_result lika_am36_biss_set_configuration(
 /** Write these steps to an array with room for all of them, and store their number in count. */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_set_preset_steps(
-    const lika_am36_biss *variant, uint64_t position,
+    lika_am36_biss variant, uint64_t position,
     cw_step *steps, size_t capacity, size_t *count)
 {
     lika_am36_biss_reg_preset position_register;
@@ -136,7 +136,7 @@ static inline cw_result lika_am36_biss_set_preset_steps(
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_set_preset(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     uint64_t position, cw_failure *failure)
 {
     size_t count = 0U;
@@ -156,7 +156,7 @@ static inline cw_result lika_am36_biss_set_preset(
 /** Write these steps to an array with room for all of them, and store their number in count. */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_store_preset_steps(
-    const lika_am36_biss *variant, uint64_t position,
+    lika_am36_biss variant, uint64_t position,
     cw_step *steps, size_t capacity, size_t *count)
 {
     lika_am36_biss_reg_preset position_register;
@@ -206,7 +206,7 @@ static inline cw_result lika_am36_biss_store_preset_steps(
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_store_preset(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     uint64_t position, cw_failure *failure)
 {
     size_t count = 0U;
@@ -241,7 +241,7 @@ static inline const cw_step *lika_am36_biss_save_parameters_steps(size_t *count)
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_save_parameters(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     cw_failure *failure)
 {
     size_t count = 0U;
@@ -274,7 +274,7 @@ static inline const cw_step *lika_am36_biss_activate_preset_steps(size_t *count)
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_activate_preset(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     cw_failure *failure)
 {
     size_t count = 0U;
@@ -311,7 +311,7 @@ static inline const cw_step *lika_am36_biss_restore_defaults_steps(size_t *count
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_restore_defaults(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     cw_failure *failure)
 {
     size_t count = 0U;
@@ -326,8 +326,8 @@ static inline cw_result lika_am36_biss_restore_defaults(
 /** Write these steps to an array with room for all of them, and store their number in count. */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_set_resolution_steps(
-    const lika_am36_biss *variant, uint32_t information_per_revolution,
-    uint32_t number_of_revolutions, uint64_t position,
+    lika_am36_biss variant, uint32_t information_per_revolution, uint32_t number_of_revolutions,
+    uint64_t position,
     cw_step *steps, size_t capacity, size_t *count)
 {
     lika_am36_biss_reg_information_per_revolution information_per_revolution_register;
@@ -338,12 +338,12 @@ static inline cw_result lika_am36_biss_set_resolution_steps(
     uint8_t position_bytes[LIKA_AM36_BISS_REG_PRESET_LENGTH];
     size_t index;
     cw_result result;
-    lika_am36_biss written = *variant; /* as it will be after the earlier steps */
+    lika_am36_biss written = variant; /* as it will be after the earlier steps */
     if (capacity < LIKA_AM36_BISS_SET_RESOLUTION_STEPS_COUNT) {
         return CW_FAULT_LENGTH;
     }
     information_per_revolution_register.steps = information_per_revolution;
-    result = lika_am36_biss_reg_information_per_revolution_encode(&written,
+    result = lika_am36_biss_reg_information_per_revolution_encode(written,
         &information_per_revolution_register, information_per_revolution_bytes,
         sizeof(information_per_revolution_bytes));
     if (result != CW_OK) {
@@ -355,7 +355,7 @@ static inline cw_result lika_am36_biss_set_resolution_steps(
         return result;
     }
     number_of_revolutions_register.revolutions = number_of_revolutions;
-    result = lika_am36_biss_reg_number_of_revolutions_encode(&written,
+    result = lika_am36_biss_reg_number_of_revolutions_encode(written,
         &number_of_revolutions_register, number_of_revolutions_bytes,
         sizeof(number_of_revolutions_bytes));
     if (result != CW_OK) {
@@ -367,7 +367,7 @@ static inline cw_result lika_am36_biss_set_resolution_steps(
         return result;
     }
     position_register.position = position;
-    result = lika_am36_biss_reg_preset_encode(&written, &position_register, position_bytes,
+    result = lika_am36_biss_reg_preset_encode(written, &position_register, position_bytes,
         sizeof(position_bytes));
     if (result != CW_OK) {
         return result;
@@ -460,7 +460,7 @@ typedef struct lika_am36_biss_set_resolution_read {
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_set_resolution(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     uint32_t information_per_revolution, uint32_t number_of_revolutions, uint64_t position,
         lika_am36_biss_set_resolution_read *out, cw_failure *failure)
 {
@@ -537,7 +537,7 @@ typedef struct lika_am36_biss_identify_read {
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_identify(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     lika_am36_biss_identify_read *out, cw_failure *failure)
 {
     uint8_t bytes[17];

@@ -60,8 +60,7 @@ typedef struct lika_am36_biss_reg_profile_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_profile_id_decode(
-    const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
-    lika_am36_biss_reg_profile_id *out)
+    lika_am36_biss variant, const uint8_t *bytes, size_t length, lika_am36_biss_reg_profile_id *out)
 {
     (void)variant;
     if (length != LIKA_AM36_BISS_REG_PROFILE_ID_LENGTH) {
@@ -76,8 +75,7 @@ static inline cw_result lika_am36_biss_reg_profile_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_profile_id_encode(
-    const lika_am36_biss *variant, const lika_am36_biss_reg_profile_id *in, uint8_t *bytes,
-    size_t length)
+    lika_am36_biss variant, const lika_am36_biss_reg_profile_id *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != LIKA_AM36_BISS_REG_PROFILE_ID_LENGTH) {
@@ -94,7 +92,7 @@ static inline cw_result lika_am36_biss_reg_profile_id_encode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_am36_biss_reg_profile_id_is_expected(
-    const lika_am36_biss *variant, const lika_am36_biss_reg_profile_id *in)
+    lika_am36_biss variant, const lika_am36_biss_reg_profile_id *in)
 {
     (void)variant;
     return in->profile == LIKA_AM36_BISS_REG_PROFILE_ID_PROFILE_EXPECTED;
@@ -103,7 +101,7 @@ static inline bool lika_am36_biss_reg_profile_id_is_expected(
 /** Read the Profile ID register (42h to 43h). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_profile_id(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     lika_am36_biss_reg_profile_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_PROFILE_ID_LENGTH];
@@ -149,7 +147,7 @@ typedef struct lika_am36_biss_reg_serial_number {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_serial_number_decode(
-    const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
+    lika_am36_biss variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_serial_number *out)
 {
     (void)variant;
@@ -169,7 +167,7 @@ static inline cw_result lika_am36_biss_reg_serial_number_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_serial_number_encode(
-    const lika_am36_biss *variant, const lika_am36_biss_reg_serial_number *in, uint8_t *bytes,
+    lika_am36_biss variant, const lika_am36_biss_reg_serial_number *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -186,7 +184,7 @@ static inline cw_result lika_am36_biss_reg_serial_number_encode(
 /** Read the Serial number register (44h to 47h). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_serial_number(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     lika_am36_biss_reg_serial_number *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_SERIAL_NUMBER_LENGTH];
@@ -241,7 +239,7 @@ typedef enum lika_am36_biss_command {
 /** Write the Command register (48h), then wait 30 ms. */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_write_command(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     lika_am36_biss_command value, cw_failure *failure)
 {
     cw_result result;
@@ -333,7 +331,7 @@ typedef struct lika_am36_biss_reg_configuration {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_configuration_decode(
-    const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
+    lika_am36_biss variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_configuration *out)
 {
     (void)variant;
@@ -357,7 +355,7 @@ static inline cw_result lika_am36_biss_reg_configuration_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_configuration_encode(
-    const lika_am36_biss *variant, const lika_am36_biss_reg_configuration *in, uint8_t *bytes,
+    lika_am36_biss variant, const lika_am36_biss_reg_configuration *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -381,7 +379,7 @@ static inline cw_result lika_am36_biss_reg_configuration_encode(
 /** Read the Configuration register (49h). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_configuration(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     lika_am36_biss_reg_configuration *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_CONFIGURATION_LENGTH];
@@ -401,7 +399,7 @@ static inline cw_result lika_am36_biss_read_configuration(
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_write_configuration(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     const lika_am36_biss_reg_configuration *in, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_CONFIGURATION_LENGTH];
@@ -454,7 +452,7 @@ typedef struct lika_am36_biss_reg_information_per_revolution {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_information_per_revolution_decode(
-    const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
+    lika_am36_biss variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_information_per_revolution *out)
 {
     (void)variant;
@@ -471,8 +469,8 @@ static inline cw_result lika_am36_biss_reg_information_per_revolution_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_information_per_revolution_encode(
-    const lika_am36_biss *variant, const lika_am36_biss_reg_information_per_revolution *in,
-    uint8_t *bytes, size_t length)
+    lika_am36_biss variant, const lika_am36_biss_reg_information_per_revolution *in, uint8_t *bytes,
+    size_t length)
 {
     (void)variant;
     if (length != LIKA_AM36_BISS_REG_INFORMATION_PER_REVOLUTION_LENGTH) {
@@ -496,7 +494,7 @@ static inline cw_result lika_am36_biss_reg_information_per_revolution_encode(
 /** Read the Information per revolution register (4Bh to 4Dh). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_information_per_revolution(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     lika_am36_biss_reg_information_per_revolution *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_INFORMATION_PER_REVOLUTION_LENGTH];
@@ -516,7 +514,7 @@ static inline cw_result lika_am36_biss_read_information_per_revolution(
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_write_information_per_revolution(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     const lika_am36_biss_reg_information_per_revolution *in, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_INFORMATION_PER_REVOLUTION_LENGTH];
@@ -572,7 +570,7 @@ typedef struct lika_am36_biss_reg_number_of_revolutions {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_number_of_revolutions_decode(
-    const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
+    lika_am36_biss variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_number_of_revolutions *out)
 {
     (void)variant;
@@ -588,8 +586,8 @@ static inline cw_result lika_am36_biss_reg_number_of_revolutions_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_number_of_revolutions_encode(
-    const lika_am36_biss *variant, const lika_am36_biss_reg_number_of_revolutions *in,
-    uint8_t *bytes, size_t length)
+    lika_am36_biss variant, const lika_am36_biss_reg_number_of_revolutions *in, uint8_t *bytes,
+    size_t length)
 {
     (void)variant;
     if (length != LIKA_AM36_BISS_REG_NUMBER_OF_REVOLUTIONS_LENGTH) {
@@ -606,7 +604,7 @@ static inline cw_result lika_am36_biss_reg_number_of_revolutions_encode(
 /** Read the Number of revolutions register (4Eh to 4Fh). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_number_of_revolutions(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     lika_am36_biss_reg_number_of_revolutions *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_NUMBER_OF_REVOLUTIONS_LENGTH];
@@ -626,7 +624,7 @@ static inline cw_result lika_am36_biss_read_number_of_revolutions(
  */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_write_number_of_revolutions(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     const lika_am36_biss_reg_number_of_revolutions *in, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_NUMBER_OF_REVOLUTIONS_LENGTH];
@@ -649,9 +647,9 @@ static inline cw_result lika_am36_biss_write_number_of_revolutions(
 
 /** Return the highest position: used_information * used_revolutions - 1. */
 CW_CONSTEXPR
-static inline uint64_t lika_am36_biss_reg_preset_max(const lika_am36_biss *variant)
+static inline uint64_t lika_am36_biss_reg_preset_max(lika_am36_biss variant)
 {
-    return ((uint64_t)variant->used_information * variant->used_revolutions) - 1U;
+    return ((uint64_t)variant.used_information * variant.used_revolutions) - 1U;
 }
 
 /**
@@ -686,8 +684,7 @@ typedef struct lika_am36_biss_reg_preset {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_preset_decode(
-    const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
-    lika_am36_biss_reg_preset *out)
+    lika_am36_biss variant, const uint8_t *bytes, size_t length, lika_am36_biss_reg_preset *out)
 {
     (void)variant;
     if (length != LIKA_AM36_BISS_REG_PRESET_LENGTH) {
@@ -707,8 +704,7 @@ static inline cw_result lika_am36_biss_reg_preset_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_preset_encode(
-    const lika_am36_biss *variant, const lika_am36_biss_reg_preset *in, uint8_t *bytes,
-    size_t length)
+    lika_am36_biss variant, const lika_am36_biss_reg_preset *in, uint8_t *bytes, size_t length)
 {
     if (length != LIKA_AM36_BISS_REG_PRESET_LENGTH) {
         return CW_FAULT_LENGTH;
@@ -730,7 +726,7 @@ static inline cw_result lika_am36_biss_reg_preset_encode(
 /** Read the Preset register (50h to 54h). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_preset(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     lika_am36_biss_reg_preset *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_PRESET_LENGTH];
@@ -745,7 +741,7 @@ static inline cw_result lika_am36_biss_read_preset(
 /** Write the Preset register (50h to 54h). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_write_preset(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     const lika_am36_biss_reg_preset *in, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_PRESET_LENGTH];
@@ -773,7 +769,7 @@ static inline cw_result lika_am36_biss_write_preset(
 /** Read the Device type register (55h). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_device_type(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
@@ -805,7 +801,7 @@ static inline cw_result lika_am36_biss_read_device_type(
 /** Read the No. of bits used for singleturn resolution register (56h). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_singleturn_bits_used(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
@@ -837,7 +833,7 @@ static inline cw_result lika_am36_biss_read_singleturn_bits_used(
 /** Read the No. of bits used for multiturn resolution register (57h). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_multiturn_bits_used(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
@@ -896,8 +892,7 @@ typedef struct lika_am36_biss_reg_device_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_device_id_decode(
-    const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
-    lika_am36_biss_reg_device_id *out)
+    lika_am36_biss variant, const uint8_t *bytes, size_t length, lika_am36_biss_reg_device_id *out)
 {
     (void)variant;
     if (length != LIKA_AM36_BISS_REG_DEVICE_ID_LENGTH) {
@@ -916,8 +911,7 @@ static inline cw_result lika_am36_biss_reg_device_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_device_id_encode(
-    const lika_am36_biss *variant, const lika_am36_biss_reg_device_id *in, uint8_t *bytes,
-    size_t length)
+    lika_am36_biss variant, const lika_am36_biss_reg_device_id *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != LIKA_AM36_BISS_REG_DEVICE_ID_LENGTH) {
@@ -941,7 +935,7 @@ static inline cw_result lika_am36_biss_reg_device_id_encode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_am36_biss_reg_device_id_is_expected(
-    const lika_am36_biss *variant, const lika_am36_biss_reg_device_id *in)
+    lika_am36_biss variant, const lika_am36_biss_reg_device_id *in)
 {
     (void)variant;
     return (in->model[0] == LIKA_AM36_BISS_REG_DEVICE_ID_MODEL_EXPECTED[0]) &&
@@ -954,7 +948,7 @@ static inline bool lika_am36_biss_reg_device_id_is_expected(
 /** Read the Device ID register (78h to 7Dh). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_device_id(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     lika_am36_biss_reg_device_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_DEVICE_ID_LENGTH];
@@ -994,7 +988,7 @@ typedef struct lika_am36_biss_reg_manufacturer_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_manufacturer_id_decode(
-    const lika_am36_biss *variant, const uint8_t *bytes, size_t length,
+    lika_am36_biss variant, const uint8_t *bytes, size_t length,
     lika_am36_biss_reg_manufacturer_id *out)
 {
     (void)variant;
@@ -1010,7 +1004,7 @@ static inline cw_result lika_am36_biss_reg_manufacturer_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_manufacturer_id_encode(
-    const lika_am36_biss *variant, const lika_am36_biss_reg_manufacturer_id *in, uint8_t *bytes,
+    lika_am36_biss variant, const lika_am36_biss_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -1028,7 +1022,7 @@ static inline cw_result lika_am36_biss_reg_manufacturer_id_encode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_am36_biss_reg_manufacturer_id_is_expected(
-    const lika_am36_biss *variant, const lika_am36_biss_reg_manufacturer_id *in)
+    lika_am36_biss variant, const lika_am36_biss_reg_manufacturer_id *in)
 {
     (void)variant;
     return (in->name[0] == LIKA_AM36_BISS_REG_MANUFACTURER_ID_NAME_EXPECTED[0]) &&
@@ -1038,7 +1032,7 @@ static inline bool lika_am36_biss_reg_manufacturer_id_is_expected(
 /** Read the Manufacturer ID register (7Eh to 7Fh). */
 CW_NODISCARD
 static inline cw_result lika_am36_biss_read_manufacturer_id(
-    const cw_transport *transport, const lika_am36_biss *variant,
+    const cw_transport *transport, lika_am36_biss variant,
     lika_am36_biss_reg_manufacturer_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AM36_BISS_REG_MANUFACTURER_ID_LENGTH];
@@ -1263,7 +1257,7 @@ static inline cw_result lika_am36_biss_read_identity(
 
 /** Return true if an encoder with this order code can have these contents. */
 static inline bool lika_am36_biss_could_be(
-    const lika_am36_biss *variant, const lika_am36_biss_identity *read)
+    lika_am36_biss variant, const lika_am36_biss_identity *read)
 {
     lika_am36_biss_reg_profile_id profile_id;
     lika_am36_biss_reg_device_id device_id;
@@ -1300,7 +1294,7 @@ static inline const lika_am36_biss_order_code *lika_am36_biss_next_candidate(
     while (*next < count) {
         const lika_am36_biss_order_code *const code = &codes[*next];
         (*next)++;
-        if (lika_am36_biss_could_be(&code->variant, read)) {
+        if (lika_am36_biss_could_be(code->variant, read)) {
             return code;
         }
     }

@@ -18,16 +18,15 @@ extern "C" {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_set_position(
-    const lika_am36_biss *variant, uint64_t position, lika_am36_biss_frame *out)
+    lika_am36_biss variant, uint64_t position, lika_am36_biss_frame *out)
 {
-    if (position > cw_mask((uint32_t)variant->used_singleturn_bits +
-        variant->used_multiturn_bits)) {
+    if (position > cw_mask((uint32_t)variant.used_singleturn_bits + variant.used_multiturn_bits)) {
         return CW_FAULT_RANGE;
     }
     out->position = position;
-    out->singleturn = (uint32_t)cw_field(position, 0U, variant->used_singleturn_bits);
+    out->singleturn = (uint32_t)cw_field(position, 0U, variant.used_singleturn_bits);
     out->multiturn =
-        (uint16_t)cw_field(position, variant->used_singleturn_bits, variant->used_multiturn_bits);
+        (uint16_t)cw_field(position, variant.used_singleturn_bits, variant.used_multiturn_bits);
     return CW_OK;
 }
 
@@ -35,16 +34,16 @@ static inline cw_result lika_am36_biss_set_position(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_encode(
-    const lika_am36_biss *variant, const lika_am36_biss_frame *in, uint64_t *out)
+    lika_am36_biss variant, const lika_am36_biss_frame *in, uint64_t *out)
 {
-    if (in->multiturn > cw_mask(variant->used_multiturn_bits)) {
+    if (in->multiturn > cw_mask(variant.used_multiturn_bits)) {
         return CW_FAULT_RANGE;
     }
-    if (in->singleturn > cw_mask(variant->used_singleturn_bits)) {
+    if (in->singleturn > cw_mask(variant.used_singleturn_bits)) {
         return CW_FAULT_RANGE;
     }
     /* position and its parts disagree */
-    if (in->position != (((uint64_t)in->multiturn << variant->used_singleturn_bits) |
+    if (in->position != (((uint64_t)in->multiturn << variant.used_singleturn_bits) |
         in->singleturn)) {
         return CW_FAULT_RANGE;
     }
@@ -52,11 +51,11 @@ static inline cw_result lika_am36_biss_encode(
         return CW_FAULT_RANGE;
     }
     uint64_t word =
-        ((uint64_t)in->multiturn << (8U + variant->used_singleturn_bits)) |
+        ((uint64_t)in->multiturn << (8U + variant.used_singleturn_bits)) |
         ((uint64_t)in->singleturn << 8U) |
         ((uint64_t)(in->unused ^ 0x03U) << 6U);
     word = (lika_am36_biss_biss_gray(variant) != 0U) ? cw_to_gray(word, 8U,
-        (uint32_t)variant->used_multiturn_bits + variant->used_singleturn_bits) : word;
+        (uint32_t)variant.used_multiturn_bits + variant.used_singleturn_bits) : word;
     word |= lika_am36_biss_crc(word);
     *out = word;
     return CW_OK;

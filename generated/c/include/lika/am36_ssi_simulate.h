@@ -18,15 +18,14 @@ extern "C" {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_ssi_set_position(
-    const lika_am36_ssi *variant, uint32_t position, lika_am36_ssi_frame *out)
+    lika_am36_ssi variant, uint32_t position, lika_am36_ssi_frame *out)
 {
-    if (position > cw_mask((uint32_t)variant->singleturn_bits + variant->multiturn_bits)) {
+    if (position > cw_mask((uint32_t)variant.singleturn_bits + variant.multiturn_bits)) {
         return CW_FAULT_RANGE;
     }
     out->position = position;
-    out->singleturn = (uint32_t)cw_field(position, 0U, variant->singleturn_bits);
-    out->multiturn =
-        (uint16_t)cw_field(position, variant->singleturn_bits, variant->multiturn_bits);
+    out->singleturn = (uint32_t)cw_field(position, 0U, variant.singleturn_bits);
+    out->multiturn = (uint16_t)cw_field(position, variant.singleturn_bits, variant.multiturn_bits);
     return CW_OK;
 }
 
@@ -34,23 +33,23 @@ static inline cw_result lika_am36_ssi_set_position(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_ssi_encode(
-    const lika_am36_ssi *variant, const lika_am36_ssi_frame *in, uint64_t *out)
+    lika_am36_ssi variant, const lika_am36_ssi_frame *in, uint64_t *out)
 {
-    if (in->multiturn > cw_mask(variant->multiturn_bits)) {
+    if (in->multiturn > cw_mask(variant.multiturn_bits)) {
         return CW_FAULT_RANGE;
     }
-    if (in->singleturn > cw_mask(variant->singleturn_bits)) {
+    if (in->singleturn > cw_mask(variant.singleturn_bits)) {
         return CW_FAULT_RANGE;
     }
     /* position and its parts disagree */
-    if (in->position != (((uint32_t)in->multiturn << variant->singleturn_bits) | in->singleturn)) {
+    if (in->position != (((uint32_t)in->multiturn << variant.singleturn_bits) | in->singleturn)) {
         return CW_FAULT_RANGE;
     }
     uint64_t word =
-        ((uint64_t)in->multiturn << variant->singleturn_bits) |
+        ((uint64_t)in->multiturn << variant.singleturn_bits) |
         (uint64_t)in->singleturn;
-    word = (variant->ssi_gray != 0U) ?
-        cw_to_gray(word, 0U, (uint32_t)variant->multiturn_bits + variant->singleturn_bits) : word;
+    word = (variant.ssi_gray != 0U) ?
+        cw_to_gray(word, 0U, (uint32_t)variant.multiturn_bits + variant.singleturn_bits) : word;
     *out = word;
     return CW_OK;
 }

@@ -9,13 +9,14 @@
  *
  * To read a position:
  *
- *     static const lika_amm5_biss *const encoder = &LIKA_AMM5_BISS_A21_65KSC1;
+ *     uint8_t rx[LIKA_AMM5_BISS_A21_65KSC1_RX_BYTES];
  *     uint64_t position;
- *     if (lika_amm5_biss_position(encoder, word, &position) != CW_NOT_USABLE) {
+ *     if (LIKA_AMM5_BISS_READ(A21_65KSC1, rx, &position) != CW_NOT_USABLE) {
  *         ... position ...
  *     }
  *
- * The word comes from a master for BiSS C-mode, or from SPI and DMA with LIKA_AMM5_BISS_RECEIVE.
+ * The bytes in rx come from SPI and DMA. A master for BiSS C-mode that gives you a number needs
+ * lika_amm5_biss_position with cw_word_of.
  *
  * More headers of this interface, to include if you need them:
  *   amm5_biss_labels.h           find the order code that a label shows
@@ -65,14 +66,6 @@
 
 #if (CW_RUNTIME_MAJOR != 1) || (CW_RUNTIME_MINOR < 0)
 #error "lika/amm5_biss.h needs the codewheel runtime 1.0 or a newer 1.x: see codewheel/version.h"
-#endif
-
-/**
- * An order code of another interface or encoder is an error in C as well, unless you define this.
- */
-#if !defined(CW_POINTERS_UNCHECKED) && !defined(__cplusplus) && \
-    (defined(__clang__) || (__GNUC__ >= 5))
-#pragma GCC diagnostic error "-Wincompatible-pointer-types"
 #endif
 
 #define LIKA_AMM5_BISS_VERSION "0.1.0" /**< semantic version of this header */
@@ -138,9 +131,9 @@ static CW_CONST lika_amm5_biss LIKA_AMM5_BISS_B23_65KSC1 = { 23U, 16U, 0U }; /**
  * resolution" and "nbitres" [6.2.1 p.32]. Unit: bits.
  */
 CW_CONSTEXPR
-static inline uint32_t lika_amm5_biss_position_bits(const lika_amm5_biss *variant)
+static inline uint32_t lika_amm5_biss_position_bits(lika_amm5_biss variant)
 {
-    return (uint32_t)variant->singleturn_bits + variant->multiturn_bits;
+    return (uint32_t)variant.singleturn_bits + variant.multiturn_bits;
 }
 
 /**
@@ -148,9 +141,9 @@ static inline uint32_t lika_amm5_biss_position_bits(const lika_amm5_biss *varian
  * revolutions.
  */
 CW_CONSTEXPR
-static inline uint32_t lika_amm5_biss_revolutions(const lika_amm5_biss *variant)
+static inline uint32_t lika_amm5_biss_revolutions(lika_amm5_biss variant)
 {
-    return (uint32_t)((uint64_t)1U << variant->multiturn_bits);
+    return (uint32_t)((uint64_t)1U << variant.multiturn_bits);
 }
 
 /* -- CRCs -------------------------------------------------------------------------------------- */
@@ -264,17 +257,6 @@ typedef enum lika_amm5_biss_report {
 #define LIKA_AMM5_BISS_B23_65KSC1_RX_BYTES 12U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
- * code can be A21_65KSC1, as in LIKA_AMM5_BISS_A21_65KSC1_BITS. The array rx must have the size
- * _RX_BYTES. Another size, or a pointer, does not compile. For other buffers, call cw_biss_receive
- * yourself.
- */
-#define LIKA_AMM5_BISS_RECEIVE(code, rx, word) \
-    cw_biss_receive((rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_AMM5_BISS_##code##_RX_BYTES])&(rx))), \
-        LIKA_AMM5_BISS_##code##_BITS, (word))
-
-/**
  * For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before
  * the last clock of the same frame. It comes at least 25 clock periods after its CDS: 2.5 us at 10
  * MHz and 500 us at 50 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is needed before
@@ -341,9 +323,9 @@ typedef struct lika_amm5_biss_frame {
 
 /** Return the number of bits in the word. */
 CW_CONSTEXPR
-static inline uint32_t lika_amm5_biss_bits(const lika_amm5_biss *variant)
+static inline uint32_t lika_amm5_biss_bits(lika_amm5_biss variant)
 {
-    return 8U + variant->singleturn_bits + variant->multiturn_bits;
+    return 8U + variant.singleturn_bits + variant.multiturn_bits;
 }
 
 /**
@@ -388,23 +370,26 @@ static inline uint32_t lika_amm5_biss_crc(uint64_t word)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
+ * @param received The frame as a number with its length: from lika_amm5_biss_receive, or
+ * from cw_word_of if a master gives you the number. The last bit sent is bit 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_decode(
-    const lika_amm5_biss *variant, uint64_t word, lika_amm5_biss_frame *out)
+    lika_amm5_biss variant, cw_word received, lika_amm5_biss_frame *out)
 {
-    if (cw_above(word, lika_amm5_biss_bits(variant)) != 0U) {
+    const uint64_t word = received.value;
+    if ((received.length != lika_amm5_biss_bits(variant)) ||
+        (cw_above(word, lika_amm5_biss_bits(variant)) != 0U)) {
         return CW_FAULT_LENGTH;
     }
     if (lika_amm5_biss_crc(word) != 0U) {
         return CW_FAULT_CRC;
     }
-    const uint16_t multiturn = (uint16_t)cw_above(word, 8U + variant->singleturn_bits);
-    const uint32_t singleturn = (uint32_t)cw_field(word, 8U, variant->singleturn_bits);
+    const uint16_t multiturn = (uint16_t)cw_above(word, 8U + variant.singleturn_bits);
+    const uint32_t singleturn = (uint32_t)cw_field(word, 8U, variant.singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
     out->error = (((uint32_t)word & 0x80U) == 0U);
@@ -413,18 +398,35 @@ static inline cw_result lika_amm5_biss_decode(
     return CW_OK;
 }
 
+/**
+ * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
+ */
+CW_NODISCARD
+static inline cw_result lika_amm5_biss_receive(
+    lika_amm5_biss variant, const uint8_t *bytes, size_t length, cw_word *word)
+{
+    const uint32_t bits = lika_amm5_biss_bits(variant);
+    uint64_t value = 0U;
+    const cw_result result = cw_biss_receive(bytes, length, bits, &value);
+    if (result == CW_OK) {
+        word->value = value;
+        word->length = bits;
+    }
+    return result;
+}
+
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_verdict lika_amm5_biss_verdict(
-    const lika_amm5_biss *variant, const lika_amm5_biss_frame *frame)
+    lika_amm5_biss variant, const lika_amm5_biss_frame *frame)
 {
-    if (frame->error || ((variant->multiturn_bits != 0U) && (variant->low_battery_only == 0U) &&
+    if (frame->error || ((variant.multiturn_bits != 0U) && (variant.low_battery_only == 0U) &&
         frame->warning)) {
         return CW_NOT_USABLE;
     }
-    if (((variant->multiturn_bits != 0U) && (variant->low_battery_only != 0U) && frame->warning) ||
-        ((variant->multiturn_bits == 0U) && frame->warning)) {
+    if (((variant.multiturn_bits != 0U) && (variant.low_battery_only != 0U) && frame->warning) ||
+        ((variant.multiturn_bits == 0U) && frame->warning)) {
         return CW_USABLE_WITH_WARNING;
     }
     return CW_USABLE;
@@ -438,47 +440,77 @@ static inline cw_verdict lika_amm5_biss_verdict(
  */
 CW_NODISCARD
 static inline cw_verdict lika_amm5_biss_position(
-    const lika_amm5_biss *variant, uint64_t word, uint64_t *position)
+    lika_amm5_biss variant, cw_word word, uint64_t *position)
 {
     lika_amm5_biss_frame frame;
-    cw_verdict verdict = CW_NOT_USABLE;
-    if (lika_amm5_biss_decode(variant, word, &frame) == CW_OK) {
-        verdict = lika_amm5_biss_verdict(variant, &frame);
+    if (lika_amm5_biss_decode(variant, word, &frame) != CW_OK) {
+        return CW_NOT_USABLE;
     }
+    const cw_verdict verdict = lika_amm5_biss_verdict(variant, &frame);
     if (verdict != CW_NOT_USABLE) {
         *position = frame.position;
     }
     return verdict;
 }
 
+/**
+ * Extract a frame from a buffer, decode it, and store its position if it may be used.
+ *
+ * @return The verdict on the position. Unless it is CW_NOT_USABLE, position was stored. A buffer
+ * without a well-formed frame is not usable.
+ */
+CW_NODISCARD
+static inline cw_verdict lika_amm5_biss_read(
+    lika_amm5_biss variant, const uint8_t *bytes, size_t length, uint64_t *position)
+{
+    const uint32_t bits = lika_amm5_biss_bits(variant);
+    cw_word word = { 0U, bits };
+    if (cw_biss_receive(bytes, length, bits, &word.value) != CW_OK) {
+        return CW_NOT_USABLE;
+    }
+    return lika_amm5_biss_position(variant, word, position);
+}
+
 /** Return the active reports, as a mask of LIKA_AMM5_BISS_REPORT_ bits. */
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_biss_reports(
-    const lika_amm5_biss *variant, const lika_amm5_biss_frame *frame)
+    lika_amm5_biss variant, const lika_amm5_biss_frame *frame)
 {
     return (frame->error ? (uint32_t)LIKA_AMM5_BISS_REPORT_ERROR : 0U) |
-        (((variant->multiturn_bits != 0U) && frame->warning) ?
+        (((variant.multiturn_bits != 0U) && frame->warning) ?
         (uint32_t)LIKA_AMM5_BISS_REPORT_WARNING : 0U) |
-        (((variant->multiturn_bits == 0U) && frame->warning) ?
+        (((variant.multiturn_bits == 0U) && frame->warning) ?
         (uint32_t)LIKA_AMM5_BISS_REPORT_WARNING_UNEXPLAINED : 0U);
 }
+
+/**
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be A21_65KSC1, as in LIKA_AMM5_BISS_A21_65KSC1. The array rx must have the size
+ * _RX_BYTES. Another size, or a pointer, does not compile. For other buffers, call
+ * lika_amm5_biss_receive yourself.
+ */
+#define LIKA_AMM5_BISS_RECEIVE(code, rx, word) \
+    lika_amm5_biss_receive(LIKA_AMM5_BISS_##code, \
+        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_AMM5_BISS_##code##_RX_BYTES])&(rx))), \
+        (word))
 
 /* -- positions --------------------------------------------------------------------------------- */
 
 /** Return the number of counts in one revolution [Preliminary information p.7]. */
 CW_CONSTEXPR
-static inline uint64_t lika_amm5_biss_counts_per_turn(const lika_amm5_biss *variant)
+static inline uint64_t lika_amm5_biss_counts_per_turn(lika_amm5_biss variant)
 {
-    return (uint64_t)1U << variant->singleturn_bits;
+    return (uint64_t)1U << variant.singleturn_bits;
 }
 
 /**
  * Return the number of counts after which the position wraps around to 0, which is all revolutions.
  */
 CW_CONSTEXPR
-static inline uint64_t lika_amm5_biss_modulus(const lika_amm5_biss *variant)
+static inline uint64_t lika_amm5_biss_modulus(lika_amm5_biss variant)
 {
-    return lika_amm5_biss_counts_per_turn(variant) * ((uint64_t)1U << variant->multiturn_bits);
+    return lika_amm5_biss_counts_per_turn(variant) * ((uint64_t)1U << variant.multiturn_bits);
 }
 
 /**
@@ -487,14 +519,14 @@ static inline uint64_t lika_amm5_biss_modulus(const lika_amm5_biss *variant)
  */
 CW_CONSTEXPR
 static inline int64_t lika_amm5_biss_position_difference(
-    const lika_amm5_biss *variant, uint64_t now, uint64_t before)
+    lika_amm5_biss variant, uint64_t now, uint64_t before)
 {
     return cw_difference(now, before, lika_amm5_biss_modulus(variant));
 }
 
 /** Convert a position to revolutions. */
 CW_CONSTEXPR
-static inline double lika_amm5_biss_turns(const lika_amm5_biss *variant, uint64_t position)
+static inline double lika_amm5_biss_turns(lika_amm5_biss variant, uint64_t position)
 {
     const uint64_t counts = lika_amm5_biss_counts_per_turn(variant);
     return (double)position / (double)counts;
@@ -502,12 +534,30 @@ static inline double lika_amm5_biss_turns(const lika_amm5_biss *variant, uint64_
 
 /** Convert a position to degrees within its revolution, 0 to below 360. */
 CW_CONSTEXPR
-static inline double lika_amm5_biss_degrees(const lika_amm5_biss *variant, uint64_t position)
+static inline double lika_amm5_biss_degrees(lika_amm5_biss variant, uint64_t position)
 {
     const uint64_t counts = lika_amm5_biss_counts_per_turn(variant);
     const uint64_t angle = position % counts;
     return ((double)angle * 360.0) / (double)counts;
 }
+
+/* -- reading a position ------------------------------------------------------------------------ */
+
+/**
+ * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
+ * position was stored. For example, code can be A21_65KSC1, as in LIKA_AMM5_BISS_A21_65KSC1. The
+ * order code is named once, so no length or decoder of another one can be mixed in. Another size of
+ * rx, or a pointer, does not compile.
+ */
+#define LIKA_AMM5_BISS_READ(code, rx, position) \
+    lika_amm5_biss_read(LIKA_AMM5_BISS_##code, \
+        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_AMM5_BISS_##code##_RX_BYTES])&(rx))), \
+        (position))
+/** Read a position from a pointer to any number of bytes. */
+#define LIKA_AMM5_BISS_READ_BYTES(code, bytes, length, position) \
+    lika_amm5_biss_read(LIKA_AMM5_BISS_##code, \
+        (bytes), (length), (position))
 
 #ifdef __cplusplus
 }

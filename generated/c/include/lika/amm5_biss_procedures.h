@@ -25,7 +25,7 @@ extern "C" {
 /** Write these steps to an array with room for all of them, and store their number in count. */
 CW_NODISCARD
 static inline cw_result lika_amm5_biss_set_preset_steps(
-    const lika_amm5_biss *variant, uint64_t position,
+    lika_amm5_biss variant, uint64_t position,
     cw_step *steps, size_t capacity, size_t *count)
 {
     lika_amm5_biss_reg_preset position_register;
@@ -80,7 +80,7 @@ static inline cw_result lika_amm5_biss_set_preset_steps(
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_biss_set_preset(
-    const cw_transport *transport, const lika_amm5_biss *variant,
+    const cw_transport *transport, lika_amm5_biss variant,
     uint64_t position, cw_failure *failure)
 {
     size_t count = 0U;
@@ -100,7 +100,7 @@ static inline cw_result lika_amm5_biss_set_preset(
 /** Write these steps to an array with room for all of them, and store their number in count. */
 CW_NODISCARD
 static inline cw_result lika_amm5_biss_store_preset_steps(
-    const lika_amm5_biss *variant, uint64_t position,
+    lika_amm5_biss variant, uint64_t position,
     cw_step *steps, size_t capacity, size_t *count)
 {
     lika_amm5_biss_reg_preset position_register;
@@ -151,7 +151,7 @@ static inline cw_result lika_amm5_biss_store_preset_steps(
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_biss_store_preset(
-    const cw_transport *transport, const lika_amm5_biss *variant,
+    const cw_transport *transport, lika_amm5_biss variant,
     uint64_t position, cw_failure *failure)
 {
     size_t count = 0U;
@@ -187,7 +187,7 @@ static inline const cw_step *lika_amm5_biss_save_parameters_steps(size_t *count)
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_biss_save_parameters(
-    const cw_transport *transport, const lika_amm5_biss *variant,
+    const cw_transport *transport, lika_amm5_biss variant,
     cw_failure *failure)
 {
     size_t count = 0U;
@@ -219,7 +219,7 @@ static inline const cw_step *lika_amm5_biss_activate_preset_steps(size_t *count)
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_biss_activate_preset(
-    const cw_transport *transport, const lika_amm5_biss *variant,
+    const cw_transport *transport, lika_amm5_biss variant,
     cw_failure *failure)
 {
     size_t count = 0U;

@@ -35,32 +35,32 @@ extern "C" {
 #define LIKA_AMM5_BISS_REG_PRESET_MIN 0U /**< limit of its value */
 
 /** multiturn: starting at bit 49 - multiturn_bits. */
-static inline uint32_t lika_amm5_biss_reg_preset_multiturn_shift(const lika_amm5_biss *variant)
+static inline uint32_t lika_amm5_biss_reg_preset_multiturn_shift(lika_amm5_biss variant)
 {
-    return 49U - variant->multiturn_bits;
+    return 49U - variant.multiturn_bits;
 }
 
 /** Return the bits of multiturn in the register. */
-static inline uint64_t lika_amm5_biss_reg_preset_multiturn_mask(const lika_amm5_biss *variant)
+static inline uint64_t lika_amm5_biss_reg_preset_multiturn_mask(lika_amm5_biss variant)
 {
-    return cw_mask(variant->multiturn_bits) << (49U - variant->multiturn_bits);
+    return cw_mask(variant.multiturn_bits) << (49U - variant.multiturn_bits);
 }
 
 /** singleturn: starting at bit 33 - singleturn_bits. */
-static inline uint32_t lika_amm5_biss_reg_preset_singleturn_shift(const lika_amm5_biss *variant)
+static inline uint32_t lika_amm5_biss_reg_preset_singleturn_shift(lika_amm5_biss variant)
 {
-    return 33U - variant->singleturn_bits;
+    return 33U - variant.singleturn_bits;
 }
 
 /** Return the bits of singleturn in the register. */
-static inline uint64_t lika_amm5_biss_reg_preset_singleturn_mask(const lika_amm5_biss *variant)
+static inline uint64_t lika_amm5_biss_reg_preset_singleturn_mask(lika_amm5_biss variant)
 {
-    return cw_mask(variant->singleturn_bits) << (33U - variant->singleturn_bits);
+    return cw_mask(variant.singleturn_bits) << (33U - variant.singleturn_bits);
 }
 
 /** Return the highest position: 2^position_bits - 1. */
 CW_CONSTEXPR
-static inline uint64_t lika_amm5_biss_reg_preset_max(const lika_amm5_biss *variant)
+static inline uint64_t lika_amm5_biss_reg_preset_max(lika_amm5_biss variant)
 {
     return cw_mask(lika_amm5_biss_position_bits(variant));
 }
@@ -97,15 +97,14 @@ typedef struct lika_amm5_biss_reg_preset {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_preset_set_position(
-    const lika_amm5_biss *variant, uint64_t position, lika_amm5_biss_reg_preset *out)
+    lika_amm5_biss variant, uint64_t position, lika_amm5_biss_reg_preset *out)
 {
-    if (position > cw_mask((uint32_t)variant->singleturn_bits + variant->multiturn_bits)) {
+    if (position > cw_mask((uint32_t)variant.singleturn_bits + variant.multiturn_bits)) {
         return CW_FAULT_RANGE;
     }
     out->position = position;
-    out->singleturn = (uint32_t)cw_field(position, 0U, variant->singleturn_bits);
-    out->multiturn =
-        (uint16_t)cw_field(position, variant->singleturn_bits, variant->multiturn_bits);
+    out->singleturn = (uint32_t)cw_field(position, 0U, variant.singleturn_bits);
+    out->multiturn = (uint16_t)cw_field(position, variant.singleturn_bits, variant.multiturn_bits);
     return CW_OK;
 }
 
@@ -117,8 +116,7 @@ static inline cw_result lika_amm5_biss_reg_preset_set_position(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_preset_decode(
-    const lika_amm5_biss *variant, const uint8_t *bytes, size_t length,
-    lika_amm5_biss_reg_preset *out)
+    lika_amm5_biss variant, const uint8_t *bytes, size_t length, lika_amm5_biss_reg_preset *out)
 {
     if (length != LIKA_AMM5_BISS_REG_PRESET_LENGTH) {
         return CW_FAULT_LENGTH;
@@ -132,21 +130,21 @@ static inline cw_result lika_amm5_biss_reg_preset_decode(
         ((uint64_t)bytes[5] << 40U) |
         ((uint64_t)bytes[6] << 48U);
     const uint16_t multiturn =
-        (uint16_t)cw_field(word, 49U - variant->multiturn_bits, variant->multiturn_bits);
+        (uint16_t)cw_field(word, 49U - variant.multiturn_bits, variant.multiturn_bits);
     const uint32_t singleturn =
-        (uint32_t)cw_field(word, 33U - variant->singleturn_bits, variant->singleturn_bits);
+        (uint32_t)cw_field(word, 33U - variant.singleturn_bits, variant.singleturn_bits);
     if (((word >> 49U) & 0x7FU) != 0x00U) { /* zero above multiturn */
         return CW_FAULT_CONSTANT;
     }
-    if (cw_field(word, 33U, 16U - variant->multiturn_bits) != 0x00U) { /* zero below multiturn */
+    if (cw_field(word, 33U, 16U - variant.multiturn_bits) != 0x00U) { /* zero below multiturn */
         return CW_FAULT_CONSTANT;
     }
-    if (cw_field(word, 0U, 33U - variant->singleturn_bits) != 0x00U) { /* zero below singleturn */
+    if (cw_field(word, 0U, 33U - variant.singleturn_bits) != 0x00U) { /* zero below singleturn */
         return CW_FAULT_CONSTANT;
     }
     out->multiturn = multiturn;
     out->singleturn = singleturn;
-    out->position = ((uint64_t)multiturn << variant->singleturn_bits) | singleturn;
+    out->position = ((uint64_t)multiturn << variant.singleturn_bits) | singleturn;
     return CW_OK;
 }
 
@@ -154,25 +152,24 @@ static inline cw_result lika_amm5_biss_reg_preset_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_preset_encode(
-    const lika_amm5_biss *variant, const lika_amm5_biss_reg_preset *in, uint8_t *bytes,
-    size_t length)
+    lika_amm5_biss variant, const lika_amm5_biss_reg_preset *in, uint8_t *bytes, size_t length)
 {
     if (length != LIKA_AMM5_BISS_REG_PRESET_LENGTH) {
         return CW_FAULT_LENGTH;
     }
-    if (in->multiturn > cw_mask(variant->multiturn_bits)) {
+    if (in->multiturn > cw_mask(variant.multiturn_bits)) {
         return CW_FAULT_RANGE;
     }
-    if (in->singleturn > cw_mask(variant->singleturn_bits)) {
+    if (in->singleturn > cw_mask(variant.singleturn_bits)) {
         return CW_FAULT_RANGE;
     }
     /* position and its parts disagree */
-    if (in->position != (((uint64_t)in->multiturn << variant->singleturn_bits) | in->singleturn)) {
+    if (in->position != (((uint64_t)in->multiturn << variant.singleturn_bits) | in->singleturn)) {
         return CW_FAULT_RANGE;
     }
     const uint64_t word =
-        ((uint64_t)in->multiturn << (49U - variant->multiturn_bits)) |
-        ((uint64_t)in->singleturn << (33U - variant->singleturn_bits));
+        ((uint64_t)in->multiturn << (49U - variant.multiturn_bits)) |
+        ((uint64_t)in->singleturn << (33U - variant.singleturn_bits));
     bytes[0] = (uint8_t)word;
     bytes[1] = (uint8_t)(word >> 8U);
     bytes[2] = (uint8_t)(word >> 16U);
@@ -186,7 +183,7 @@ static inline cw_result lika_amm5_biss_reg_preset_encode(
 /** Read the Preset register (11h to 17h). */
 CW_NODISCARD
 static inline cw_result lika_amm5_biss_read_preset(
-    const cw_transport *transport, const lika_amm5_biss *variant,
+    const cw_transport *transport, lika_amm5_biss variant,
     lika_amm5_biss_reg_preset *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AMM5_BISS_REG_PRESET_LENGTH];
@@ -201,7 +198,7 @@ static inline cw_result lika_amm5_biss_read_preset(
 /** Write the Preset register (11h to 17h). */
 CW_NODISCARD
 static inline cw_result lika_amm5_biss_write_preset(
-    const cw_transport *transport, const lika_amm5_biss *variant,
+    const cw_transport *transport, lika_amm5_biss variant,
     const lika_amm5_biss_reg_preset *in, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AMM5_BISS_REG_PRESET_LENGTH];
@@ -237,7 +234,7 @@ typedef enum lika_amm5_biss_preset_setting_enable {
 /** Write the Preset setting enable register (40h). */
 CW_NODISCARD
 static inline cw_result lika_amm5_biss_write_preset_setting_enable(
-    const cw_transport *transport, const lika_amm5_biss *variant,
+    const cw_transport *transport, lika_amm5_biss variant,
     lika_amm5_biss_preset_setting_enable value, cw_failure *failure)
 {
     (void)variant;
@@ -278,7 +275,7 @@ typedef struct lika_amm5_biss_reg_serial_number {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_serial_number_set_serial(
-    const lika_amm5_biss *variant, uint32_t serial, lika_amm5_biss_reg_serial_number *out)
+    lika_amm5_biss variant, uint32_t serial, lika_amm5_biss_reg_serial_number *out)
 {
     (void)variant;
     if (serial > 999999999U) {
@@ -299,7 +296,7 @@ static inline cw_result lika_amm5_biss_reg_serial_number_set_serial(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_serial_number_decode(
-    const lika_amm5_biss *variant, const uint8_t *bytes, size_t length,
+    lika_amm5_biss variant, const uint8_t *bytes, size_t length,
     lika_amm5_biss_reg_serial_number *out)
 {
     (void)variant;
@@ -322,7 +319,7 @@ static inline cw_result lika_amm5_biss_reg_serial_number_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_serial_number_encode(
-    const lika_amm5_biss *variant, const lika_amm5_biss_reg_serial_number *in, uint8_t *bytes,
+    lika_amm5_biss variant, const lika_amm5_biss_reg_serial_number *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -353,7 +350,7 @@ static inline cw_result lika_amm5_biss_reg_serial_number_encode(
 /** Read the Serial number register (44h to 47h). */
 CW_NODISCARD
 static inline cw_result lika_amm5_biss_read_serial_number(
-    const cw_transport *transport, const lika_amm5_biss *variant,
+    const cw_transport *transport, lika_amm5_biss variant,
     lika_amm5_biss_reg_serial_number *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AMM5_BISS_REG_SERIAL_NUMBER_LENGTH];
@@ -392,7 +389,7 @@ typedef enum lika_amm5_biss_command {
 /** Write the Command register (77h), then wait 30 ms. */
 CW_NODISCARD
 static inline cw_result lika_amm5_biss_write_command(
-    const cw_transport *transport, const lika_amm5_biss *variant,
+    const cw_transport *transport, lika_amm5_biss variant,
     lika_amm5_biss_command value, cw_failure *failure)
 {
     cw_result result;
@@ -440,8 +437,7 @@ typedef struct lika_amm5_biss_reg_device_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_device_id_decode(
-    const lika_amm5_biss *variant, const uint8_t *bytes, size_t length,
-    lika_amm5_biss_reg_device_id *out)
+    lika_amm5_biss variant, const uint8_t *bytes, size_t length, lika_amm5_biss_reg_device_id *out)
 {
     (void)variant;
     if (length != LIKA_AMM5_BISS_REG_DEVICE_ID_LENGTH) {
@@ -460,8 +456,7 @@ static inline cw_result lika_amm5_biss_reg_device_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_device_id_encode(
-    const lika_amm5_biss *variant, const lika_amm5_biss_reg_device_id *in, uint8_t *bytes,
-    size_t length)
+    lika_amm5_biss variant, const lika_amm5_biss_reg_device_id *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != LIKA_AMM5_BISS_REG_DEVICE_ID_LENGTH) {
@@ -481,7 +476,7 @@ static inline cw_result lika_amm5_biss_reg_device_id_encode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_amm5_biss_reg_device_id_is_expected(
-    const lika_amm5_biss *variant, const lika_amm5_biss_reg_device_id *in)
+    lika_amm5_biss variant, const lika_amm5_biss_reg_device_id *in)
 {
     (void)variant;
     return (in->name[0] == LIKA_AMM5_BISS_REG_DEVICE_ID_NAME_EXPECTED[0]) &&
@@ -493,7 +488,7 @@ static inline bool lika_amm5_biss_reg_device_id_is_expected(
 /** Read the Device ID register (78h to 7Dh). */
 CW_NODISCARD
 static inline cw_result lika_amm5_biss_read_device_id(
-    const cw_transport *transport, const lika_amm5_biss *variant,
+    const cw_transport *transport, lika_amm5_biss variant,
     lika_amm5_biss_reg_device_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AMM5_BISS_REG_DEVICE_ID_LENGTH];
@@ -534,7 +529,7 @@ typedef struct lika_amm5_biss_reg_manufacturer_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_manufacturer_id_decode(
-    const lika_amm5_biss *variant, const uint8_t *bytes, size_t length,
+    lika_amm5_biss variant, const uint8_t *bytes, size_t length,
     lika_amm5_biss_reg_manufacturer_id *out)
 {
     (void)variant;
@@ -550,7 +545,7 @@ static inline cw_result lika_amm5_biss_reg_manufacturer_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_manufacturer_id_encode(
-    const lika_amm5_biss *variant, const lika_amm5_biss_reg_manufacturer_id *in, uint8_t *bytes,
+    lika_amm5_biss variant, const lika_amm5_biss_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -568,7 +563,7 @@ static inline cw_result lika_amm5_biss_reg_manufacturer_id_encode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_amm5_biss_reg_manufacturer_id_is_expected(
-    const lika_amm5_biss *variant, const lika_amm5_biss_reg_manufacturer_id *in)
+    lika_amm5_biss variant, const lika_amm5_biss_reg_manufacturer_id *in)
 {
     (void)variant;
     return (in->name[0] == LIKA_AMM5_BISS_REG_MANUFACTURER_ID_NAME_EXPECTED[0]) &&
@@ -578,7 +573,7 @@ static inline bool lika_amm5_biss_reg_manufacturer_id_is_expected(
 /** Read the Manufacturer ID register (7Eh to 7Fh). */
 CW_NODISCARD
 static inline cw_result lika_amm5_biss_read_manufacturer_id(
-    const cw_transport *transport, const lika_amm5_biss *variant,
+    const cw_transport *transport, lika_amm5_biss variant,
     lika_amm5_biss_reg_manufacturer_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_AMM5_BISS_REG_MANUFACTURER_ID_LENGTH];
@@ -625,7 +620,7 @@ static inline cw_result lika_amm5_biss_read_identity(
 
 /** Return true if an encoder with this order code can have these contents. */
 static inline bool lika_amm5_biss_could_be(
-    const lika_amm5_biss *variant, const lika_amm5_biss_identity *read)
+    lika_amm5_biss variant, const lika_amm5_biss_identity *read)
 {
     lika_amm5_biss_reg_device_id device_id;
     lika_amm5_biss_reg_manufacturer_id manufacturer_id;
@@ -653,7 +648,7 @@ static inline const lika_amm5_biss_order_code *lika_amm5_biss_next_candidate(
     while (*next < count) {
         const lika_amm5_biss_order_code *const code = &codes[*next];
         (*next)++;
-        if (lika_amm5_biss_could_be(&code->variant, read)) {
+        if (lika_amm5_biss_could_be(code->variant, read)) {
             return code;
         }
     }

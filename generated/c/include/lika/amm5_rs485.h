@@ -9,15 +9,14 @@
  *
  * To read a position:
  *
- *     static const lika_amm5_rs485 *const encoder = &LIKA_AMM5_RS485_A23_65KJP1;
- *     lika_amm5_rs485_complete_reply frame;
- *     if (lika_amm5_rs485_complete_reply_decode(encoder, bytes, length, &frame) == CW_OK
- *         && lika_amm5_rs485_complete_reply_verdict(encoder, &frame) != CW_NOT_USABLE) {
- *         ... frame.position ...
+ *     uint8_t rx[LIKA_AMM5_RS485_COMPLETE_REPLY_LENGTH];
+ *     uint64_t position;
+ *     if (LIKA_AMM5_RS485_READ(A23_65KJP1, rx, &position) != CW_NOT_USABLE) {
+ *         ... position ...
  *     }
  *
- * The bytes are the reply to LIKA_AMM5_RS485_CONTROL_ALL_DATA. cw_rs485_ask and cw_rs485_take in
- * codewheel/receive.h collect them from a serial port.
+ * The bytes in rx are the reply to LIKA_AMM5_RS485_CONTROL_ALL_DATA, from DMA, or from cw_rs485_ask
+ * and cw_rs485_take in codewheel/receive.h, which collect them from a serial port.
  *
  * More headers of this interface, to include if you need them:
  *   amm5_rs485_labels.h          find the order code that a label shows
@@ -63,14 +62,6 @@
 
 #if (CW_RUNTIME_MAJOR != 1) || (CW_RUNTIME_MINOR < 0)
 #error "lika/amm5_rs485.h needs the codewheel runtime 1.0 or a newer 1.x: see codewheel/version.h"
-#endif
-
-/**
- * An order code of another interface or encoder is an error in C as well, unless you define this.
- */
-#if !defined(CW_POINTERS_UNCHECKED) && !defined(__cplusplus) && \
-    (defined(__clang__) || (__GNUC__ >= 5))
-#pragma GCC diagnostic error "-Wincompatible-pointer-types"
 #endif
 
 #define LIKA_AMM5_RS485_VERSION "0.1.0" /**< semantic version of this header */
@@ -131,9 +122,9 @@ static CW_CONST lika_amm5_rs485 LIKA_AMM5_RS485_B23_65KJP1 = { 23U, 16U }; /**< 
  * resolution" and "nbitres" [6.2.1 p.32]. Unit: bits.
  */
 CW_CONSTEXPR
-static inline uint32_t lika_amm5_rs485_position_bits(const lika_amm5_rs485 *variant)
+static inline uint32_t lika_amm5_rs485_position_bits(lika_amm5_rs485 variant)
 {
-    return (uint32_t)variant->singleturn_bits + variant->multiturn_bits;
+    return (uint32_t)variant.singleturn_bits + variant.multiturn_bits;
 }
 
 /**
@@ -141,9 +132,9 @@ static inline uint32_t lika_amm5_rs485_position_bits(const lika_amm5_rs485 *vari
  * revolutions.
  */
 CW_CONSTEXPR
-static inline uint32_t lika_amm5_rs485_revolutions(const lika_amm5_rs485 *variant)
+static inline uint32_t lika_amm5_rs485_revolutions(lika_amm5_rs485 variant)
 {
-    return (uint32_t)((uint64_t)1U << variant->multiturn_bits);
+    return (uint32_t)((uint64_t)1U << variant.multiturn_bits);
 }
 
 /* -- CRCs -------------------------------------------------------------------------------------- */
@@ -357,8 +348,7 @@ typedef struct lika_amm5_rs485_data_request {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_data_request_encode(
-    const lika_amm5_rs485 *variant, const lika_amm5_rs485_data_request *in, uint8_t *bytes,
-    size_t length)
+    lika_amm5_rs485 variant, const lika_amm5_rs485_data_request *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != LIKA_AMM5_RS485_DATA_REQUEST_LENGTH) {
@@ -410,10 +400,13 @@ typedef struct lika_amm5_rs485_eeprom_write_request {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_write_request_encode(
-    const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
+    lika_amm5_rs485 variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const lika_amm5_rs485_eeprom_write_request *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
+    if ((uint32_t)eeprom_address > (uint32_t)LIKA_AMM5_RS485_EEPROM_ADDRESS_AS_T_FORMAT) {
+        return CW_FAULT_RANGE;
+    }
     if (length != LIKA_AMM5_RS485_EEPROM_WRITE_REQUEST_LENGTH) {
         return CW_FAULT_LENGTH;
     }
@@ -463,10 +456,13 @@ typedef struct lika_amm5_rs485_eeprom_read_request {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_read_request_encode(
-    const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
+    lika_amm5_rs485 variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const lika_amm5_rs485_eeprom_read_request *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
+    if ((uint32_t)eeprom_address > (uint32_t)LIKA_AMM5_RS485_EEPROM_ADDRESS_AS_T_FORMAT) {
+        return CW_FAULT_RANGE;
+    }
     if (length != LIKA_AMM5_RS485_EEPROM_READ_REQUEST_LENGTH) {
         return CW_FAULT_LENGTH;
     }
@@ -545,7 +541,7 @@ typedef struct lika_amm5_rs485_singleturn_reply {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_singleturn_reply_decode(
-    const lika_amm5_rs485 *variant, const uint8_t *bytes, size_t length,
+    lika_amm5_rs485 variant, const uint8_t *bytes, size_t length,
     lika_amm5_rs485_singleturn_reply *out)
 {
     if (length != LIKA_AMM5_RS485_SINGLETURN_REPLY_LENGTH) {
@@ -558,7 +554,7 @@ static inline cw_result lika_amm5_rs485_singleturn_reply_decode(
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     const uint32_t singleturn = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
         ((uint32_t)bytes[4] << 16U);
-    if (singleturn > cw_mask(variant->singleturn_bits)) { /* bits above singleturn are always 0 */
+    if (singleturn > cw_mask(variant.singleturn_bits)) { /* bits above singleturn are always 0 */
         return CW_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
@@ -585,7 +581,7 @@ static inline cw_result lika_amm5_rs485_singleturn_reply_decode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_amm5_rs485_singleturn_reply_is_expected(
-    const lika_amm5_rs485 *variant, const lika_amm5_rs485_singleturn_reply *in)
+    lika_amm5_rs485 variant, const lika_amm5_rs485_singleturn_reply *in)
 {
     (void)variant;
     return in->unused == 0U;
@@ -595,7 +591,7 @@ static inline bool lika_amm5_rs485_singleturn_reply_is_expected(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_verdict lika_amm5_rs485_singleturn_reply_verdict(
-    const lika_amm5_rs485 *variant, const lika_amm5_rs485_singleturn_reply *frame)
+    lika_amm5_rs485 variant, const lika_amm5_rs485_singleturn_reply *frame)
 {
     (void)variant;
     if (frame->status_st_error || frame->status_other_error) {
@@ -610,7 +606,7 @@ static inline cw_verdict lika_amm5_rs485_singleturn_reply_verdict(
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_singleturn_reply_reports(
-    const lika_amm5_rs485 *variant, const lika_amm5_rs485_singleturn_reply *frame)
+    lika_amm5_rs485 variant, const lika_amm5_rs485_singleturn_reply *frame)
 {
     (void)variant;
     return (frame->status_st_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ST_ERROR : 0U) |
@@ -674,7 +670,7 @@ typedef struct lika_amm5_rs485_multiturn_reply {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_multiturn_reply_decode(
-    const lika_amm5_rs485 *variant, const uint8_t *bytes, size_t length,
+    lika_amm5_rs485 variant, const uint8_t *bytes, size_t length,
     lika_amm5_rs485_multiturn_reply *out)
 {
     if (length != LIKA_AMM5_RS485_MULTITURN_REPLY_LENGTH) {
@@ -686,7 +682,7 @@ static inline cw_result lika_amm5_rs485_multiturn_reply_decode(
     const uint8_t data_id = (uint8_t)((bytes[0] >> 3U) & 0x0FU);
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     const uint16_t multiturn = (uint16_t)((uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U));
-    if (multiturn > cw_mask(variant->multiturn_bits)) { /* bits above multiturn are always 0 */
+    if (multiturn > cw_mask(variant.multiturn_bits)) { /* bits above multiturn are always 0 */
         return CW_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
@@ -709,7 +705,7 @@ static inline cw_result lika_amm5_rs485_multiturn_reply_decode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_amm5_rs485_multiturn_reply_is_expected(
-    const lika_amm5_rs485 *variant, const lika_amm5_rs485_multiturn_reply *in)
+    lika_amm5_rs485 variant, const lika_amm5_rs485_multiturn_reply *in)
 {
     (void)variant;
     return in->unused == 0U;
@@ -719,7 +715,7 @@ static inline bool lika_amm5_rs485_multiturn_reply_is_expected(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_verdict lika_amm5_rs485_multiturn_reply_verdict(
-    const lika_amm5_rs485 *variant, const lika_amm5_rs485_multiturn_reply *frame)
+    lika_amm5_rs485 variant, const lika_amm5_rs485_multiturn_reply *frame)
 {
     (void)variant;
     if (frame->status_st_error || frame->status_other_error) {
@@ -734,7 +730,7 @@ static inline cw_verdict lika_amm5_rs485_multiturn_reply_verdict(
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_multiturn_reply_reports(
-    const lika_amm5_rs485 *variant, const lika_amm5_rs485_multiturn_reply *frame)
+    lika_amm5_rs485 variant, const lika_amm5_rs485_multiturn_reply *frame)
 {
     (void)variant;
     return (frame->status_st_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ST_ERROR : 0U) |
@@ -799,7 +795,7 @@ typedef struct lika_amm5_rs485_encoder_id_reply {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_encoder_id_reply_decode(
-    const lika_amm5_rs485 *variant, const uint8_t *bytes, size_t length,
+    lika_amm5_rs485 variant, const uint8_t *bytes, size_t length,
     lika_amm5_rs485_encoder_id_reply *out)
 {
     (void)variant;
@@ -832,7 +828,7 @@ static inline cw_result lika_amm5_rs485_encoder_id_reply_decode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_amm5_rs485_encoder_id_reply_is_expected(
-    const lika_amm5_rs485 *variant, const lika_amm5_rs485_encoder_id_reply *in)
+    lika_amm5_rs485 variant, const lika_amm5_rs485_encoder_id_reply *in)
 {
     (void)variant;
     return (in->encoder_id == LIKA_AMM5_RS485_ENCODER_ID_REPLY_ENCODER_ID_EXPECTED) &&
@@ -842,7 +838,7 @@ static inline bool lika_amm5_rs485_encoder_id_reply_is_expected(
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_encoder_id_reply_reports(
-    const lika_amm5_rs485 *variant, const lika_amm5_rs485_encoder_id_reply *frame)
+    lika_amm5_rs485 variant, const lika_amm5_rs485_encoder_id_reply *frame)
 {
     (void)variant;
     return (frame->status_st_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ST_ERROR : 0U) |
@@ -960,7 +956,7 @@ typedef struct lika_amm5_rs485_complete_reply {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_complete_reply_decode(
-    const lika_amm5_rs485 *variant, const uint8_t *bytes, size_t length,
+    lika_amm5_rs485 variant, const uint8_t *bytes, size_t length,
     lika_amm5_rs485_complete_reply *out)
 {
     if (length != LIKA_AMM5_RS485_COMPLETE_REPLY_LENGTH) {
@@ -975,10 +971,10 @@ static inline cw_result lika_amm5_rs485_complete_reply_decode(
         ((uint32_t)bytes[4] << 16U);
     const uint8_t encoder_id = bytes[5];
     const uint16_t multiturn = (uint16_t)((uint32_t)bytes[6] | ((uint32_t)bytes[7] << 8U));
-    if (singleturn > cw_mask(variant->singleturn_bits)) { /* bits above singleturn are always 0 */
+    if (singleturn > cw_mask(variant.singleturn_bits)) { /* bits above singleturn are always 0 */
         return CW_FAULT_CONSTANT;
     }
-    if (multiturn > cw_mask(variant->multiturn_bits)) { /* bits above multiturn are always 0 */
+    if (multiturn > cw_mask(variant.multiturn_bits)) { /* bits above multiturn are always 0 */
         return CW_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
@@ -1005,7 +1001,7 @@ static inline cw_result lika_amm5_rs485_complete_reply_decode(
     out->ps_error = ((flags & 0x20U) != 0U);
     out->mt_error = ((flags & 0x40U) != 0U);
     out->battery_alarm = ((flags & 0x80U) != 0U);
-    out->position = ((uint64_t)multiturn << variant->singleturn_bits) | singleturn;
+    out->position = ((uint64_t)multiturn << variant.singleturn_bits) | singleturn;
     return CW_OK;
 }
 
@@ -1015,7 +1011,7 @@ static inline cw_result lika_amm5_rs485_complete_reply_decode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_amm5_rs485_complete_reply_is_expected(
-    const lika_amm5_rs485 *variant, const lika_amm5_rs485_complete_reply *in)
+    lika_amm5_rs485 variant, const lika_amm5_rs485_complete_reply *in)
 {
     (void)variant;
     return (in->encoder_id == LIKA_AMM5_RS485_COMPLETE_REPLY_ENCODER_ID_EXPECTED) &&
@@ -1026,37 +1022,58 @@ static inline bool lika_amm5_rs485_complete_reply_is_expected(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_verdict lika_amm5_rs485_complete_reply_verdict(
-    const lika_amm5_rs485 *variant, const lika_amm5_rs485_complete_reply *frame)
+    lika_amm5_rs485 variant, const lika_amm5_rs485_complete_reply *frame)
 {
     if (frame->status_st_error || (frame->status_other_error && !frame->battery_alarm &&
         !frame->mt_error) || frame->busy || frame->st_error || frame->ps_error ||
-        ((variant->multiturn_bits != 0U) && frame->mt_error)) {
+        ((variant.multiturn_bits != 0U) && frame->mt_error)) {
         return CW_NOT_USABLE;
     }
-    if (((variant->multiturn_bits == 0U) && frame->mt_error) || frame->battery_alarm ||
+    if (((variant.multiturn_bits == 0U) && frame->mt_error) || frame->battery_alarm ||
         (frame->unused != 0U)) {
         return CW_USABLE_WITH_WARNING;
     }
     return CW_USABLE;
 }
 
+/**
+ * Decode a frame, and store its position if it may be used.
+ *
+ * @return The verdict on the position. Unless it is CW_NOT_USABLE, position was stored. A frame
+ * that is not well formed is not usable.
+ */
+CW_NODISCARD
+static inline cw_verdict lika_amm5_rs485_complete_reply_position(
+    lika_amm5_rs485 variant, const uint8_t *bytes, size_t length, uint64_t *position)
+{
+    lika_amm5_rs485_complete_reply frame;
+    if (lika_amm5_rs485_complete_reply_decode(variant, bytes, length, &frame) != CW_OK) {
+        return CW_NOT_USABLE;
+    }
+    const cw_verdict verdict = lika_amm5_rs485_complete_reply_verdict(variant, &frame);
+    if (verdict != CW_NOT_USABLE) {
+        *position = frame.position;
+    }
+    return verdict;
+}
+
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_complete_reply_reports(
-    const lika_amm5_rs485 *variant, const lika_amm5_rs485_complete_reply *frame)
+    lika_amm5_rs485 variant, const lika_amm5_rs485_complete_reply *frame)
 {
     return (frame->status_st_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ST_ERROR : 0U) |
         (frame->status_other_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_OTHER_ERROR : 0U) |
         (frame->busy ? (uint32_t)LIKA_AMM5_RS485_REPORT_BUSY : 0U) |
         (frame->st_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_ST_ERROR : 0U) |
         (frame->ps_error ? (uint32_t)LIKA_AMM5_RS485_REPORT_PS_ERROR : 0U) |
-        (((variant->multiturn_bits != 0U) && frame->mt_error) ?
+        (((variant.multiturn_bits != 0U) && frame->mt_error) ?
         (uint32_t)LIKA_AMM5_RS485_REPORT_MT_ERROR : 0U) |
-        (((variant->multiturn_bits == 0U) && frame->mt_error) ?
+        (((variant.multiturn_bits == 0U) && frame->mt_error) ?
         (uint32_t)LIKA_AMM5_RS485_REPORT_MT_ERROR_UNEXPLAINED : 0U) |
-        (((variant->multiturn_bits != 0U) && frame->battery_alarm) ?
+        (((variant.multiturn_bits != 0U) && frame->battery_alarm) ?
         (uint32_t)LIKA_AMM5_RS485_REPORT_BATTERY_ALARM : 0U) |
-        (((variant->multiturn_bits == 0U) && frame->battery_alarm) ?
+        (((variant.multiturn_bits == 0U) && frame->battery_alarm) ?
         (uint32_t)LIKA_AMM5_RS485_REPORT_BATTERY_ALARM_UNEXPLAINED : 0U) |
         (((frame->unused & 0x0FU) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_INFO : 0U) |
         (((frame->unused & 0xC0U) != 0U) ? (uint32_t)LIKA_AMM5_RS485_REPORT_STATUS_ZERO : 0U) |
@@ -1103,10 +1120,13 @@ typedef struct lika_amm5_rs485_eeprom_write_reply {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_write_reply_decode(
-    const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
-    const uint8_t *bytes, size_t length, lika_amm5_rs485_eeprom_write_reply *out)
+    lika_amm5_rs485 variant, lika_amm5_rs485_eeprom_address eeprom_address, const uint8_t *bytes,
+    size_t length, lika_amm5_rs485_eeprom_write_reply *out)
 {
     (void)variant;
+    if ((uint32_t)eeprom_address > (uint32_t)LIKA_AMM5_RS485_EEPROM_ADDRESS_AS_T_FORMAT) {
+        return CW_FAULT_RANGE;
+    }
     if (length != LIKA_AMM5_RS485_EEPROM_WRITE_REPLY_LENGTH) {
         return CW_FAULT_LENGTH;
     }
@@ -1139,7 +1159,7 @@ static inline cw_result lika_amm5_rs485_eeprom_write_reply_decode(
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_eeprom_write_reply_reports(
-    const lika_amm5_rs485 *variant, const lika_amm5_rs485_eeprom_write_reply *frame)
+    lika_amm5_rs485 variant, const lika_amm5_rs485_eeprom_write_reply *frame)
 {
     (void)variant;
     return (frame->mem_busy ? (uint32_t)LIKA_AMM5_RS485_REPORT_EEPROM_WRITE_REPLY_MEM_BUSY : 0U);
@@ -1184,10 +1204,13 @@ typedef struct lika_amm5_rs485_eeprom_read_reply {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_read_reply_decode(
-    const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
-    const uint8_t *bytes, size_t length, lika_amm5_rs485_eeprom_read_reply *out)
+    lika_amm5_rs485 variant, lika_amm5_rs485_eeprom_address eeprom_address, const uint8_t *bytes,
+    size_t length, lika_amm5_rs485_eeprom_read_reply *out)
 {
     (void)variant;
+    if ((uint32_t)eeprom_address > (uint32_t)LIKA_AMM5_RS485_EEPROM_ADDRESS_AS_T_FORMAT) {
+        return CW_FAULT_RANGE;
+    }
     if (length != LIKA_AMM5_RS485_EEPROM_READ_REPLY_LENGTH) {
         return CW_FAULT_LENGTH;
     }
@@ -1220,7 +1243,7 @@ static inline cw_result lika_amm5_rs485_eeprom_read_reply_decode(
 /** Return the active reports, as a mask of LIKA_AMM5_RS485_REPORT_ bits. */
 CW_CONSTEXPR
 static inline uint32_t lika_amm5_rs485_eeprom_read_reply_reports(
-    const lika_amm5_rs485 *variant, const lika_amm5_rs485_eeprom_read_reply *frame)
+    lika_amm5_rs485 variant, const lika_amm5_rs485_eeprom_read_reply *frame)
 {
     (void)variant;
     return (frame->mem_busy ? (uint32_t)LIKA_AMM5_RS485_REPORT_EEPROM_READ_REPLY_MEM_BUSY : 0U);
@@ -1319,18 +1342,18 @@ static inline cw_result lika_amm5_rs485_reply_frame(
 
 /** Return the number of counts in one revolution [Preliminary information p.7]. */
 CW_CONSTEXPR
-static inline uint64_t lika_amm5_rs485_counts_per_turn(const lika_amm5_rs485 *variant)
+static inline uint64_t lika_amm5_rs485_counts_per_turn(lika_amm5_rs485 variant)
 {
-    return (uint64_t)1U << variant->singleturn_bits;
+    return (uint64_t)1U << variant.singleturn_bits;
 }
 
 /**
  * Return the number of counts after which the position wraps around to 0, which is all revolutions.
  */
 CW_CONSTEXPR
-static inline uint64_t lika_amm5_rs485_modulus(const lika_amm5_rs485 *variant)
+static inline uint64_t lika_amm5_rs485_modulus(lika_amm5_rs485 variant)
 {
-    return lika_amm5_rs485_counts_per_turn(variant) * ((uint64_t)1U << variant->multiturn_bits);
+    return lika_amm5_rs485_counts_per_turn(variant) * ((uint64_t)1U << variant.multiturn_bits);
 }
 
 /**
@@ -1339,14 +1362,14 @@ static inline uint64_t lika_amm5_rs485_modulus(const lika_amm5_rs485 *variant)
  */
 CW_CONSTEXPR
 static inline int64_t lika_amm5_rs485_position_difference(
-    const lika_amm5_rs485 *variant, uint64_t now, uint64_t before)
+    lika_amm5_rs485 variant, uint64_t now, uint64_t before)
 {
     return cw_difference(now, before, lika_amm5_rs485_modulus(variant));
 }
 
 /** Convert a position to revolutions. */
 CW_CONSTEXPR
-static inline double lika_amm5_rs485_turns(const lika_amm5_rs485 *variant, uint64_t position)
+static inline double lika_amm5_rs485_turns(lika_amm5_rs485 variant, uint64_t position)
 {
     const uint64_t counts = lika_amm5_rs485_counts_per_turn(variant);
     return (double)position / (double)counts;
@@ -1354,12 +1377,30 @@ static inline double lika_amm5_rs485_turns(const lika_amm5_rs485 *variant, uint6
 
 /** Convert a position to degrees within its revolution, 0 to below 360. */
 CW_CONSTEXPR
-static inline double lika_amm5_rs485_degrees(const lika_amm5_rs485 *variant, uint64_t position)
+static inline double lika_amm5_rs485_degrees(lika_amm5_rs485 variant, uint64_t position)
 {
     const uint64_t counts = lika_amm5_rs485_counts_per_turn(variant);
     const uint64_t angle = position % counts;
     return ((double)angle * 360.0) / (double)counts;
 }
+
+/* -- reading a position ------------------------------------------------------------------------ */
+
+/**
+ * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
+ * position was stored. For example, code can be A23_65KJP1, as in LIKA_AMM5_RS485_A23_65KJP1. The
+ * order code is named once, so no length or decoder of another one can be mixed in. Another size of
+ * rx, or a pointer, does not compile.
+ */
+#define LIKA_AMM5_RS485_READ(code, rx, position) \
+    lika_amm5_rs485_complete_reply_position(LIKA_AMM5_RS485_##code, \
+        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_AMM5_RS485_COMPLETE_REPLY_LENGTH])&(rx))), \
+        (position))
+/** Read a position from a pointer to any number of bytes. */
+#define LIKA_AMM5_RS485_READ_BYTES(code, bytes, length, position) \
+    lika_amm5_rs485_complete_reply_position(LIKA_AMM5_RS485_##code, \
+        (bytes), (length), (position))
 
 #ifdef __cplusplus
 }

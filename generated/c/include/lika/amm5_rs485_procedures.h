@@ -52,7 +52,7 @@ static inline const cw_step *lika_amm5_rs485_reset_singleturn_and_multiturn_step
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_rs485_reset_singleturn_and_multiturn(
-    const cw_transport *transport, const lika_amm5_rs485 *variant,
+    const cw_transport *transport, lika_amm5_rs485 variant,
     cw_failure *failure)
 {
     size_t count = 0U;
@@ -92,7 +92,7 @@ static inline const cw_step *lika_amm5_rs485_reset_multiturn_and_errors_steps(si
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_rs485_reset_multiturn_and_errors(
-    const cw_transport *transport, const lika_amm5_rs485 *variant,
+    const cw_transport *transport, lika_amm5_rs485 variant,
     cw_failure *failure)
 {
     size_t count = 0U;
@@ -129,7 +129,7 @@ static inline const cw_step *lika_amm5_rs485_reset_errors_steps(size_t *count)
  */
 CW_NODISCARD
 static inline cw_result lika_amm5_rs485_reset_errors(
-    const cw_transport *transport, const lika_amm5_rs485 *variant,
+    const cw_transport *transport, lika_amm5_rs485 variant,
     cw_failure *failure)
 {
     size_t count = 0U;

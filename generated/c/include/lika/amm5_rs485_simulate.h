@@ -22,8 +22,7 @@ extern "C" {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_data_request_decode(
-    const lika_amm5_rs485 *variant, const uint8_t *bytes, size_t length,
-    lika_amm5_rs485_data_request *out)
+    lika_amm5_rs485 variant, const uint8_t *bytes, size_t length, lika_amm5_rs485_data_request *out)
 {
     (void)variant;
     if (length != LIKA_AMM5_RS485_DATA_REQUEST_LENGTH) {
@@ -58,10 +57,13 @@ static inline cw_result lika_amm5_rs485_data_request_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_write_request_decode(
-    const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
-    const uint8_t *bytes, size_t length, lika_amm5_rs485_eeprom_write_request *out)
+    lika_amm5_rs485 variant, lika_amm5_rs485_eeprom_address eeprom_address, const uint8_t *bytes,
+    size_t length, lika_amm5_rs485_eeprom_write_request *out)
 {
     (void)variant;
+    if ((uint32_t)eeprom_address > (uint32_t)LIKA_AMM5_RS485_EEPROM_ADDRESS_AS_T_FORMAT) {
+        return CW_FAULT_RANGE;
+    }
     if (length != LIKA_AMM5_RS485_EEPROM_WRITE_REQUEST_LENGTH) {
         return CW_FAULT_LENGTH;
     }
@@ -102,10 +104,13 @@ static inline cw_result lika_amm5_rs485_eeprom_write_request_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_read_request_decode(
-    const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
-    const uint8_t *bytes, size_t length, lika_amm5_rs485_eeprom_read_request *out)
+    lika_amm5_rs485 variant, lika_amm5_rs485_eeprom_address eeprom_address, const uint8_t *bytes,
+    size_t length, lika_amm5_rs485_eeprom_read_request *out)
 {
     (void)variant;
+    if ((uint32_t)eeprom_address > (uint32_t)LIKA_AMM5_RS485_EEPROM_ADDRESS_AS_T_FORMAT) {
+        return CW_FAULT_RANGE;
+    }
     if (length != LIKA_AMM5_RS485_EEPROM_READ_REQUEST_LENGTH) {
         return CW_FAULT_LENGTH;
     }
@@ -139,7 +144,7 @@ static inline cw_result lika_amm5_rs485_eeprom_read_request_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_singleturn_reply_encode(
-    const lika_amm5_rs485 *variant, const lika_amm5_rs485_singleturn_reply *in, uint8_t *bytes,
+    lika_amm5_rs485 variant, const lika_amm5_rs485_singleturn_reply *in, uint8_t *bytes,
     size_t length)
 {
     if (length != LIKA_AMM5_RS485_SINGLETURN_REPLY_LENGTH) {
@@ -151,7 +156,7 @@ static inline cw_result lika_amm5_rs485_singleturn_reply_encode(
         (in->data_id != LIKA_AMM5_RS485_DATA_ID_RESET_MULTITURN_AND_ERRORS)) {
         return CW_FAULT_RANGE;
     }
-    if (in->singleturn > cw_mask(variant->singleturn_bits)) {
+    if (in->singleturn > cw_mask(variant.singleturn_bits)) {
         return CW_FAULT_RANGE;
     }
     if ((in->unused & 0x30U) != 0U) { /* bits other than the unused ones */
@@ -172,13 +177,13 @@ static inline cw_result lika_amm5_rs485_singleturn_reply_encode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_multiturn_reply_encode(
-    const lika_amm5_rs485 *variant, const lika_amm5_rs485_multiturn_reply *in, uint8_t *bytes,
+    lika_amm5_rs485 variant, const lika_amm5_rs485_multiturn_reply *in, uint8_t *bytes,
     size_t length)
 {
     if (length != LIKA_AMM5_RS485_MULTITURN_REPLY_LENGTH) {
         return CW_FAULT_LENGTH;
     }
-    if (in->multiturn > cw_mask(variant->multiturn_bits)) {
+    if (in->multiturn > cw_mask(variant.multiturn_bits)) {
         return CW_FAULT_RANGE;
     }
     if ((in->unused & 0x30U) != 0U) { /* bits other than the unused ones */
@@ -198,7 +203,7 @@ static inline cw_result lika_amm5_rs485_multiturn_reply_encode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_encoder_id_reply_encode(
-    const lika_amm5_rs485 *variant, const lika_amm5_rs485_encoder_id_reply *in, uint8_t *bytes,
+    lika_amm5_rs485 variant, const lika_amm5_rs485_encoder_id_reply *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -220,15 +225,14 @@ static inline cw_result lika_amm5_rs485_encoder_id_reply_encode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_complete_reply_set_position(
-    const lika_amm5_rs485 *variant, uint64_t position, lika_amm5_rs485_complete_reply *out)
+    lika_amm5_rs485 variant, uint64_t position, lika_amm5_rs485_complete_reply *out)
 {
-    if (position > cw_mask((uint32_t)variant->singleturn_bits + variant->multiturn_bits)) {
+    if (position > cw_mask((uint32_t)variant.singleturn_bits + variant.multiturn_bits)) {
         return CW_FAULT_RANGE;
     }
     out->position = position;
-    out->singleturn = (uint32_t)cw_field(position, 0U, variant->singleturn_bits);
-    out->multiturn =
-        (uint16_t)cw_field(position, variant->singleturn_bits, variant->multiturn_bits);
+    out->singleturn = (uint32_t)cw_field(position, 0U, variant.singleturn_bits);
+    out->multiturn = (uint16_t)cw_field(position, variant.singleturn_bits, variant.multiturn_bits);
     return CW_OK;
 }
 
@@ -236,20 +240,20 @@ static inline cw_result lika_amm5_rs485_complete_reply_set_position(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_complete_reply_encode(
-    const lika_amm5_rs485 *variant, const lika_amm5_rs485_complete_reply *in, uint8_t *bytes,
+    lika_amm5_rs485 variant, const lika_amm5_rs485_complete_reply *in, uint8_t *bytes,
     size_t length)
 {
     if (length != LIKA_AMM5_RS485_COMPLETE_REPLY_LENGTH) {
         return CW_FAULT_LENGTH;
     }
-    if (in->singleturn > cw_mask(variant->singleturn_bits)) {
+    if (in->singleturn > cw_mask(variant.singleturn_bits)) {
         return CW_FAULT_RANGE;
     }
-    if (in->multiturn > cw_mask(variant->multiturn_bits)) {
+    if (in->multiturn > cw_mask(variant.multiturn_bits)) {
         return CW_FAULT_RANGE;
     }
     /* position and its parts disagree */
-    if (in->position != (((uint64_t)in->multiturn << variant->singleturn_bits) | in->singleturn)) {
+    if (in->position != (((uint64_t)in->multiturn << variant.singleturn_bits) | in->singleturn)) {
         return CW_FAULT_RANGE;
     }
     if ((in->unused & 0xE630U) != 0U) { /* bits other than the unused ones */
@@ -276,10 +280,13 @@ static inline cw_result lika_amm5_rs485_complete_reply_encode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_write_reply_encode(
-    const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
+    lika_amm5_rs485 variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const lika_amm5_rs485_eeprom_write_reply *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
+    if ((uint32_t)eeprom_address > (uint32_t)LIKA_AMM5_RS485_EEPROM_ADDRESS_AS_T_FORMAT) {
+        return CW_FAULT_RANGE;
+    }
     if (length != LIKA_AMM5_RS485_EEPROM_WRITE_REPLY_LENGTH) {
         return CW_FAULT_LENGTH;
     }
@@ -305,10 +312,13 @@ static inline cw_result lika_amm5_rs485_eeprom_write_reply_encode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_read_reply_encode(
-    const lika_amm5_rs485 *variant, lika_amm5_rs485_eeprom_address eeprom_address,
+    lika_amm5_rs485 variant, lika_amm5_rs485_eeprom_address eeprom_address,
     const lika_amm5_rs485_eeprom_read_reply *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
+    if ((uint32_t)eeprom_address > (uint32_t)LIKA_AMM5_RS485_EEPROM_ADDRESS_AS_T_FORMAT) {
+        return CW_FAULT_RANGE;
+    }
     if (length != LIKA_AMM5_RS485_EEPROM_READ_REPLY_LENGTH) {
         return CW_FAULT_LENGTH;
     }

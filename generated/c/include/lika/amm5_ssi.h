@@ -9,12 +9,10 @@
  *
  * To read a position:
  *
- *     static const lika_amm5_ssi *const encoder = &LIKA_AMM5_SSI_A23_65KBG1;
- *     uint64_t first;
+ *     uint8_t rx[2][LIKA_AMM5_SSI_A23_65KBG1_RX_BYTES];
  *     uint64_t position;
- *     if (lika_amm5_ssi_position(encoder, word, &first) != CW_NOT_USABLE
- *         && lika_amm5_ssi_position(encoder, next, &position) != CW_NOT_USABLE
- *         && cw_ssi_repeats(first, position, lika_amm5_ssi_modulus(encoder), AT_MOST) == CW_OK) {
+ *     if (LIKA_AMM5_SSI_READ_TWICE(A23_65KBG1, rx[0], rx[1], AT_MOST, &position)
+ *         != CW_NOT_USABLE) {
  *         ... position ...
  *     }
  *
@@ -22,7 +20,8 @@
  * CRC protects them. CW_UNKNOWN does not mean that a word is correct. AT_MOST is the maximum
  * number of counts that the axis can move in the meantime.
  *
- * Each word comes from a master for SSI, or from SPI and DMA with LIKA_AMM5_SSI_RECEIVE.
+ * The bytes in rx come from SPI and DMA. A master for SSI that gives you a number needs
+ * lika_amm5_ssi_position with cw_word_of.
  *
  * More headers of this interface, to include if you need them:
  *   amm5_ssi_labels.h            find the order code that a label shows
@@ -63,14 +62,6 @@
 
 #if (CW_RUNTIME_MAJOR != 1) || (CW_RUNTIME_MINOR < 0)
 #error "lika/amm5_ssi.h needs the codewheel runtime 1.0 or a newer 1.x: see codewheel/version.h"
-#endif
-
-/**
- * An order code of another interface or encoder is an error in C as well, unless you define this.
- */
-#if !defined(CW_POINTERS_UNCHECKED) && !defined(__cplusplus) && \
-    (defined(__clang__) || (__GNUC__ >= 5))
-#pragma GCC diagnostic error "-Wincompatible-pointer-types"
 #endif
 
 #define LIKA_AMM5_SSI_VERSION "0.1.0" /**< semantic version of this header */
@@ -131,9 +122,9 @@ static CW_CONST lika_amm5_ssi LIKA_AMM5_SSI_B23_65KBG1 = { 23U, 16U }; /**< AMM5
  * resolution" and "nbitres" [6.2.1 p.32]. Unit: bits.
  */
 CW_CONSTEXPR
-static inline uint32_t lika_amm5_ssi_position_bits(const lika_amm5_ssi *variant)
+static inline uint32_t lika_amm5_ssi_position_bits(lika_amm5_ssi variant)
 {
-    return (uint32_t)variant->singleturn_bits + variant->multiturn_bits;
+    return (uint32_t)variant.singleturn_bits + variant.multiturn_bits;
 }
 
 /**
@@ -141,9 +132,9 @@ static inline uint32_t lika_amm5_ssi_position_bits(const lika_amm5_ssi *variant)
  * revolutions.
  */
 CW_CONSTEXPR
-static inline uint32_t lika_amm5_ssi_revolutions(const lika_amm5_ssi *variant)
+static inline uint32_t lika_amm5_ssi_revolutions(lika_amm5_ssi variant)
 {
-    return (uint32_t)((uint64_t)1U << variant->multiturn_bits);
+    return (uint32_t)((uint64_t)1U << variant.multiturn_bits);
 }
 
 /* -- SSI --------------------------------------------------------------------------------------- */
@@ -205,17 +196,6 @@ static inline uint32_t lika_amm5_ssi_revolutions(const lika_amm5_ssi *variant)
 #define LIKA_AMM5_SSI_B23_65KBG1_RX_BYTES 6U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
- * code can be A23_65KBG1, as in LIKA_AMM5_SSI_A23_65KBG1_BITS. The array rx must have the size
- * _RX_BYTES. Another size, or a pointer, does not compile. For other buffers, call cw_ssi_receive
- * yourself.
- */
-#define LIKA_AMM5_SSI_RECEIVE(code, rx, word) \
-    cw_ssi_receive((rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_AMM5_SSI_##code##_RX_BYTES])&(rx))), \
-        LIKA_AMM5_SSI_##code##_BITS, (word))
-
-/**
  * Return the frequency in hertz that the clock must stay below with a cable of this many metres, or
  * 0 if the table ends before this length [5.3].
  */
@@ -259,40 +239,60 @@ typedef struct lika_amm5_ssi_frame {
 
 /** Return the number of bits in the word. */
 CW_CONSTEXPR
-static inline uint32_t lika_amm5_ssi_bits(const lika_amm5_ssi *variant)
+static inline uint32_t lika_amm5_ssi_bits(lika_amm5_ssi variant)
 {
-    return (uint32_t)variant->singleturn_bits + variant->multiturn_bits;
+    return (uint32_t)variant.singleturn_bits + variant.multiturn_bits;
 }
 
 /**
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
+ * @param received The frame as a number with its length: from lika_amm5_ssi_receive, or
+ * from cw_word_of if a master gives you the number. The last bit sent is bit 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_ssi_decode(
-    const lika_amm5_ssi *variant, uint64_t word, lika_amm5_ssi_frame *out)
+    lika_amm5_ssi variant, cw_word received, lika_amm5_ssi_frame *out)
 {
-    if (cw_above(word, lika_amm5_ssi_bits(variant)) != 0U) {
+    const uint64_t word = received.value;
+    if ((received.length != lika_amm5_ssi_bits(variant)) ||
+        (cw_above(word, lika_amm5_ssi_bits(variant)) != 0U)) {
         return CW_FAULT_LENGTH;
     }
-    const uint16_t multiturn = (uint16_t)cw_above(word, variant->singleturn_bits);
-    const uint32_t singleturn = (uint32_t)cw_field(word, 0U, variant->singleturn_bits);
+    const uint16_t multiturn = (uint16_t)cw_above(word, variant.singleturn_bits);
+    const uint32_t singleturn = (uint32_t)cw_field(word, 0U, variant.singleturn_bits);
     out->multiturn = multiturn;
     out->singleturn = singleturn;
     out->position = word;
     return CW_OK;
 }
 
+/**
+ * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
+ */
+CW_NODISCARD
+static inline cw_result lika_amm5_ssi_receive(
+    lika_amm5_ssi variant, const uint8_t *bytes, size_t length, cw_word *word)
+{
+    const uint32_t bits = lika_amm5_ssi_bits(variant);
+    uint64_t value = 0U;
+    const cw_result result = cw_ssi_receive(bytes, length, bits, &value);
+    if (result == CW_OK) {
+        word->value = value;
+        word->length = bits;
+    }
+    return result;
+}
+
 /** Return the verdict on the position, always CW_UNKNOWN, since no bit of the frame changes it. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_verdict lika_amm5_ssi_verdict(
-    const lika_amm5_ssi *variant, const lika_amm5_ssi_frame *frame)
+    lika_amm5_ssi variant, const lika_amm5_ssi_frame *frame)
 {
     (void)variant;
     (void)frame;
@@ -307,35 +307,65 @@ static inline cw_verdict lika_amm5_ssi_verdict(
  */
 CW_NODISCARD
 static inline cw_verdict lika_amm5_ssi_position(
-    const lika_amm5_ssi *variant, uint64_t word, uint64_t *position)
+    lika_amm5_ssi variant, cw_word word, uint64_t *position)
 {
     lika_amm5_ssi_frame frame;
-    cw_verdict verdict = CW_NOT_USABLE;
-    if (lika_amm5_ssi_decode(variant, word, &frame) == CW_OK) {
-        verdict = lika_amm5_ssi_verdict(variant, &frame);
+    if (lika_amm5_ssi_decode(variant, word, &frame) != CW_OK) {
+        return CW_NOT_USABLE;
     }
+    const cw_verdict verdict = lika_amm5_ssi_verdict(variant, &frame);
     if (verdict != CW_NOT_USABLE) {
         *position = frame.position;
     }
     return verdict;
 }
 
+/**
+ * Extract a frame from a buffer, decode it, and store its position if it may be used.
+ *
+ * @return The verdict on the position. Unless it is CW_NOT_USABLE, position was stored. A buffer
+ * without a well-formed frame is not usable.
+ */
+CW_NODISCARD
+static inline cw_verdict lika_amm5_ssi_read(
+    lika_amm5_ssi variant, const uint8_t *bytes, size_t length, uint64_t *position)
+{
+    const uint32_t bits = lika_amm5_ssi_bits(variant);
+    cw_word word = { 0U, bits };
+    if (cw_ssi_receive(bytes, length, bits, &word.value) != CW_OK) {
+        return CW_NOT_USABLE;
+    }
+    return lika_amm5_ssi_position(variant, word, position);
+}
+
+/**
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be A23_65KBG1, as in LIKA_AMM5_SSI_A23_65KBG1. The array rx must have the size
+ * _RX_BYTES. Another size, or a pointer, does not compile. For other buffers, call
+ * lika_amm5_ssi_receive yourself.
+ */
+#define LIKA_AMM5_SSI_RECEIVE(code, rx, word) \
+    lika_amm5_ssi_receive(LIKA_AMM5_SSI_##code, \
+        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_AMM5_SSI_##code##_RX_BYTES])&(rx))), \
+        (word))
+
 /* -- positions --------------------------------------------------------------------------------- */
 
 /** Return the number of counts in one revolution [Preliminary information p.7]. */
 CW_CONSTEXPR
-static inline uint64_t lika_amm5_ssi_counts_per_turn(const lika_amm5_ssi *variant)
+static inline uint64_t lika_amm5_ssi_counts_per_turn(lika_amm5_ssi variant)
 {
-    return (uint64_t)1U << variant->singleturn_bits;
+    return (uint64_t)1U << variant.singleturn_bits;
 }
 
 /**
  * Return the number of counts after which the position wraps around to 0, which is all revolutions.
  */
 CW_CONSTEXPR
-static inline uint64_t lika_amm5_ssi_modulus(const lika_amm5_ssi *variant)
+static inline uint64_t lika_amm5_ssi_modulus(lika_amm5_ssi variant)
 {
-    return lika_amm5_ssi_counts_per_turn(variant) * ((uint64_t)1U << variant->multiturn_bits);
+    return lika_amm5_ssi_counts_per_turn(variant) * ((uint64_t)1U << variant.multiturn_bits);
 }
 
 /**
@@ -344,14 +374,14 @@ static inline uint64_t lika_amm5_ssi_modulus(const lika_amm5_ssi *variant)
  */
 CW_CONSTEXPR
 static inline int64_t lika_amm5_ssi_position_difference(
-    const lika_amm5_ssi *variant, uint64_t now, uint64_t before)
+    lika_amm5_ssi variant, uint64_t now, uint64_t before)
 {
     return cw_difference(now, before, lika_amm5_ssi_modulus(variant));
 }
 
 /** Convert a position to revolutions. */
 CW_CONSTEXPR
-static inline double lika_amm5_ssi_turns(const lika_amm5_ssi *variant, uint64_t position)
+static inline double lika_amm5_ssi_turns(lika_amm5_ssi variant, uint64_t position)
 {
     const uint64_t counts = lika_amm5_ssi_counts_per_turn(variant);
     return (double)position / (double)counts;
@@ -359,12 +389,62 @@ static inline double lika_amm5_ssi_turns(const lika_amm5_ssi *variant, uint64_t 
 
 /** Convert a position to degrees within its revolution, 0 to below 360. */
 CW_CONSTEXPR
-static inline double lika_amm5_ssi_degrees(const lika_amm5_ssi *variant, uint64_t position)
+static inline double lika_amm5_ssi_degrees(lika_amm5_ssi variant, uint64_t position)
 {
     const uint64_t counts = lika_amm5_ssi_counts_per_turn(variant);
     const uint64_t angle = position % counts;
     return ((double)angle * 360.0) / (double)counts;
 }
+
+/* -- reading a position ------------------------------------------------------------------------ */
+
+/**
+ * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
+ * position was stored. For example, code can be A23_65KBG1, as in LIKA_AMM5_SSI_A23_65KBG1. The
+ * order code is named once, so no length or decoder of another one can be mixed in. Another size of
+ * rx, or a pointer, does not compile.
+ */
+#define LIKA_AMM5_SSI_READ(code, rx, position) \
+    lika_amm5_ssi_read(LIKA_AMM5_SSI_##code, \
+        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_AMM5_SSI_##code##_RX_BYTES])&(rx))), \
+        (position))
+/** Read a position from a pointer to any number of bytes. */
+#define LIKA_AMM5_SSI_READ_BYTES(code, bytes, length, position) \
+    lika_amm5_ssi_read(LIKA_AMM5_SSI_##code, \
+        (bytes), (length), (position))
+
+/**
+ * Read a position from two buffers, received in immediate succession with only the pause between
+ * them, and store it if both agree, since no CRC protects a word. The axis can move by at_most
+ * counts in the meantime.
+ *
+ * @return The worse of the two verdicts, or CW_NOT_USABLE if the words disagree.
+ */
+CW_NODISCARD
+static inline cw_verdict lika_amm5_ssi_read_twice(
+    lika_amm5_ssi variant, const uint8_t *first, const uint8_t *second, size_t length,
+    uint64_t at_most, uint64_t *position)
+{
+    uint64_t before = 0U;
+    uint64_t now = 0U;
+    const cw_verdict verdict = lika_amm5_ssi_read(variant, first, length, &before);
+    const cw_verdict again = lika_amm5_ssi_read(variant, second, length, &now);
+    if ((verdict == CW_NOT_USABLE) || (again == CW_NOT_USABLE) ||
+        (cw_ssi_repeats(before, now, lika_amm5_ssi_modulus(variant), at_most) != CW_OK)) {
+        return CW_NOT_USABLE;
+    }
+    *position = now;
+    return (again < verdict) ? again : verdict;
+}
+
+/** Read a position from two arrays of words that must agree. */
+#define LIKA_AMM5_SSI_READ_TWICE(code, first, second, at_most, position) \
+    lika_amm5_ssi_read_twice(LIKA_AMM5_SSI_##code, \
+        (first), (second), sizeof(first) + (0U * sizeof(&(first) - \
+        (uint8_t (*)[LIKA_AMM5_SSI_##code##_RX_BYTES])&(first))) + \
+        (0U * sizeof(&(first) - &(second))), \
+        (at_most), (position))
 
 #ifdef __cplusplus
 }

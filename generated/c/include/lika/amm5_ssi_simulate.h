@@ -18,15 +18,14 @@ extern "C" {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_ssi_set_position(
-    const lika_amm5_ssi *variant, uint64_t position, lika_amm5_ssi_frame *out)
+    lika_amm5_ssi variant, uint64_t position, lika_amm5_ssi_frame *out)
 {
-    if (position > cw_mask((uint32_t)variant->singleturn_bits + variant->multiturn_bits)) {
+    if (position > cw_mask((uint32_t)variant.singleturn_bits + variant.multiturn_bits)) {
         return CW_FAULT_RANGE;
     }
     out->position = position;
-    out->singleturn = (uint32_t)cw_field(position, 0U, variant->singleturn_bits);
-    out->multiturn =
-        (uint16_t)cw_field(position, variant->singleturn_bits, variant->multiturn_bits);
+    out->singleturn = (uint32_t)cw_field(position, 0U, variant.singleturn_bits);
+    out->multiturn = (uint16_t)cw_field(position, variant.singleturn_bits, variant.multiturn_bits);
     return CW_OK;
 }
 
@@ -34,20 +33,20 @@ static inline cw_result lika_amm5_ssi_set_position(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_ssi_encode(
-    const lika_amm5_ssi *variant, const lika_amm5_ssi_frame *in, uint64_t *out)
+    lika_amm5_ssi variant, const lika_amm5_ssi_frame *in, uint64_t *out)
 {
-    if (in->multiturn > cw_mask(variant->multiturn_bits)) {
+    if (in->multiturn > cw_mask(variant.multiturn_bits)) {
         return CW_FAULT_RANGE;
     }
-    if (in->singleturn > cw_mask(variant->singleturn_bits)) {
+    if (in->singleturn > cw_mask(variant.singleturn_bits)) {
         return CW_FAULT_RANGE;
     }
     /* position and its parts disagree */
-    if (in->position != (((uint64_t)in->multiturn << variant->singleturn_bits) | in->singleturn)) {
+    if (in->position != (((uint64_t)in->multiturn << variant.singleturn_bits) | in->singleturn)) {
         return CW_FAULT_RANGE;
     }
     const uint64_t word =
-        ((uint64_t)in->multiturn << variant->singleturn_bits) |
+        ((uint64_t)in->multiturn << variant.singleturn_bits) |
         (uint64_t)in->singleturn;
     *out = word;
     return CW_OK;

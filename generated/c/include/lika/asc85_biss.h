@@ -10,14 +10,15 @@
  *
  * To read a position:
  *
- *     static const lika_asc85_biss *const encoder = &LIKA_ASC85_BISS_25_SC1;
- *     const lika_asc85_biss_zero_bit my_zero_bit = LIKA_ASC85_BISS_ZERO_BIT_AS_PRINTED;
+ *     uint8_t rx[LIKA_ASC85_BISS_25_SC1_AS_PRINTED_RX_BYTES];
  *     uint32_t position;
- *     if (lika_asc85_biss_position(encoder, my_zero_bit, word, &position) != CW_NOT_USABLE) {
+ *     if (LIKA_ASC85_BISS_READ(25_SC1, AS_PRINTED, rx, &position) != CW_NOT_USABLE) {
  *         ... position ...
  *     }
+ * The manual leaves zero_bit open: see lika_asc85_biss_zero_bit.
  *
- * The word comes from a master for BiSS C-mode, or from SPI and DMA with LIKA_ASC85_BISS_RECEIVE.
+ * The bytes in rx come from SPI and DMA. A master for BiSS C-mode that gives you a number needs
+ * lika_asc85_biss_position with cw_word_of.
  *
  * More headers of this interface, to include if you need them:
  *   asc85_biss_labels.h          find the order code that a label shows
@@ -64,14 +65,6 @@
 
 #if (CW_RUNTIME_MAJOR != 1) || (CW_RUNTIME_MINOR < 0)
 #error "lika/asc85_biss.h needs the codewheel runtime 1.0 or a newer 1.x: see codewheel/version.h"
-#endif
-
-/**
- * An order code of another interface or encoder is an error in C as well, unless you define this.
- */
-#if !defined(CW_POINTERS_UNCHECKED) && !defined(__cplusplus) && \
-    (defined(__clang__) || (__GNUC__ >= 5))
-#pragma GCC diagnostic error "-Wincompatible-pointer-types"
 #endif
 
 #define LIKA_ASC85_BISS_VERSION "0.1.0" /**< semantic version of this header */
@@ -284,17 +277,6 @@ typedef enum lika_asc85_biss_report {
 #define LIKA_ASC85_BISS_25_SC2_LEFT_OUT_RX_BYTES 10U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
- * code can be 25_SC1_AS_PRINTED, as in LIKA_ASC85_BISS_25_SC1_AS_PRINTED_BITS. The array rx must
- * have the size _RX_BYTES. Another size, or a pointer, does not compile. For other buffers, call
- * cw_biss_receive yourself.
- */
-#define LIKA_ASC85_BISS_RECEIVE(code, rx, word) \
-    cw_biss_receive((rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_ASC85_BISS_##code##_RX_BYTES])&(rx))), \
-        LIKA_ASC85_BISS_##code##_BITS, (word))
-
-/**
  * For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before
  * the last clock of the same frame. It comes at least 28 clock periods after its CDS: 2.8 us at 10
  * MHz and 280 us at 100 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is needed before
@@ -346,9 +328,9 @@ typedef struct lika_asc85_biss_frame {
 /** Return the number of bits in the word. */
 CW_CONSTEXPR
 static inline uint32_t lika_asc85_biss_bits(
-    const lika_asc85_biss *variant, lika_asc85_biss_zero_bit zero_bit)
+    lika_asc85_biss variant, lika_asc85_biss_zero_bit zero_bit)
 {
-    return 8U + lika_asc85_biss_zero_bits(zero_bit) + variant->position_bits;
+    return 8U + lika_asc85_biss_zero_bits(zero_bit) + variant.position_bits;
 }
 
 /**
@@ -392,17 +374,23 @@ static inline uint32_t lika_asc85_biss_crc(uint64_t word)
  *
  * @param variant The order code, which determines the place of each bit.
  * @param zero_bit Your answer to the question that the manual leaves open.
- * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
+ * @param received The frame as a number with its length: from lika_asc85_biss_receive, or
+ * from cw_word_of if a master gives you the number. The last bit sent is bit 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_decode(
-    const lika_asc85_biss *variant, lika_asc85_biss_zero_bit zero_bit, uint64_t word,
+    lika_asc85_biss variant, lika_asc85_biss_zero_bit zero_bit, cw_word received,
     lika_asc85_biss_frame *out)
 {
-    if (cw_above(word, lika_asc85_biss_bits(variant, zero_bit)) != 0U) {
+    if ((uint32_t)zero_bit > (uint32_t)LIKA_ASC85_BISS_ZERO_BIT_LEFT_OUT) {
+        return CW_FAULT_RANGE;
+    }
+    const uint64_t word = received.value;
+    if ((received.length != lika_asc85_biss_bits(variant, zero_bit)) ||
+        (cw_above(word, lika_asc85_biss_bits(variant, zero_bit)) != 0U)) {
         return CW_FAULT_LENGTH;
     }
     if (lika_asc85_biss_crc(word) != 0U) {
@@ -418,11 +406,29 @@ static inline cw_result lika_asc85_biss_decode(
     return CW_OK;
 }
 
+/**
+ * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
+ */
+CW_NODISCARD
+static inline cw_result lika_asc85_biss_receive(
+    lika_asc85_biss variant, lika_asc85_biss_zero_bit zero_bit, const uint8_t *bytes, size_t length,
+    cw_word *word)
+{
+    const uint32_t bits = lika_asc85_biss_bits(variant, zero_bit);
+    uint64_t value = 0U;
+    const cw_result result = cw_biss_receive(bytes, length, bits, &value);
+    if (result == CW_OK) {
+        word->value = value;
+        word->length = bits;
+    }
+    return result;
+}
+
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_verdict lika_asc85_biss_verdict(
-    const lika_asc85_biss *variant, const lika_asc85_biss_frame *frame)
+    lika_asc85_biss variant, const lika_asc85_biss_frame *frame)
 {
     (void)variant;
     if (frame->error) {
@@ -442,44 +448,75 @@ static inline cw_verdict lika_asc85_biss_verdict(
  */
 CW_NODISCARD
 static inline cw_verdict lika_asc85_biss_position(
-    const lika_asc85_biss *variant, lika_asc85_biss_zero_bit zero_bit, uint64_t word,
-    uint32_t *position)
+    lika_asc85_biss variant, lika_asc85_biss_zero_bit zero_bit, cw_word word, uint32_t *position)
 {
     lika_asc85_biss_frame frame;
-    cw_verdict verdict = CW_NOT_USABLE;
-    if (lika_asc85_biss_decode(variant, zero_bit, word, &frame) == CW_OK) {
-        verdict = lika_asc85_biss_verdict(variant, &frame);
+    if (lika_asc85_biss_decode(variant, zero_bit, word, &frame) != CW_OK) {
+        return CW_NOT_USABLE;
     }
+    const cw_verdict verdict = lika_asc85_biss_verdict(variant, &frame);
     if (verdict != CW_NOT_USABLE) {
         *position = frame.position;
     }
     return verdict;
 }
 
+/**
+ * Extract a frame from a buffer, decode it, and store its position if it may be used.
+ *
+ * @return The verdict on the position. Unless it is CW_NOT_USABLE, position was stored. A buffer
+ * without a well-formed frame is not usable.
+ */
+CW_NODISCARD
+static inline cw_verdict lika_asc85_biss_read(
+    lika_asc85_biss variant, lika_asc85_biss_zero_bit zero_bit, const uint8_t *bytes, size_t length,
+    uint32_t *position)
+{
+    const uint32_t bits = lika_asc85_biss_bits(variant, zero_bit);
+    cw_word word = { 0U, bits };
+    if (cw_biss_receive(bytes, length, bits, &word.value) != CW_OK) {
+        return CW_NOT_USABLE;
+    }
+    return lika_asc85_biss_position(variant, zero_bit, word, position);
+}
+
 /** Return the active reports, as a mask of LIKA_ASC85_BISS_REPORT_ bits. */
 CW_CONSTEXPR
 static inline uint32_t lika_asc85_biss_reports(
-    const lika_asc85_biss *variant, const lika_asc85_biss_frame *frame)
+    lika_asc85_biss variant, const lika_asc85_biss_frame *frame)
 {
     (void)variant;
     return (frame->error ? (uint32_t)LIKA_ASC85_BISS_REPORT_ERROR : 0U) |
         (frame->warning ? (uint32_t)LIKA_ASC85_BISS_REPORT_WARNING : 0U);
 }
 
+/**
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be 25_SC1, and zero_bit AS_PRINTED, as in LIKA_ASC85_BISS_25_SC1 and
+ * LIKA_ASC85_BISS_ZERO_BIT_AS_PRINTED. The array rx must have the size _RX_BYTES. Another size, or
+ * a pointer, does not compile. For other buffers, call lika_asc85_biss_receive yourself.
+ */
+#define LIKA_ASC85_BISS_RECEIVE(code, zero_bit, rx, word) \
+    lika_asc85_biss_receive(LIKA_ASC85_BISS_##code, \
+        LIKA_ASC85_BISS_ZERO_BIT_##zero_bit, \
+        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_ASC85_BISS_##code##_##zero_bit##_RX_BYTES])&(rx))), \
+        (word))
+
 /* -- positions --------------------------------------------------------------------------------- */
 
 /** Return the number of counts in one revolution [Preliminary information p.7]. */
 CW_CONSTEXPR
-static inline uint64_t lika_asc85_biss_counts_per_turn(const lika_asc85_biss *variant)
+static inline uint64_t lika_asc85_biss_counts_per_turn(lika_asc85_biss variant)
 {
-    return (uint64_t)1U << variant->position_bits;
+    return (uint64_t)1U << variant.position_bits;
 }
 
 /**
  * Return the number of counts after which the position wraps around to 0, which is one revolution.
  */
 CW_CONSTEXPR
-static inline uint64_t lika_asc85_biss_modulus(const lika_asc85_biss *variant)
+static inline uint64_t lika_asc85_biss_modulus(lika_asc85_biss variant)
 {
     return lika_asc85_biss_counts_per_turn(variant);
 }
@@ -490,14 +527,14 @@ static inline uint64_t lika_asc85_biss_modulus(const lika_asc85_biss *variant)
  */
 CW_CONSTEXPR
 static inline int64_t lika_asc85_biss_position_difference(
-    const lika_asc85_biss *variant, uint64_t now, uint64_t before)
+    lika_asc85_biss variant, uint64_t now, uint64_t before)
 {
     return cw_difference(now, before, lika_asc85_biss_modulus(variant));
 }
 
 /** Convert a position to revolutions. */
 CW_CONSTEXPR
-static inline double lika_asc85_biss_turns(const lika_asc85_biss *variant, uint64_t position)
+static inline double lika_asc85_biss_turns(lika_asc85_biss variant, uint64_t position)
 {
     const uint64_t counts = lika_asc85_biss_counts_per_turn(variant);
     return (double)position / (double)counts;
@@ -505,12 +542,33 @@ static inline double lika_asc85_biss_turns(const lika_asc85_biss *variant, uint6
 
 /** Convert a position to degrees within its revolution, 0 to below 360. */
 CW_CONSTEXPR
-static inline double lika_asc85_biss_degrees(const lika_asc85_biss *variant, uint64_t position)
+static inline double lika_asc85_biss_degrees(lika_asc85_biss variant, uint64_t position)
 {
     const uint64_t counts = lika_asc85_biss_counts_per_turn(variant);
     const uint64_t angle = position % counts;
     return ((double)angle * 360.0) / (double)counts;
 }
+
+/* -- reading a position ------------------------------------------------------------------------ */
+
+/**
+ * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
+ * position was stored. For example, code can be 25_SC1, and zero_bit AS_PRINTED, as in
+ * LIKA_ASC85_BISS_25_SC1 and LIKA_ASC85_BISS_ZERO_BIT_AS_PRINTED. The order code is named once, so
+ * no length or decoder of another one can be mixed in. Another size of rx, or a pointer, does not
+ * compile.
+ */
+#define LIKA_ASC85_BISS_READ(code, zero_bit, rx, position) \
+    lika_asc85_biss_read(LIKA_ASC85_BISS_##code, \
+        LIKA_ASC85_BISS_ZERO_BIT_##zero_bit, \
+        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_ASC85_BISS_##code##_##zero_bit##_RX_BYTES])&(rx))), \
+        (position))
+/** Read a position from a pointer to any number of bytes. */
+#define LIKA_ASC85_BISS_READ_BYTES(code, zero_bit, bytes, length, position) \
+    lika_asc85_biss_read(LIKA_ASC85_BISS_##code, \
+        LIKA_ASC85_BISS_ZERO_BIT_##zero_bit, \
+        (bytes), (length), (position))
 
 #ifdef __cplusplus
 }

@@ -55,7 +55,7 @@ typedef struct lika_asc85_biss_request_position_read {
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_request_position(
-    const cw_transport *transport, const lika_asc85_biss *variant,
+    const cw_transport *transport, lika_asc85_biss variant,
     lika_asc85_biss_request_position_read *out, cw_failure *failure)
 {
     uint8_t bytes[4];
@@ -111,7 +111,7 @@ typedef struct lika_asc85_biss_save_configuration_read {
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_save_configuration(
-    const cw_transport *transport, const lika_asc85_biss *variant,
+    const cw_transport *transport, lika_asc85_biss variant,
     lika_asc85_biss_save_configuration_read *out, cw_failure *failure)
 {
     uint8_t bytes[1];
@@ -166,7 +166,7 @@ typedef struct lika_asc85_biss_read_absolute_data_read {
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_read_absolute_data(
-    const cw_transport *transport, const lika_asc85_biss *variant,
+    const cw_transport *transport, lika_asc85_biss variant,
     lika_asc85_biss_read_absolute_data_read *out, cw_failure *failure)
 {
     uint8_t bytes[1];
@@ -226,7 +226,7 @@ typedef struct lika_asc85_biss_software_reset_read {
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_software_reset(
-    const cw_transport *transport, const lika_asc85_biss *variant,
+    const cw_transport *transport, lika_asc85_biss variant,
     lika_asc85_biss_software_reset_read *out, cw_failure *failure)
 {
     uint8_t bytes[1];
@@ -277,7 +277,7 @@ typedef struct lika_asc85_biss_verify_configuration_read {
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_verify_configuration(
-    const cw_transport *transport, const lika_asc85_biss *variant,
+    const cw_transport *transport, lika_asc85_biss variant,
     lika_asc85_biss_verify_configuration_read *out, cw_failure *failure)
 {
     uint8_t bytes[1];
@@ -324,7 +324,7 @@ typedef struct lika_asc85_biss_simulate_error_read {
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_simulate_error(
-    const cw_transport *transport, const lika_asc85_biss *variant,
+    const cw_transport *transport, lika_asc85_biss variant,
     lika_asc85_biss_simulate_error_read *out, cw_failure *failure)
 {
     uint8_t bytes[1];
@@ -371,7 +371,7 @@ typedef struct lika_asc85_biss_clear_simulated_error_read {
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_clear_simulated_error(
-    const cw_transport *transport, const lika_asc85_biss *variant,
+    const cw_transport *transport, lika_asc85_biss variant,
     lika_asc85_biss_clear_simulated_error_read *out, cw_failure *failure)
 {
     uint8_t bytes[1];
@@ -429,7 +429,7 @@ typedef struct lika_asc85_biss_reset_errors_read {
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_reset_errors(
-    const cw_transport *transport, const lika_asc85_biss *variant,
+    const cw_transport *transport, lika_asc85_biss variant,
     lika_asc85_biss_reset_errors_read *out, cw_failure *failure)
 {
     uint8_t bytes[7];
@@ -497,7 +497,7 @@ typedef struct lika_asc85_biss_identify_read {
  */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_identify(
-    const cw_transport *transport, const lika_asc85_biss *variant,
+    const cw_transport *transport, lika_asc85_biss variant,
     lika_asc85_biss_identify_read *out, cw_failure *failure)
 {
     uint8_t bytes[14];

@@ -70,7 +70,7 @@ typedef struct lika_asc85_biss_reg_profile_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_profile_id_decode(
-    const lika_asc85_biss *variant, const uint8_t *bytes, size_t length,
+    lika_asc85_biss variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_profile_id *out)
 {
     (void)variant;
@@ -88,7 +88,7 @@ static inline cw_result lika_asc85_biss_reg_profile_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_profile_id_encode(
-    const lika_asc85_biss *variant, const lika_asc85_biss_reg_profile_id *in, uint8_t *bytes,
+    lika_asc85_biss variant, const lika_asc85_biss_reg_profile_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -106,7 +106,7 @@ static inline cw_result lika_asc85_biss_reg_profile_id_encode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_asc85_biss_reg_profile_id_is_expected(
-    const lika_asc85_biss *variant, const lika_asc85_biss_reg_profile_id *in)
+    lika_asc85_biss variant, const lika_asc85_biss_reg_profile_id *in)
 {
     (void)variant;
     return in->variant == LIKA_ASC85_BISS_REG_PROFILE_ID_VARIANT_EXPECTED;
@@ -115,7 +115,7 @@ static inline bool lika_asc85_biss_reg_profile_id_is_expected(
 /** Read the Profile ID register (42h to 43h). */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_read_profile_id(
-    const cw_transport *transport, const lika_asc85_biss *variant,
+    const cw_transport *transport, lika_asc85_biss variant,
     lika_asc85_biss_reg_profile_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_ASC85_BISS_REG_PROFILE_ID_LENGTH];
@@ -151,7 +151,7 @@ typedef struct lika_asc85_biss_reg_serial_number {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_serial_number_decode(
-    const lika_asc85_biss *variant, const uint8_t *bytes, size_t length,
+    lika_asc85_biss variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_serial_number *out)
 {
     (void)variant;
@@ -168,7 +168,7 @@ static inline cw_result lika_asc85_biss_reg_serial_number_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_serial_number_encode(
-    const lika_asc85_biss *variant, const lika_asc85_biss_reg_serial_number *in, uint8_t *bytes,
+    lika_asc85_biss variant, const lika_asc85_biss_reg_serial_number *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -185,7 +185,7 @@ static inline cw_result lika_asc85_biss_reg_serial_number_encode(
 /** Read the Serial number register (44h to 47h). */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_read_serial_number(
-    const cw_transport *transport, const lika_asc85_biss *variant,
+    const cw_transport *transport, lika_asc85_biss variant,
     lika_asc85_biss_reg_serial_number *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_ASC85_BISS_REG_SERIAL_NUMBER_LENGTH];
@@ -282,7 +282,7 @@ typedef struct lika_asc85_biss_reg_diagnostic_data {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_diagnostic_data_decode(
-    const lika_asc85_biss *variant, const uint8_t *bytes, size_t length,
+    lika_asc85_biss variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_diagnostic_data *out)
 {
     (void)variant;
@@ -305,7 +305,7 @@ static inline cw_result lika_asc85_biss_reg_diagnostic_data_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_diagnostic_data_encode(
-    const lika_asc85_biss *variant, const lika_asc85_biss_reg_diagnostic_data *in, uint8_t *bytes,
+    lika_asc85_biss variant, const lika_asc85_biss_reg_diagnostic_data *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -324,7 +324,7 @@ static inline cw_result lika_asc85_biss_reg_diagnostic_data_encode(
 /** Read the Diagnostic data register (5Ah). */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_read_diagnostic_data(
-    const cw_transport *transport, const lika_asc85_biss *variant,
+    const cw_transport *transport, lika_asc85_biss variant,
     lika_asc85_biss_reg_diagnostic_data *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_ASC85_BISS_REG_DIAGNOSTIC_DATA_LENGTH];
@@ -399,7 +399,7 @@ typedef enum lika_asc85_biss_command {
 /** Write the Command & status, Command mode register (60h). */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_write_command(
-    const cw_transport *transport, const lika_asc85_biss *variant,
+    const cw_transport *transport, lika_asc85_biss variant,
     lika_asc85_biss_command value, cw_failure *failure)
 {
     (void)variant;
@@ -499,8 +499,7 @@ typedef struct lika_asc85_biss_reg_status {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_status_decode(
-    const lika_asc85_biss *variant, const uint8_t *bytes, size_t length,
-    lika_asc85_biss_reg_status *out)
+    lika_asc85_biss variant, const uint8_t *bytes, size_t length, lika_asc85_biss_reg_status *out)
 {
     (void)variant;
     if (length != LIKA_ASC85_BISS_REG_STATUS_LENGTH) {
@@ -522,8 +521,7 @@ static inline cw_result lika_asc85_biss_reg_status_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_status_encode(
-    const lika_asc85_biss *variant, const lika_asc85_biss_reg_status *in, uint8_t *bytes,
-    size_t length)
+    lika_asc85_biss variant, const lika_asc85_biss_reg_status *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != LIKA_ASC85_BISS_REG_STATUS_LENGTH) {
@@ -540,7 +538,7 @@ static inline cw_result lika_asc85_biss_reg_status_encode(
 /** Read the Command & status, Status mode register (60h). */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_read_status(
-    const cw_transport *transport, const lika_asc85_biss *variant,
+    const cw_transport *transport, lika_asc85_biss variant,
     lika_asc85_biss_reg_status *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_ASC85_BISS_REG_STATUS_LENGTH];
@@ -586,8 +584,7 @@ typedef struct lika_asc85_biss_reg_position {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_position_decode(
-    const lika_asc85_biss *variant, const uint8_t *bytes, size_t length,
-    lika_asc85_biss_reg_position *out)
+    lika_asc85_biss variant, const uint8_t *bytes, size_t length, lika_asc85_biss_reg_position *out)
 {
     if (length != LIKA_ASC85_BISS_REG_POSITION_LENGTH) {
         return CW_FAULT_LENGTH;
@@ -598,7 +595,7 @@ static inline cw_result lika_asc85_biss_reg_position_decode(
         ((uint64_t)bytes[2] << 16U) |
         ((uint64_t)bytes[3] << 24U);
     const uint32_t position =
-        (uint32_t)cw_field(word, 32U - variant->position_bits, variant->position_bits);
+        (uint32_t)cw_field(word, 32U - variant.position_bits, variant.position_bits);
     out->position = position;
     return CW_OK;
 }
@@ -607,16 +604,15 @@ static inline cw_result lika_asc85_biss_reg_position_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_position_encode(
-    const lika_asc85_biss *variant, const lika_asc85_biss_reg_position *in, uint8_t *bytes,
-    size_t length)
+    lika_asc85_biss variant, const lika_asc85_biss_reg_position *in, uint8_t *bytes, size_t length)
 {
     if (length != LIKA_ASC85_BISS_REG_POSITION_LENGTH) {
         return CW_FAULT_LENGTH;
     }
-    if (in->position > cw_mask(variant->position_bits)) {
+    if (in->position > cw_mask(variant.position_bits)) {
         return CW_FAULT_RANGE;
     }
-    const uint64_t word = ((uint64_t)in->position << (32U - variant->position_bits));
+    const uint64_t word = ((uint64_t)in->position << (32U - variant.position_bits));
     bytes[0] = (uint8_t)word;
     bytes[1] = (uint8_t)(word >> 8U);
     bytes[2] = (uint8_t)(word >> 16U);
@@ -627,7 +623,7 @@ static inline cw_result lika_asc85_biss_reg_position_encode(
 /** Read the Position register (61h to 64h). */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_read_position(
-    const cw_transport *transport, const lika_asc85_biss *variant,
+    const cw_transport *transport, lika_asc85_biss variant,
     lika_asc85_biss_reg_position *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_ASC85_BISS_REG_POSITION_LENGTH];
@@ -711,7 +707,7 @@ typedef struct lika_asc85_biss_reg_error_register {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_error_register_decode(
-    const lika_asc85_biss *variant, const uint8_t *bytes, size_t length,
+    lika_asc85_biss variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_error_register *out)
 {
     (void)variant;
@@ -732,7 +728,7 @@ static inline cw_result lika_asc85_biss_reg_error_register_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_error_register_encode(
-    const lika_asc85_biss *variant, const lika_asc85_biss_reg_error_register *in, uint8_t *bytes,
+    lika_asc85_biss variant, const lika_asc85_biss_reg_error_register *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -749,7 +745,7 @@ static inline cw_result lika_asc85_biss_reg_error_register_encode(
 /** Read the Error register (69h). */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_read_error_register(
-    const cw_transport *transport, const lika_asc85_biss *variant,
+    const cw_transport *transport, lika_asc85_biss variant,
     lika_asc85_biss_reg_error_register *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_ASC85_BISS_REG_ERROR_REGISTER_LENGTH];
@@ -793,7 +789,7 @@ typedef struct lika_asc85_biss_reg_device_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_device_id_decode(
-    const lika_asc85_biss *variant, const uint8_t *bytes, size_t length,
+    lika_asc85_biss variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_device_id *out)
 {
     (void)variant;
@@ -813,8 +809,7 @@ static inline cw_result lika_asc85_biss_reg_device_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_device_id_encode(
-    const lika_asc85_biss *variant, const lika_asc85_biss_reg_device_id *in, uint8_t *bytes,
-    size_t length)
+    lika_asc85_biss variant, const lika_asc85_biss_reg_device_id *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != LIKA_ASC85_BISS_REG_DEVICE_ID_LENGTH) {
@@ -835,7 +830,7 @@ static inline cw_result lika_asc85_biss_reg_device_id_encode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_asc85_biss_reg_device_id_is_expected(
-    const lika_asc85_biss *variant, const lika_asc85_biss_reg_device_id *in)
+    lika_asc85_biss variant, const lika_asc85_biss_reg_device_id *in)
 {
     (void)variant;
     return (in->name[0] == LIKA_ASC85_BISS_REG_DEVICE_ID_NAME_EXPECTED[0]) &&
@@ -847,7 +842,7 @@ static inline bool lika_asc85_biss_reg_device_id_is_expected(
 /** Read the Device ID register (78h to 7Dh). */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_read_device_id(
-    const cw_transport *transport, const lika_asc85_biss *variant,
+    const cw_transport *transport, lika_asc85_biss variant,
     lika_asc85_biss_reg_device_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_ASC85_BISS_REG_DEVICE_ID_LENGTH];
@@ -887,7 +882,7 @@ typedef struct lika_asc85_biss_reg_manufacturer_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_manufacturer_id_decode(
-    const lika_asc85_biss *variant, const uint8_t *bytes, size_t length,
+    lika_asc85_biss variant, const uint8_t *bytes, size_t length,
     lika_asc85_biss_reg_manufacturer_id *out)
 {
     (void)variant;
@@ -903,7 +898,7 @@ static inline cw_result lika_asc85_biss_reg_manufacturer_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_manufacturer_id_encode(
-    const lika_asc85_biss *variant, const lika_asc85_biss_reg_manufacturer_id *in, uint8_t *bytes,
+    lika_asc85_biss variant, const lika_asc85_biss_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -921,7 +916,7 @@ static inline cw_result lika_asc85_biss_reg_manufacturer_id_encode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_asc85_biss_reg_manufacturer_id_is_expected(
-    const lika_asc85_biss *variant, const lika_asc85_biss_reg_manufacturer_id *in)
+    lika_asc85_biss variant, const lika_asc85_biss_reg_manufacturer_id *in)
 {
     (void)variant;
     return (in->name[0] == LIKA_ASC85_BISS_REG_MANUFACTURER_ID_NAME_EXPECTED[0]) &&
@@ -931,7 +926,7 @@ static inline bool lika_asc85_biss_reg_manufacturer_id_is_expected(
 /** Read the Manufacturer ID register (7Eh to 7Fh). */
 CW_NODISCARD
 static inline cw_result lika_asc85_biss_read_manufacturer_id(
-    const cw_transport *transport, const lika_asc85_biss *variant,
+    const cw_transport *transport, lika_asc85_biss variant,
     lika_asc85_biss_reg_manufacturer_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_ASC85_BISS_REG_MANUFACTURER_ID_LENGTH];
@@ -984,7 +979,7 @@ static inline cw_result lika_asc85_biss_read_identity(
 
 /** Return true if an encoder with this order code can have these contents. */
 static inline bool lika_asc85_biss_could_be(
-    const lika_asc85_biss *variant, const lika_asc85_biss_identity *read)
+    lika_asc85_biss variant, const lika_asc85_biss_identity *read)
 {
     lika_asc85_biss_reg_profile_id profile_id;
     lika_asc85_biss_reg_device_id device_id;
@@ -1018,7 +1013,7 @@ static inline const lika_asc85_biss_order_code *lika_asc85_biss_next_candidate(
     while (*next < count) {
         const lika_asc85_biss_order_code *const code = &codes[*next];
         (*next)++;
-        if (lika_asc85_biss_could_be(&code->variant, read)) {
+        if (lika_asc85_biss_could_be(code->variant, read)) {
             return code;
         }
     }

@@ -18,10 +18,13 @@ extern "C" {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_encode(
-    const lika_asc85_biss *variant, lika_asc85_biss_zero_bit zero_bit,
-    const lika_asc85_biss_frame *in, uint64_t *out)
+    lika_asc85_biss variant, lika_asc85_biss_zero_bit zero_bit, const lika_asc85_biss_frame *in,
+    uint64_t *out)
 {
-    if (in->position > cw_mask(variant->position_bits)) {
+    if ((uint32_t)zero_bit > (uint32_t)LIKA_ASC85_BISS_ZERO_BIT_LEFT_OUT) {
+        return CW_FAULT_RANGE;
+    }
+    if (in->position > cw_mask(variant.position_bits)) {
         return CW_FAULT_RANGE;
     }
     uint64_t word =

@@ -18,13 +18,13 @@ extern "C" {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_ssi_encode(
-    const lika_asc85_ssi *variant, const lika_asc85_ssi_frame *in, uint64_t *out)
+    lika_asc85_ssi variant, const lika_asc85_ssi_frame *in, uint64_t *out)
 {
-    if (in->position > cw_mask(variant->position_bits)) {
+    if (in->position > cw_mask(variant.position_bits)) {
         return CW_FAULT_RANGE;
     }
     uint64_t word = (uint64_t)in->position;
-    word = (variant->ssi_gray != 0U) ? cw_to_gray(word, 0U, variant->position_bits) : word;
+    word = (variant.ssi_gray != 0U) ? cw_to_gray(word, 0U, variant.position_bits) : word;
     *out = word;
     return CW_OK;
 }

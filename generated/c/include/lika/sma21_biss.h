@@ -9,13 +9,14 @@
  *
  * To read a position:
  *
- *     static const lika_sma21_biss *const encoder = &LIKA_SMA21_BISS_SC1_0050;
+ *     uint8_t rx[LIKA_SMA21_BISS_SC1_0050_RX_BYTES];
  *     uint32_t position;
- *     if (lika_sma21_biss_position(encoder, word, &position) != CW_NOT_USABLE) {
+ *     if (LIKA_SMA21_BISS_READ(SC1_0050, rx, &position) != CW_NOT_USABLE) {
  *         ... position ...
  *     }
  *
- * The word comes from a master for BiSS C-mode, or from SPI and DMA with LIKA_SMA21_BISS_RECEIVE.
+ * The bytes in rx come from SPI and DMA. A master for BiSS C-mode that gives you a number needs
+ * lika_sma21_biss_position with cw_word_of.
  *
  * More headers of this interface, to include if you need them:
  *   sma21_biss_labels.h          find the order code that a label shows
@@ -64,14 +65,6 @@
 
 #if (CW_RUNTIME_MAJOR != 1) || (CW_RUNTIME_MINOR < 0)
 #error "lika/sma21_biss.h needs the codewheel runtime 1.0 or a newer 1.x: see codewheel/version.h"
-#endif
-
-/**
- * An order code of another interface or encoder is an error in C as well, unless you define this.
- */
-#if !defined(CW_POINTERS_UNCHECKED) && !defined(__cplusplus) && \
-    (defined(__clang__) || (__GNUC__ >= 5))
-#pragma GCC diagnostic error "-Wincompatible-pointer-types"
 #endif
 
 #define LIKA_SMA21_BISS_VERSION "0.1.0" /**< semantic version of this header */
@@ -160,9 +153,9 @@ static CW_CONST lika_sma21_biss LIKA_SMA21_BISS_SC4_0001 = { 1U, 25U, 0U, 0U, 0x
  * Width of the position field of the BiSS single cycle data, 24 or 25 bits [6.2 p.25]. Unit: bits.
  */
 CW_CONSTEXPR
-static inline uint32_t lika_sma21_biss_scd_position_bits(const lika_sma21_biss *variant)
+static inline uint32_t lika_sma21_biss_scd_position_bits(lika_sma21_biss variant)
 {
-    return (uint32_t)variant->position_bits + variant->scd_padding_bits;
+    return (uint32_t)variant.position_bits + variant.scd_padding_bits;
 }
 
 /**
@@ -170,19 +163,19 @@ static inline uint32_t lika_sma21_biss_scd_position_bits(const lika_sma21_biss *
  * selected [6.2 p.25, 6.4 p.32]. Unit: bits.
  */
 CW_CONSTEXPR
-static inline uint32_t lika_sma21_biss_scd_value_bits(const lika_sma21_biss *variant)
+static inline uint32_t lika_sma21_biss_scd_value_bits(lika_sma21_biss variant)
 {
-    return (uint32_t)variant->position_bits +
-        ((uint32_t)variant->scd_padding_bits * variant->offset_selected);
+    return (uint32_t)variant.position_bits +
+        ((uint32_t)variant.scd_padding_bits * variant.offset_selected);
 }
 
 /**
  * Position encoding in the BiSS single cycle data: 1 for Gray code, 0 for binary code [6.4 p.31].
  */
 CW_CONSTEXPR
-static inline uint32_t lika_sma21_biss_biss_gray(const lika_sma21_biss *variant)
+static inline uint32_t lika_sma21_biss_biss_gray(lika_sma21_biss variant)
 {
-    return 1U - variant->output_code;
+    return 1U - variant.output_code;
 }
 
 /* -- CRCs -------------------------------------------------------------------------------------- */
@@ -293,17 +286,6 @@ typedef enum lika_sma21_biss_report {
 #define LIKA_SMA21_BISS_SC4_0001_RX_BYTES 10U /**< number of bytes in its buffer */
 
 /**
- * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
- * code can be SC1_0050, as in LIKA_SMA21_BISS_SC1_0050_BITS. The array rx must have the size
- * _RX_BYTES. Another size, or a pointer, does not compile. For other buffers, call cw_biss_receive
- * yourself.
- */
-#define LIKA_SMA21_BISS_RECEIVE(code, rx, word) \
-    cw_biss_receive((rx), sizeof(rx) + (0U * sizeof(&(rx) - \
-        (uint8_t (*)[LIKA_SMA21_BISS_##code##_RX_BYTES])&(rx))), \
-        LIKA_SMA21_BISS_##code##_BITS, (word))
-
-/**
  * For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before
  * the last clock of the same frame. It comes at least 32 clock periods after its CDS: 3.2 us at 10
  * MHz and 160 us at 200 kHz. The bit of cw_biss_master_next_late, for SPI and DMA, is needed before
@@ -364,9 +346,9 @@ typedef struct lika_sma21_biss_frame {
 
 /** Return the number of bits in the word. */
 CW_CONSTEXPR
-static inline uint32_t lika_sma21_biss_bits(const lika_sma21_biss *variant)
+static inline uint32_t lika_sma21_biss_bits(lika_sma21_biss variant)
 {
-    return 8U + variant->position_bits + variant->scd_padding_bits;
+    return 8U + variant.position_bits + variant.scd_padding_bits;
 }
 
 /**
@@ -409,16 +391,19 @@ static inline uint32_t lika_sma21_biss_crc(uint64_t word)
  * Decode a word.
  *
  * @param variant The order code, which determines the place of each bit.
- * @param word The frame as a number. The last bit sent is bit 0, and the bits above it are 0.
+ * @param received The frame as a number with its length: from lika_sma21_biss_receive, or
+ * from cw_word_of if a master gives you the number. The last bit sent is bit 0.
  * @param out The values of the frame, unchanged on error.
  * @return CW_OK, or the first error.
  */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_decode(
-    const lika_sma21_biss *variant, uint64_t word, lika_sma21_biss_frame *out)
+    lika_sma21_biss variant, cw_word received, lika_sma21_biss_frame *out)
 {
-    if (cw_above(word, lika_sma21_biss_bits(variant)) != 0U) {
+    const uint64_t word = received.value;
+    if ((received.length != lika_sma21_biss_bits(variant)) ||
+        (cw_above(word, lika_sma21_biss_bits(variant)) != 0U)) {
         return CW_FAULT_LENGTH;
     }
     if (lika_sma21_biss_crc(word) != 0U) {
@@ -437,11 +422,28 @@ static inline cw_result lika_sma21_biss_decode(
     return CW_OK;
 }
 
+/**
+ * Extract the word from a buffer, with its length, so that no decoder takes it for a longer one.
+ */
+CW_NODISCARD
+static inline cw_result lika_sma21_biss_receive(
+    lika_sma21_biss variant, const uint8_t *bytes, size_t length, cw_word *word)
+{
+    const uint32_t bits = lika_sma21_biss_bits(variant);
+    uint64_t value = 0U;
+    const cw_result result = cw_biss_receive(bytes, length, bits, &value);
+    if (result == CW_OK) {
+        word->value = value;
+        word->length = bits;
+    }
+    return result;
+}
+
 /** Return the verdict of the most severe active report, or CW_USABLE if none is active. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_verdict lika_sma21_biss_verdict(
-    const lika_sma21_biss *variant, const lika_sma21_biss_frame *frame)
+    lika_sma21_biss variant, const lika_sma21_biss_frame *frame)
 {
     (void)variant;
     if (frame->error) {
@@ -461,28 +463,58 @@ static inline cw_verdict lika_sma21_biss_verdict(
  */
 CW_NODISCARD
 static inline cw_verdict lika_sma21_biss_position(
-    const lika_sma21_biss *variant, uint64_t word, uint32_t *position)
+    lika_sma21_biss variant, cw_word word, uint32_t *position)
 {
     lika_sma21_biss_frame frame;
-    cw_verdict verdict = CW_NOT_USABLE;
-    if (lika_sma21_biss_decode(variant, word, &frame) == CW_OK) {
-        verdict = lika_sma21_biss_verdict(variant, &frame);
+    if (lika_sma21_biss_decode(variant, word, &frame) != CW_OK) {
+        return CW_NOT_USABLE;
     }
+    const cw_verdict verdict = lika_sma21_biss_verdict(variant, &frame);
     if (verdict != CW_NOT_USABLE) {
         *position = frame.position;
     }
     return verdict;
 }
 
+/**
+ * Extract a frame from a buffer, decode it, and store its position if it may be used.
+ *
+ * @return The verdict on the position. Unless it is CW_NOT_USABLE, position was stored. A buffer
+ * without a well-formed frame is not usable.
+ */
+CW_NODISCARD
+static inline cw_verdict lika_sma21_biss_read(
+    lika_sma21_biss variant, const uint8_t *bytes, size_t length, uint32_t *position)
+{
+    const uint32_t bits = lika_sma21_biss_bits(variant);
+    cw_word word = { 0U, bits };
+    if (cw_biss_receive(bytes, length, bits, &word.value) != CW_OK) {
+        return CW_NOT_USABLE;
+    }
+    return lika_sma21_biss_position(variant, word, position);
+}
+
 /** Return the active reports, as a mask of LIKA_SMA21_BISS_REPORT_ bits. */
 CW_CONSTEXPR
 static inline uint32_t lika_sma21_biss_reports(
-    const lika_sma21_biss *variant, const lika_sma21_biss_frame *frame)
+    lika_sma21_biss variant, const lika_sma21_biss_frame *frame)
 {
     (void)variant;
     return (frame->error ? (uint32_t)LIKA_SMA21_BISS_REPORT_ERROR : 0U) |
         (frame->warning ? (uint32_t)LIKA_SMA21_BISS_REPORT_WARNING : 0U);
 }
+
+/**
+ * Extract a word from the bytes that SPI received, with the lengths of one order code. For example,
+ * code can be SC1_0050, as in LIKA_SMA21_BISS_SC1_0050. The array rx must have the size _RX_BYTES.
+ * Another size, or a pointer, does not compile. For other buffers, call lika_sma21_biss_receive
+ * yourself.
+ */
+#define LIKA_SMA21_BISS_RECEIVE(code, rx, word) \
+    lika_sma21_biss_receive(LIKA_SMA21_BISS_##code, \
+        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_SMA21_BISS_##code##_RX_BYTES])&(rx))), \
+        (word))
 
 /* -- positions --------------------------------------------------------------------------------- */
 
@@ -493,9 +525,9 @@ static inline uint32_t lika_sma21_biss_reports(
  * p.32]. An offset raises all positions, up to 2^scd_value_bits - 1.
  */
 CW_CONSTEXPR
-static inline uint64_t lika_sma21_biss_modulus(const lika_sma21_biss *variant)
+static inline uint64_t lika_sma21_biss_modulus(lika_sma21_biss variant)
 {
-    return (uint64_t)1U << variant->position_bits;
+    return (uint64_t)1U << variant.position_bits;
 }
 
 /**
@@ -504,7 +536,7 @@ static inline uint64_t lika_sma21_biss_modulus(const lika_sma21_biss *variant)
  */
 CW_CONSTEXPR
 static inline int64_t lika_sma21_biss_position_difference(
-    const lika_sma21_biss *variant, uint64_t now, uint64_t before)
+    lika_sma21_biss variant, uint64_t now, uint64_t before)
 {
     return cw_difference(now, before, lika_sma21_biss_modulus(variant));
 }
@@ -514,19 +546,38 @@ static inline int64_t lika_sma21_biss_position_difference(
  * bits.
  */
 CW_CONSTEXPR
-static inline int64_t lika_sma21_biss_micrometres(const lika_sma21_biss *variant, int64_t position)
+static inline int64_t lika_sma21_biss_micrometres(lika_sma21_biss variant, int64_t position)
 {
-    const int64_t step = (int64_t)variant->resolution_um;
+    const int64_t step = (int64_t)variant.resolution_um;
     return position * step;
 }
 
 /** Convert a position to millimetres. */
 CW_CONSTEXPR
-static inline double lika_sma21_biss_millimetres(const lika_sma21_biss *variant, int64_t position)
+static inline double lika_sma21_biss_millimetres(lika_sma21_biss variant, int64_t position)
 {
     const int64_t micrometres = lika_sma21_biss_micrometres(variant, position);
     return (double)micrometres / 1000.0;
 }
+
+/* -- reading a position ------------------------------------------------------------------------ */
+
+/**
+ * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
+ * position was stored. For example, code can be SC1_0050, as in LIKA_SMA21_BISS_SC1_0050. The order
+ * code is named once, so no length or decoder of another one can be mixed in. Another size of rx,
+ * or a pointer, does not compile. If registers were changed, pass your own variant to
+ * lika_sma21_biss_read instead.
+ */
+#define LIKA_SMA21_BISS_READ(code, rx, position) \
+    lika_sma21_biss_read(LIKA_SMA21_BISS_##code, \
+        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_SMA21_BISS_##code##_RX_BYTES])&(rx))), \
+        (position))
+/** Read a position from a pointer to any number of bytes. */
+#define LIKA_SMA21_BISS_READ_BYTES(code, bytes, length, position) \
+    lika_sma21_biss_read(LIKA_SMA21_BISS_##code, \
+        (bytes), (length), (position))
 
 #ifdef __cplusplus
 }

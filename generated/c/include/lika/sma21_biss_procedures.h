@@ -25,7 +25,7 @@ extern "C" {
 /** Write these steps to an array with room for all of them, and store their number in count. */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_set_configuration_steps(
-    const lika_sma21_biss *variant, uint8_t configuration,
+    lika_sma21_biss variant, uint8_t configuration,
     cw_step *steps, size_t capacity, size_t *count)
 {
     if (capacity < LIKA_SMA21_BISS_SET_CONFIGURATION_STEPS_COUNT) {
@@ -62,7 +62,7 @@ static inline cw_result lika_sma21_biss_set_configuration_steps(
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_set_configuration(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     uint8_t configuration, cw_failure *failure)
 {
     size_t count = 0U;
@@ -82,7 +82,7 @@ static inline cw_result lika_sma21_biss_set_configuration(
 /** Write these steps to an array with room for all of them, and store their number in count. */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_set_preset_steps(
-    const lika_sma21_biss *variant, uint32_t position,
+    lika_sma21_biss variant, uint32_t position,
     cw_step *steps, size_t capacity, size_t *count)
 {
     lika_sma21_biss_reg_preset_offset position_register;
@@ -134,7 +134,7 @@ static inline cw_result lika_sma21_biss_set_preset_steps(
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_set_preset(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     uint32_t position, cw_failure *failure)
 {
     size_t count = 0U;
@@ -180,7 +180,7 @@ static inline const cw_step *lika_sma21_biss_select_preset_steps(size_t *count)
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_select_preset(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     cw_failure *failure)
 {
     size_t count = 0U;
@@ -195,7 +195,7 @@ static inline cw_result lika_sma21_biss_select_preset(
 /** Write these steps to an array with room for all of them, and store their number in count. */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_set_offset_steps(
-    const lika_sma21_biss *variant, uint32_t offset,
+    lika_sma21_biss variant, uint32_t offset,
     cw_step *steps, size_t capacity, size_t *count)
 {
     lika_sma21_biss_reg_preset_offset offset_register;
@@ -263,7 +263,7 @@ static inline cw_result lika_sma21_biss_set_offset_steps(
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_set_offset(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     uint32_t offset, cw_failure *failure)
 {
     size_t count = 0U;
@@ -298,7 +298,7 @@ static inline const cw_step *lika_sma21_biss_save_parameters_steps(size_t *count
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_save_parameters(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     cw_failure *failure)
 {
     size_t count = 0U;
@@ -330,7 +330,7 @@ static inline const cw_step *lika_sma21_biss_restore_defaults_steps(size_t *coun
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_restore_defaults(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     cw_failure *failure)
 {
     size_t count = 0U;
@@ -383,7 +383,7 @@ typedef struct lika_sma21_biss_identify_read {
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_identify(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     lika_sma21_biss_identify_read *out, cw_failure *failure)
 {
     uint8_t bytes[14];

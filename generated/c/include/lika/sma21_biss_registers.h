@@ -58,7 +58,7 @@ typedef struct lika_sma21_biss_reg_profile_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_profile_id_decode(
-    const lika_sma21_biss *variant, const uint8_t *bytes, size_t length,
+    lika_sma21_biss variant, const uint8_t *bytes, size_t length,
     lika_sma21_biss_reg_profile_id *out)
 {
     (void)variant;
@@ -74,7 +74,7 @@ static inline cw_result lika_sma21_biss_reg_profile_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_profile_id_encode(
-    const lika_sma21_biss *variant, const lika_sma21_biss_reg_profile_id *in, uint8_t *bytes,
+    lika_sma21_biss variant, const lika_sma21_biss_reg_profile_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -89,15 +89,15 @@ static inline cw_result lika_sma21_biss_reg_profile_id_encode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_sma21_biss_reg_profile_id_is_expected(
-    const lika_sma21_biss *variant, const lika_sma21_biss_reg_profile_id *in)
+    lika_sma21_biss variant, const lika_sma21_biss_reg_profile_id *in)
 {
-    return in->profile_id == variant->profile_id;
+    return in->profile_id == variant.profile_id;
 }
 
 /** Read the Profile ID register (42h to 43h). */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_read_profile_id(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     lika_sma21_biss_reg_profile_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_SMA21_BISS_REG_PROFILE_ID_LENGTH];
@@ -141,7 +141,7 @@ typedef struct lika_sma21_biss_reg_serial_number {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_serial_number_decode(
-    const lika_sma21_biss *variant, const uint8_t *bytes, size_t length,
+    lika_sma21_biss variant, const uint8_t *bytes, size_t length,
     lika_sma21_biss_reg_serial_number *out)
 {
     (void)variant;
@@ -161,7 +161,7 @@ static inline cw_result lika_sma21_biss_reg_serial_number_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_serial_number_encode(
-    const lika_sma21_biss *variant, const lika_sma21_biss_reg_serial_number *in, uint8_t *bytes,
+    lika_sma21_biss variant, const lika_sma21_biss_reg_serial_number *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -178,7 +178,7 @@ static inline cw_result lika_sma21_biss_reg_serial_number_encode(
 /** Read the Serial number register (44h to 47h). */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_read_serial_number(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     lika_sma21_biss_reg_serial_number *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_SMA21_BISS_REG_SERIAL_NUMBER_LENGTH];
@@ -227,7 +227,7 @@ typedef enum lika_sma21_biss_command {
 /** Write the Command register (48h), then wait 30 ms. */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_write_command(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     lika_sma21_biss_command value, cw_failure *failure)
 {
     cw_result result;
@@ -331,7 +331,7 @@ typedef struct lika_sma21_biss_reg_configuration {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_configuration_decode(
-    const lika_sma21_biss *variant, const uint8_t *bytes, size_t length,
+    lika_sma21_biss variant, const uint8_t *bytes, size_t length,
     lika_sma21_biss_reg_configuration *out)
 {
     (void)variant;
@@ -356,7 +356,7 @@ static inline cw_result lika_sma21_biss_reg_configuration_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_configuration_encode(
-    const lika_sma21_biss *variant, const lika_sma21_biss_reg_configuration *in, uint8_t *bytes,
+    lika_sma21_biss variant, const lika_sma21_biss_reg_configuration *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -384,7 +384,7 @@ static inline cw_result lika_sma21_biss_reg_configuration_encode(
 /** Read the Configuration register (49h). */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_read_configuration(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     lika_sma21_biss_reg_configuration *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_SMA21_BISS_REG_CONFIGURATION_LENGTH];
@@ -404,7 +404,7 @@ static inline cw_result lika_sma21_biss_read_configuration(
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_write_configuration(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     const lika_sma21_biss_reg_configuration *in, cw_failure *failure)
 {
     uint8_t bytes[LIKA_SMA21_BISS_REG_CONFIGURATION_LENGTH];
@@ -435,7 +435,7 @@ static inline cw_result lika_sma21_biss_write_configuration(
 /** Read the Absolute resolution register (4Dh). */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_read_absolute_resolution(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
@@ -460,19 +460,19 @@ static inline cw_result lika_sma21_biss_read_absolute_resolution(
 
 /** Return the highest preset: 2^position_bits - 1. */
 CW_CONSTEXPR
-static inline uint32_t lika_sma21_biss_reg_preset_offset_preset_max(const lika_sma21_biss *variant)
+static inline uint32_t lika_sma21_biss_reg_preset_offset_preset_max(lika_sma21_biss variant)
 {
-    return (uint32_t)cw_mask(variant->position_bits);
+    return (uint32_t)cw_mask(variant.position_bits);
 }
 
 #define LIKA_SMA21_BISS_REG_PRESET_OFFSET_OFFSET_MIN 0U /**< limit of its value */
 
 /** Return the highest offset: 2^scd_position_bits - 2^position_bits. */
 CW_CONSTEXPR
-static inline uint32_t lika_sma21_biss_reg_preset_offset_offset_max(const lika_sma21_biss *variant)
+static inline uint32_t lika_sma21_biss_reg_preset_offset_offset_max(lika_sma21_biss variant)
 {
     return (uint32_t)(((uint64_t)1U << lika_sma21_biss_scd_position_bits(variant)) -
-        ((uint64_t)1U << variant->position_bits));
+        ((uint64_t)1U << variant.position_bits));
 }
 
 /**
@@ -516,7 +516,7 @@ typedef struct lika_sma21_biss_reg_preset_offset {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_preset_offset_decode(
-    const lika_sma21_biss *variant, const uint8_t *bytes, size_t length,
+    lika_sma21_biss variant, const uint8_t *bytes, size_t length,
     lika_sma21_biss_reg_preset_offset *out)
 {
     (void)variant;
@@ -533,7 +533,7 @@ static inline cw_result lika_sma21_biss_reg_preset_offset_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_preset_offset_encode(
-    const lika_sma21_biss *variant, const lika_sma21_biss_reg_preset_offset *in, uint8_t *bytes,
+    lika_sma21_biss variant, const lika_sma21_biss_reg_preset_offset *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -550,7 +550,7 @@ static inline cw_result lika_sma21_biss_reg_preset_offset_encode(
 /** Read the Preset / Offset register (50h to 53h). */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_read_preset_offset(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     lika_sma21_biss_reg_preset_offset *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_SMA21_BISS_REG_PRESET_OFFSET_LENGTH];
@@ -566,7 +566,7 @@ static inline cw_result lika_sma21_biss_read_preset_offset(
 /** Write the Preset / Offset register (50h to 53h). */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_write_preset_offset(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     const lika_sma21_biss_reg_preset_offset *in, cw_failure *failure)
 {
     uint8_t bytes[LIKA_SMA21_BISS_REG_PRESET_OFFSET_LENGTH];
@@ -594,7 +594,7 @@ static inline cw_result lika_sma21_biss_write_preset_offset(
 /** Read the Device type register (55h). */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_read_device_type(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
@@ -625,7 +625,7 @@ static inline cw_result lika_sma21_biss_read_device_type(
 /** Read the Sine cosine resolution register (58h). */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_read_sine_cosine_resolution(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
@@ -658,7 +658,7 @@ static inline cw_result lika_sma21_biss_read_sine_cosine_resolution(
 /** Read the Position check register (59h). */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_read_position_check(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     uint8_t *out, cw_failure *failure)
 {
     uint8_t value = 0U;
@@ -703,7 +703,7 @@ typedef struct lika_sma21_biss_reg_device_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_device_id_decode(
-    const lika_sma21_biss *variant, const uint8_t *bytes, size_t length,
+    lika_sma21_biss variant, const uint8_t *bytes, size_t length,
     lika_sma21_biss_reg_device_id *out)
 {
     (void)variant;
@@ -723,8 +723,7 @@ static inline cw_result lika_sma21_biss_reg_device_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_device_id_encode(
-    const lika_sma21_biss *variant, const lika_sma21_biss_reg_device_id *in, uint8_t *bytes,
-    size_t length)
+    lika_sma21_biss variant, const lika_sma21_biss_reg_device_id *in, uint8_t *bytes, size_t length)
 {
     (void)variant;
     if (length != LIKA_SMA21_BISS_REG_DEVICE_ID_LENGTH) {
@@ -745,7 +744,7 @@ static inline cw_result lika_sma21_biss_reg_device_id_encode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_sma21_biss_reg_device_id_is_expected(
-    const lika_sma21_biss *variant, const lika_sma21_biss_reg_device_id *in)
+    lika_sma21_biss variant, const lika_sma21_biss_reg_device_id *in)
 {
     (void)variant;
     return (in->name[0] == LIKA_SMA21_BISS_REG_DEVICE_ID_NAME_EXPECTED[0]) &&
@@ -757,7 +756,7 @@ static inline bool lika_sma21_biss_reg_device_id_is_expected(
 /** Read the Device ID register (78h to 7Dh). */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_read_device_id(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     lika_sma21_biss_reg_device_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_SMA21_BISS_REG_DEVICE_ID_LENGTH];
@@ -799,7 +798,7 @@ typedef struct lika_sma21_biss_reg_manufacturer_id {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_manufacturer_id_decode(
-    const lika_sma21_biss *variant, const uint8_t *bytes, size_t length,
+    lika_sma21_biss variant, const uint8_t *bytes, size_t length,
     lika_sma21_biss_reg_manufacturer_id *out)
 {
     (void)variant;
@@ -815,7 +814,7 @@ static inline cw_result lika_sma21_biss_reg_manufacturer_id_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_manufacturer_id_encode(
-    const lika_sma21_biss *variant, const lika_sma21_biss_reg_manufacturer_id *in, uint8_t *bytes,
+    lika_sma21_biss variant, const lika_sma21_biss_reg_manufacturer_id *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -833,7 +832,7 @@ static inline cw_result lika_sma21_biss_reg_manufacturer_id_encode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_sma21_biss_reg_manufacturer_id_is_expected(
-    const lika_sma21_biss *variant, const lika_sma21_biss_reg_manufacturer_id *in)
+    lika_sma21_biss variant, const lika_sma21_biss_reg_manufacturer_id *in)
 {
     (void)variant;
     return (in->name[0] == LIKA_SMA21_BISS_REG_MANUFACTURER_ID_NAME_EXPECTED[0]) &&
@@ -843,7 +842,7 @@ static inline bool lika_sma21_biss_reg_manufacturer_id_is_expected(
 /** Read the Manufacturer ID register (7Eh to 7Fh). */
 CW_NODISCARD
 static inline cw_result lika_sma21_biss_read_manufacturer_id(
-    const cw_transport *transport, const lika_sma21_biss *variant,
+    const cw_transport *transport, lika_sma21_biss variant,
     lika_sma21_biss_reg_manufacturer_id *out, cw_failure *failure)
 {
     uint8_t bytes[LIKA_SMA21_BISS_REG_MANUFACTURER_ID_LENGTH];
@@ -968,7 +967,7 @@ static inline cw_result lika_sma21_biss_read_identity(
 
 /** Return true if an encoder with this order code can have these contents. */
 static inline bool lika_sma21_biss_could_be(
-    const lika_sma21_biss *variant, const lika_sma21_biss_identity *read)
+    lika_sma21_biss variant, const lika_sma21_biss_identity *read)
 {
     lika_sma21_biss_reg_profile_id profile_id;
     lika_sma21_biss_reg_device_id device_id;
@@ -978,7 +977,7 @@ static inline bool lika_sma21_biss_could_be(
         &profile_id)) {
         return false;
     }
-    if (read->absolute_resolution[0] != variant->resolution_um) {
+    if (read->absolute_resolution[0] != variant.resolution_um) {
         return false;
     }
     if (read->device_type[0] != LIKA_SMA21_BISS_REG_DEVICE_TYPE_EXPECTED) {
@@ -1011,7 +1010,7 @@ static inline const lika_sma21_biss_order_code *lika_sma21_biss_next_candidate(
     while (*next < count) {
         const lika_sma21_biss_order_code *const code = &codes[*next];
         (*next)++;
-        if (lika_sma21_biss_could_be(&code->variant, read)) {
+        if (lika_sma21_biss_could_be(code->variant, read)) {
             return code;
         }
     }

@@ -18,7 +18,7 @@ extern "C" {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_encode(
-    const lika_sma21_biss *variant, const lika_sma21_biss_frame *in, uint64_t *out)
+    lika_sma21_biss variant, const lika_sma21_biss_frame *in, uint64_t *out)
 {
     if (in->position > cw_mask(lika_sma21_biss_scd_value_bits(variant))) {
         return CW_FAULT_RANGE;

@@ -9,15 +9,14 @@
  *
  * To read a position:
  *
- *     static const lika_sma21_rs485 *const encoder = &LIKA_SMA21_RS485_JP1_0005;
- *     lika_sma21_rs485_position_reply frame;
- *     if (lika_sma21_rs485_position_reply_decode(encoder, bytes, length, &frame) == CW_OK
- *         && lika_sma21_rs485_position_reply_verdict(encoder, &frame) != CW_NOT_USABLE) {
- *         ... frame.position ...
+ *     uint8_t rx[LIKA_SMA21_RS485_POSITION_REPLY_LENGTH];
+ *     uint32_t position;
+ *     if (LIKA_SMA21_RS485_READ(JP1_0005, rx, &position) != CW_NOT_USABLE) {
+ *         ... position ...
  *     }
  *
- * The bytes are the reply to LIKA_SMA21_RS485_CONTROL_POSITION. cw_rs485_ask and cw_rs485_take in
- * codewheel/receive.h collect them from a serial port.
+ * The bytes in rx are the reply to LIKA_SMA21_RS485_CONTROL_POSITION, from DMA, or from
+ * cw_rs485_ask and cw_rs485_take in codewheel/receive.h, which collect them from a serial port.
  *
  * More headers of this interface, to include if you need them:
  *   sma21_rs485_labels.h         find the order code that a label shows
@@ -61,14 +60,6 @@
 
 #if (CW_RUNTIME_MAJOR != 1) || (CW_RUNTIME_MINOR < 0)
 #error "lika/sma21_rs485.h needs the codewheel runtime 1.0 or a newer 1.x: see codewheel/version.h"
-#endif
-
-/**
- * An order code of another interface or encoder is an error in C as well, unless you define this.
- */
-#if !defined(CW_POINTERS_UNCHECKED) && !defined(__cplusplus) && \
-    (defined(__clang__) || (__GNUC__ >= 5))
-#pragma GCC diagnostic error "-Wincompatible-pointer-types"
 #endif
 
 #define LIKA_SMA21_RS485_VERSION "0.1.0" /**< semantic version of this header */
@@ -248,7 +239,7 @@ typedef struct lika_sma21_rs485_data_request {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_data_request_encode(
-    const lika_sma21_rs485 *variant, const lika_sma21_rs485_data_request *in, uint8_t *bytes,
+    lika_sma21_rs485 variant, const lika_sma21_rs485_data_request *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -367,7 +358,7 @@ typedef struct lika_sma21_rs485_position_reply {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_position_reply_decode(
-    const lika_sma21_rs485 *variant, const uint8_t *bytes, size_t length,
+    lika_sma21_rs485 variant, const uint8_t *bytes, size_t length,
     lika_sma21_rs485_position_reply *out)
 {
     if (length != LIKA_SMA21_RS485_POSITION_REPLY_LENGTH) {
@@ -380,7 +371,7 @@ static inline cw_result lika_sma21_rs485_position_reply_decode(
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     const uint32_t position = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
         ((uint32_t)bytes[4] << 16U);
-    if (position > cw_mask(variant->rs485_position_bits)) { /* bits above position are always 0 */
+    if (position > cw_mask(variant.rs485_position_bits)) { /* bits above position are always 0 */
         return CW_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
@@ -415,7 +406,7 @@ static inline cw_result lika_sma21_rs485_position_reply_decode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_sma21_rs485_position_reply_is_expected(
-    const lika_sma21_rs485 *variant, const lika_sma21_rs485_position_reply *in)
+    lika_sma21_rs485 variant, const lika_sma21_rs485_position_reply *in)
 {
     (void)variant;
     return in->unused == 0U;
@@ -425,7 +416,7 @@ static inline bool lika_sma21_rs485_position_reply_is_expected(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_verdict lika_sma21_rs485_position_reply_verdict(
-    const lika_sma21_rs485 *variant, const lika_sma21_rs485_position_reply *frame)
+    lika_sma21_rs485 variant, const lika_sma21_rs485_position_reply *frame)
 {
     (void)variant;
     if (frame->status_error || frame->overspeed || frame->initialization_error ||
@@ -440,10 +431,31 @@ static inline cw_verdict lika_sma21_rs485_position_reply_verdict(
     return CW_USABLE;
 }
 
+/**
+ * Decode a frame, and store its position if it may be used.
+ *
+ * @return The verdict on the position. Unless it is CW_NOT_USABLE, position was stored. A frame
+ * that is not well formed is not usable.
+ */
+CW_NODISCARD
+static inline cw_verdict lika_sma21_rs485_position_reply_position(
+    lika_sma21_rs485 variant, const uint8_t *bytes, size_t length, uint32_t *position)
+{
+    lika_sma21_rs485_position_reply frame;
+    if (lika_sma21_rs485_position_reply_decode(variant, bytes, length, &frame) != CW_OK) {
+        return CW_NOT_USABLE;
+    }
+    const cw_verdict verdict = lika_sma21_rs485_position_reply_verdict(variant, &frame);
+    if (verdict != CW_NOT_USABLE) {
+        *position = frame.position;
+    }
+    return verdict;
+}
+
 /** Return the active reports, as a mask of LIKA_SMA21_RS485_REPORT_ bits. */
 CW_CONSTEXPR
 static inline uint32_t lika_sma21_rs485_position_reply_reports(
-    const lika_sma21_rs485 *variant, const lika_sma21_rs485_position_reply *frame)
+    lika_sma21_rs485 variant, const lika_sma21_rs485_position_reply *frame)
 {
     (void)variant;
     return (frame->status_alarm ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ALARM : 0U) |
@@ -527,7 +539,7 @@ typedef struct lika_sma21_rs485_wide_position_reply {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_wide_position_reply_decode(
-    const lika_sma21_rs485 *variant, const uint8_t *bytes, size_t length,
+    lika_sma21_rs485 variant, const uint8_t *bytes, size_t length,
     lika_sma21_rs485_wide_position_reply *out)
 {
     (void)variant;
@@ -559,7 +571,7 @@ static inline cw_result lika_sma21_rs485_wide_position_reply_decode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_sma21_rs485_wide_position_reply_is_expected(
-    const lika_sma21_rs485 *variant, const lika_sma21_rs485_wide_position_reply *in)
+    lika_sma21_rs485 variant, const lika_sma21_rs485_wide_position_reply *in)
 {
     (void)variant;
     return in->unused == 0U;
@@ -569,7 +581,7 @@ static inline bool lika_sma21_rs485_wide_position_reply_is_expected(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_verdict lika_sma21_rs485_wide_position_reply_verdict(
-    const lika_sma21_rs485 *variant, const lika_sma21_rs485_wide_position_reply *frame)
+    lika_sma21_rs485 variant, const lika_sma21_rs485_wide_position_reply *frame)
 {
     (void)variant;
     if (frame->status_error) {
@@ -581,10 +593,31 @@ static inline cw_verdict lika_sma21_rs485_wide_position_reply_verdict(
     return CW_USABLE;
 }
 
+/**
+ * Decode a frame, and store its position if it may be used.
+ *
+ * @return The verdict on the position. Unless it is CW_NOT_USABLE, position was stored. A frame
+ * that is not well formed is not usable.
+ */
+CW_NODISCARD
+static inline cw_verdict lika_sma21_rs485_wide_position_reply_position(
+    lika_sma21_rs485 variant, const uint8_t *bytes, size_t length, int64_t *position)
+{
+    lika_sma21_rs485_wide_position_reply frame;
+    if (lika_sma21_rs485_wide_position_reply_decode(variant, bytes, length, &frame) != CW_OK) {
+        return CW_NOT_USABLE;
+    }
+    const cw_verdict verdict = lika_sma21_rs485_wide_position_reply_verdict(variant, &frame);
+    if (verdict != CW_NOT_USABLE) {
+        *position = frame.position;
+    }
+    return verdict;
+}
+
 /** Return the active reports, as a mask of LIKA_SMA21_RS485_REPORT_ bits. */
 CW_CONSTEXPR
 static inline uint32_t lika_sma21_rs485_wide_position_reply_reports(
-    const lika_sma21_rs485 *variant, const lika_sma21_rs485_wide_position_reply *frame)
+    lika_sma21_rs485 variant, const lika_sma21_rs485_wide_position_reply *frame)
 {
     (void)variant;
     return (frame->status_alarm ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ALARM : 0U) |
@@ -695,7 +728,7 @@ typedef struct lika_sma21_rs485_identification_reply {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_identification_reply_decode(
-    const lika_sma21_rs485 *variant, const uint8_t *bytes, size_t length,
+    lika_sma21_rs485 variant, const uint8_t *bytes, size_t length,
     lika_sma21_rs485_identification_reply *out)
 {
     if (length != LIKA_SMA21_RS485_IDENTIFICATION_REPLY_LENGTH) {
@@ -708,7 +741,7 @@ static inline cw_result lika_sma21_rs485_identification_reply_decode(
     const uint8_t parity = (uint8_t)(bytes[0] >> 7U);
     const uint32_t position = (uint32_t)bytes[2] | ((uint32_t)bytes[3] << 8U) |
         ((uint32_t)bytes[4] << 16U);
-    if (position > cw_mask(variant->rs485_position_bits)) { /* bits above position are always 0 */
+    if (position > cw_mask(variant.rs485_position_bits)) { /* bits above position are always 0 */
         return CW_FAULT_CONSTANT;
     }
     if ((bytes[0] & 0x07U) != 0x02U) { /* sync */
@@ -743,7 +776,7 @@ static inline cw_result lika_sma21_rs485_identification_reply_decode(
 /** Return true if the values are as the manual states. The decoder also accepts other values. */
 CW_CONSTEXPR
 static inline bool lika_sma21_rs485_identification_reply_is_expected(
-    const lika_sma21_rs485 *variant, const lika_sma21_rs485_identification_reply *in)
+    lika_sma21_rs485 variant, const lika_sma21_rs485_identification_reply *in)
 {
     (void)variant;
     return in->unused == 0U;
@@ -753,7 +786,7 @@ static inline bool lika_sma21_rs485_identification_reply_is_expected(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_verdict lika_sma21_rs485_identification_reply_verdict(
-    const lika_sma21_rs485 *variant, const lika_sma21_rs485_identification_reply *frame)
+    lika_sma21_rs485 variant, const lika_sma21_rs485_identification_reply *frame)
 {
     (void)variant;
     if (frame->status_error || frame->overspeed || frame->initialization_error ||
@@ -768,10 +801,31 @@ static inline cw_verdict lika_sma21_rs485_identification_reply_verdict(
     return CW_USABLE;
 }
 
+/**
+ * Decode a frame, and store its position if it may be used.
+ *
+ * @return The verdict on the position. Unless it is CW_NOT_USABLE, position was stored. A frame
+ * that is not well formed is not usable.
+ */
+CW_NODISCARD
+static inline cw_verdict lika_sma21_rs485_identification_reply_position(
+    lika_sma21_rs485 variant, const uint8_t *bytes, size_t length, uint32_t *position)
+{
+    lika_sma21_rs485_identification_reply frame;
+    if (lika_sma21_rs485_identification_reply_decode(variant, bytes, length, &frame) != CW_OK) {
+        return CW_NOT_USABLE;
+    }
+    const cw_verdict verdict = lika_sma21_rs485_identification_reply_verdict(variant, &frame);
+    if (verdict != CW_NOT_USABLE) {
+        *position = frame.position;
+    }
+    return verdict;
+}
+
 /** Return the active reports, as a mask of LIKA_SMA21_RS485_REPORT_ bits. */
 CW_CONSTEXPR
 static inline uint32_t lika_sma21_rs485_identification_reply_reports(
-    const lika_sma21_rs485 *variant, const lika_sma21_rs485_identification_reply *frame)
+    lika_sma21_rs485 variant, const lika_sma21_rs485_identification_reply *frame)
 {
     (void)variant;
     return (frame->status_alarm ? (uint32_t)LIKA_SMA21_RS485_REPORT_STATUS_ALARM : 0U) |
@@ -861,9 +915,9 @@ static inline cw_result lika_sma21_rs485_reply_frame(
 
 /** Return the number of counts after which the position wraps around to 0 [4.10 p.18]. */
 CW_CONSTEXPR
-static inline uint64_t lika_sma21_rs485_position_reply_modulus(const lika_sma21_rs485 *variant)
+static inline uint64_t lika_sma21_rs485_position_reply_modulus(lika_sma21_rs485 variant)
 {
-    return (uint64_t)1U << variant->rs485_position_bits;
+    return (uint64_t)1U << variant.rs485_position_bits;
 }
 
 /**
@@ -873,17 +927,16 @@ static inline uint64_t lika_sma21_rs485_position_reply_modulus(const lika_sma21_
  */
 CW_CONSTEXPR
 static inline int64_t lika_sma21_rs485_position_reply_position_difference(
-    const lika_sma21_rs485 *variant, uint64_t now, uint64_t before)
+    lika_sma21_rs485 variant, uint64_t now, uint64_t before)
 {
     return cw_difference(now, before, lika_sma21_rs485_position_reply_modulus(variant));
 }
 
 /** Return the number of counts after which the position wraps around to 0 [4.10 p.18]. */
 CW_CONSTEXPR
-static inline uint64_t lika_sma21_rs485_identification_reply_modulus(
-    const lika_sma21_rs485 *variant)
+static inline uint64_t lika_sma21_rs485_identification_reply_modulus(lika_sma21_rs485 variant)
 {
-    return (uint64_t)1U << variant->rs485_position_bits;
+    return (uint64_t)1U << variant.rs485_position_bits;
 }
 
 /**
@@ -893,7 +946,7 @@ static inline uint64_t lika_sma21_rs485_identification_reply_modulus(
  */
 CW_CONSTEXPR
 static inline int64_t lika_sma21_rs485_identification_reply_position_difference(
-    const lika_sma21_rs485 *variant, uint64_t now, uint64_t before)
+    lika_sma21_rs485 variant, uint64_t now, uint64_t before)
 {
     return cw_difference(now, before, lika_sma21_rs485_identification_reply_modulus(variant));
 }
@@ -904,7 +957,7 @@ static inline int64_t lika_sma21_rs485_identification_reply_position_difference(
  */
 CW_CONSTEXPR
 static inline int64_t lika_sma21_rs485_wide_position_reply_position_difference(
-    const lika_sma21_rs485 *variant, int64_t now, int64_t before)
+    lika_sma21_rs485 variant, int64_t now, int64_t before)
 {
     (void)variant;
     const uint64_t modulus = (uint64_t)1U << 63; /* more than any distance */
@@ -915,20 +968,37 @@ static inline int64_t lika_sma21_rs485_wide_position_reply_position_difference(
 
 /** Convert a position to micrometres [4.10 p.18]. The product must fit in 64 bits. */
 CW_CONSTEXPR
-static inline int64_t lika_sma21_rs485_micrometres(
-    const lika_sma21_rs485 *variant, int64_t position)
+static inline int64_t lika_sma21_rs485_micrometres(lika_sma21_rs485 variant, int64_t position)
 {
-    const int64_t step = (int64_t)variant->resolution_um;
+    const int64_t step = (int64_t)variant.resolution_um;
     return position * step;
 }
 
 /** Convert a position to millimetres. */
 CW_CONSTEXPR
-static inline double lika_sma21_rs485_millimetres(const lika_sma21_rs485 *variant, int64_t position)
+static inline double lika_sma21_rs485_millimetres(lika_sma21_rs485 variant, int64_t position)
 {
     const int64_t micrometres = lika_sma21_rs485_micrometres(variant, position);
     return (double)micrometres / 1000.0;
 }
+
+/* -- reading a position ------------------------------------------------------------------------ */
+
+/**
+ * Read a position from the array rx. The result is the verdict. Unless it is CW_NOT_USABLE, the
+ * position was stored. For example, code can be JP1_0005, as in LIKA_SMA21_RS485_JP1_0005. The
+ * order code is named once, so no length or decoder of another one can be mixed in. Another size of
+ * rx, or a pointer, does not compile.
+ */
+#define LIKA_SMA21_RS485_READ(code, rx, position) \
+    lika_sma21_rs485_position_reply_position(LIKA_SMA21_RS485_##code, \
+        (rx), sizeof(rx) + (0U * sizeof(&(rx) - \
+        (uint8_t (*)[LIKA_SMA21_RS485_POSITION_REPLY_LENGTH])&(rx))), \
+        (position))
+/** Read a position from a pointer to any number of bytes. */
+#define LIKA_SMA21_RS485_READ_BYTES(code, bytes, length, position) \
+    lika_sma21_rs485_position_reply_position(LIKA_SMA21_RS485_##code, \
+        (bytes), (length), (position))
 
 #ifdef __cplusplus
 }

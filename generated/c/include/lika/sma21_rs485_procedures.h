@@ -46,7 +46,7 @@ static inline const cw_step *lika_sma21_rs485_reset_errors_steps(size_t *count)
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_rs485_reset_errors(
-    const cw_transport *transport, const lika_sma21_rs485 *variant,
+    const cw_transport *transport, lika_sma21_rs485 variant,
     cw_failure *failure)
 {
     size_t count = 0U;
@@ -83,7 +83,7 @@ static inline const cw_step *lika_sma21_rs485_reset_position_steps(size_t *count
  */
 CW_NODISCARD
 static inline cw_result lika_sma21_rs485_reset_position(
-    const cw_transport *transport, const lika_sma21_rs485 *variant,
+    const cw_transport *transport, lika_sma21_rs485 variant,
     cw_failure *failure)
 {
     size_t count = 0U;

@@ -22,7 +22,7 @@ extern "C" {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_data_request_decode(
-    const lika_sma21_rs485 *variant, const uint8_t *bytes, size_t length,
+    lika_sma21_rs485 variant, const uint8_t *bytes, size_t length,
     lika_sma21_rs485_data_request *out)
 {
     (void)variant;
@@ -52,7 +52,7 @@ static inline cw_result lika_sma21_rs485_data_request_decode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_position_reply_encode(
-    const lika_sma21_rs485 *variant, const lika_sma21_rs485_position_reply *in, uint8_t *bytes,
+    lika_sma21_rs485 variant, const lika_sma21_rs485_position_reply *in, uint8_t *bytes,
     size_t length)
 {
     if (length != LIKA_SMA21_RS485_POSITION_REPLY_LENGTH) {
@@ -63,7 +63,7 @@ static inline cw_result lika_sma21_rs485_position_reply_encode(
         (in->data_id != LIKA_SMA21_RS485_DATA_ID_RESET_POSITION)) {
         return CW_FAULT_RANGE;
     }
-    if (in->position > cw_mask(variant->rs485_position_bits)) {
+    if (in->position > cw_mask(variant.rs485_position_bits)) {
         return CW_FAULT_RANGE;
     }
     if ((in->unused & 0x30U) != 0U) { /* bits other than the unused ones */
@@ -89,7 +89,7 @@ static inline cw_result lika_sma21_rs485_position_reply_encode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_wide_position_reply_encode(
-    const lika_sma21_rs485 *variant, const lika_sma21_rs485_wide_position_reply *in, uint8_t *bytes,
+    lika_sma21_rs485 variant, const lika_sma21_rs485_wide_position_reply *in, uint8_t *bytes,
     size_t length)
 {
     (void)variant;
@@ -120,13 +120,13 @@ static inline cw_result lika_sma21_rs485_wide_position_reply_encode(
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_identification_reply_encode(
-    const lika_sma21_rs485 *variant, const lika_sma21_rs485_identification_reply *in,
-    uint8_t *bytes, size_t length)
+    lika_sma21_rs485 variant, const lika_sma21_rs485_identification_reply *in, uint8_t *bytes,
+    size_t length)
 {
     if (length != LIKA_SMA21_RS485_IDENTIFICATION_REPLY_LENGTH) {
         return CW_FAULT_LENGTH;
     }
-    if (in->position > cw_mask(variant->rs485_position_bits)) {
+    if (in->position > cw_mask(variant.rs485_position_bits)) {
         return CW_FAULT_RANGE;
     }
     if ((in->unused & 0x30U) != 0U) { /* bits other than the unused ones */

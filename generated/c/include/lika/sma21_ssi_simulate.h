@@ -18,15 +18,15 @@ extern "C" {
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_ssi_encode(
-    const lika_sma21_ssi *variant, const lika_sma21_ssi_frame *in, uint64_t *out)
+    lika_sma21_ssi variant, const lika_sma21_ssi_frame *in, uint64_t *out)
 {
-    if (in->position > cw_mask(variant->position_bits)) {
+    if (in->position > cw_mask(variant.position_bits)) {
         return CW_FAULT_RANGE;
     }
     uint64_t word =
         ((uint64_t)in->position << 1U) |
         (in->error ? 0U : 1U);
-    word = (variant->ssi_gray != 0U) ? cw_to_gray(word, 1U, variant->position_bits) : word;
+    word = (variant.ssi_gray != 0U) ? cw_to_gray(word, 1U, variant.position_bits) : word;
     *out = word;
     return CW_OK;
 }
