@@ -122,7 +122,7 @@ def test_repeated_keys_are_cut_in_the_reader(tmp_path: Path, capsys: pytest.Capt
 def erratum_text(index: int, affected: str) -> str:
     return (
         f"  - {{name: e{index}, title: Number {index} is wrong, source: '1', printed: a, used: b, why: c, status: open,"
-        f" affects: [{affected}]}}\n"
+        f" severity: wording, affects: [{affected}]}}\n"
     )
 
 

@@ -86,6 +86,7 @@ UNUSED = {
         "two flags that together mean a field out of range, in the AS5045 and the AS5145",
     ),
     "values.makes_position.usable": "one of three verdicts",
+    "code_value.meaning_differs": "the answer to a finding in words that is wrong",
     "field.parity.even": "the opposite of odd",
     "field.others": "values that a manual reserves. No encoder's spec uses it yet",
     "field.others.reserved": "as others",
