@@ -50,11 +50,15 @@ READERS = {
         "say/evidence.py",
         "targets/docs/wiring_tables.py",
     },
+    "compares what facts of the same order codes say": {
+        "language/rules/connectors.py",
+    },
     "shows the order codes beside each fact": {
         "changes/families.py",
         "changes/interfaces.py",
         "dump/plain.py",
         "readings/interfaces.py",
+        "readings/surroundings.py",
         "say/errata.py",
         "say/order_code.py",
         "say/evidence.py",

@@ -865,7 +865,8 @@ def clock_text(min_hz: int | None, max_hz: int | None) -> str:
 
 
 case("clock_limits", lambda: clock_text(None, None), lambda: clock_text(100_000, 2_000_000))
-case("clock_limit", lambda: clock_text(None, 2_000_000), lambda: clock_text(100_000, 2_000_000))
+case("lowest_clock", lambda: clock_text(None, 2_000_000), lambda: clock_text(100_000, 2_000_000))
+case("highest_clock", lambda: clock_text(100_000, None), lambda: clock_text(100_000, 2_000_000))
 
 
 def range_text(wraps: bool) -> str:
