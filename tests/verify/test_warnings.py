@@ -237,6 +237,8 @@ def test_no_function_calls_itself(headers: tuple[Path, list[str]]) -> None:
     include, header_names = headers
     for header in header_names:
         code = without_texts((include / header).read_text(encoding="ascii"))
+        # A macro calls functions that stand above it.
+        code = re.sub(r"^#define(?:.*\\\n)*.*\n", "", code, flags=re.MULTILINE)
         names = [name for _, name, _ in declared([code]).functions]
         parts = re.split(r"^static inline [\w \*]+?\w+\([^()]*\)\s*\{", code, flags=re.MULTILINE)[1:]
         assert len(parts) == len(names)
