@@ -17,7 +17,7 @@ from c_harness import GCC, SANITIZED, MadeOnce, Run, compile_c, runner
 pytestmark = pytest.mark.slow
 
 NOT_USABLE, UNKNOWN, WITH_WARNING, USABLE = range(4)
-OK, LENGTH, CRC = range(3)
+OK, LENGTH, _, _, RANGE = range(5)
 LINE_HIGH = 8
 
 HEAD = r"""
@@ -217,3 +217,43 @@ def test_ssi_buffers_give_a_position_and_two_of_them_must_agree(
             f"{NOT_USABLE} 77 1 {OK} {NOT_USABLE} 77",
             f"{verdict} 5 1 {OK} {NOT_USABLE} 77",
         ]
+
+
+#: Calls with an answer to an open question that is none of the answers, and with a word of another length.
+REFUSED = """#include "ichaus/icmu_biss.h"
+#include "lika/amm5_rs485.h"
+#include "lika/amm5_rs485_simulate.h"
+#include "lika/asc85_biss.h"
+#include "lika/asc85_biss_simulate.h"
+#include <stdio.h>
+#include <string.h>
+
+int main(void)
+{
+    uint8_t bytes[4] = { 0U, 0U, 0U, 0U };
+    uint64_t bits = 0U;
+    lika_asc85_biss_frame asc85;
+    ichaus_icmu_biss_frame icmu;
+    const lika_asc85_biss_zero_bit no_answer = (lika_asc85_biss_zero_bit)7;
+    memset(&asc85, 0, sizeof asc85);
+@calls@
+    printf("%d\\n", (int)lika_asc85_biss_decode(LIKA_ASC85_BISS_25_SC1, no_answer, cw_word_of(0U, 34U), &asc85));
+    printf("%d\\n", (int)lika_asc85_biss_encode(LIKA_ASC85_BISS_25_SC1, no_answer, &asc85, &bits));
+    printf("%d\\n", (int)ichaus_icmu_biss_decode(ICHAUS_ICMU_BISS_IC_MU_16_0, cw_word_of(0U, 3U), &icmu));
+    return 0;
+}
+"""
+#: What is encoded and what is decoded with the place of an address in the EEPROM, which the manual leaves open.
+ENCODED = ("eeprom_write_request", "eeprom_read_request", "eeprom_write_reply", "eeprom_read_reply")
+ANSWER = "LIKA_AMM5_RS485_A23_65KJP1, (lika_amm5_rs485_eeprom_address)7"
+
+
+def test_no_answer_to_an_open_question_and_no_other_length_is_taken(include: Path, tmp_path: Path) -> None:
+    calls = "".join(
+        f"    {{ lika_amm5_rs485_{name} value; memset(&value, 0, sizeof value);\n"
+        f'    printf("%d\\n", (int)lika_amm5_rs485_{name}_encode({ANSWER}, &value, bytes, sizeof bytes));\n'
+        f'    printf("%d\\n", (int)lika_amm5_rs485_{name}_decode({ANSWER}, bytes, sizeof bytes, &value)); }}\n'
+        for name in ENCODED
+    )
+    program = compile_c([*GCC, "-O1", *SANITIZED], REFUSED.replace("@calls@", calls), tmp_path, include)
+    assert runner(program)([]) == [str(RANGE)] * (2 * len(ENCODED) + 2) + [str(LENGTH)]
