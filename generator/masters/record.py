@@ -127,6 +127,7 @@ def record(
         *_answer_notes(deciding_alternatives, needed_answers),
         *_clock_notes(numbers, cables, cable_m),
         *_frame_notes(device, frame.measurement.of, frame.placed_layout, parts, as_delivered),
+        *_channel_notes(frame),
         *filter(None, (obstacle, crc_obstacle)),
     )
     unlimited = _record(frame, parts, numbers, cables, notes, needed_answers)
@@ -384,6 +385,15 @@ def _frame_notes(
     fixed = [part.name for part in parts if part.role == "status" and not part.active]
     if fixed:
         yield f"{' and '.join(fixed)}: always 1, which a master treats as an inactive status bit."
+
+
+def _channel_notes(frame: _PositionFrame) -> Iterator[str]:
+    """Yield a sentence about the channels of BiSS whose data the settings leave out."""
+    channel = frame.placed_layout.layout.channel
+    others = [layout for layout in frame.interface.layouts if layout.channel and layout.channel != channel]
+    if channel and others:
+        names = " and ".join(f"'{layout.name}' on channel {layout.channel}" for layout in others)
+        yield f"The encoder also sends {names}. These settings are for channel {channel} only."
 
 
 def _register_notes(device: Device, dependence: str, parameters: set[str], as_delivered: bool) -> Iterator[str]:

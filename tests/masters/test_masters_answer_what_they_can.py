@@ -342,3 +342,17 @@ def test_a_crc_that_is_sent_reflected(tmp_path: Path, capsys: Capture, masters: 
     device = replace(device, crcs=tuple(replace(crc, refin=True, refout=True) for crc in device.crcs))
     (refusal,) = sheet(masters["moteus"], record(device, find(device, "EXAMPLE-X").variant)).refusals
     assert refusal.reason.startswith(reason.replace("crc_8", "crc_6"))
+
+
+def test_a_second_channel(tmp_path: Path, capsys: Capture) -> None:
+    """Settings are for the channel with the position. The general block names the other."""
+    write_biss_spec(tmp_path, TURNS, STATUS, CRC_6)
+    path = tmp_path / "example_x.yaml"
+    text = path.read_text(encoding="utf-8")
+    second = '      - {name: temperature, from: encoder, channel: 2, source: "1", fields: [FIELD, CRC]}\n'
+    second = second.replace("FIELD", "{name: celsius, bits: 8}").replace("CRC", "{name: crc, crc: crc_6}")
+    path.write_text(text.replace("crcs:\n", f"{second}crcs:\n"), encoding="utf-8")
+    assert main(["master", "EXAMPLE-X", "--specs", str(tmp_path)]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "The encoder also sends 'temperature' on channel 2. These settings are for channel 1 only." in printed
+    assert values_of(sheets_of(capsys, tmp_path, "--master", "moteus")["moteus"])["aux[12].bissc.data_bits"] == 29
