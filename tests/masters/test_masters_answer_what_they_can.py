@@ -347,6 +347,8 @@ def test_a_crc_that_is_sent_reflected(tmp_path: Path, capsys: Capture, masters: 
 def test_a_second_channel(tmp_path: Path, capsys: Capture) -> None:
     """Settings are for the channel with the position. The general block names the other."""
     write_biss_spec(tmp_path, TURNS, STATUS, CRC_6)
+    assert main(["master", "EXAMPLE-X", "--specs", str(tmp_path)]) == 0
+    assert "on channel" not in capsys.readouterr().out
     path = tmp_path / "example_x.yaml"
     text = path.read_text(encoding="utf-8")
     second = '      - {name: temperature, from: encoder, channel: 2, source: "1", fields: [FIELD, CRC]}\n'
