@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 import settings_data
+from chromium import Browser
 from codewheel.commands.cli import main
 from codewheel.loading.library import load_library
 from codewheel.masters.record import record
@@ -56,9 +57,14 @@ def library() -> tuple[Device, ...]:
 
 
 @pytest.fixture(scope="module")
-def shown(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[str, str, str], tuple[str, dict[Any, str]]]:
-    data = tmp_path_factory.mktemp("settings") / "settings-data.js"
-    data.write_text(settings_data.script(ROOT), encoding="utf-8")
+def data(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    path = tmp_path_factory.mktemp("settings") / "settings-data.js"
+    path.write_text(settings_data.script(ROOT), encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def shown(data: Path) -> dict[tuple[str, str, str], tuple[str, dict[Any, str]]]:
     return {
         (code, choice, master): (text, {(file_format, device): content for file_format, device, content in files})
         for code, choice, master, text, files in in_node(SHOW_ALL, SCRIPT, data)
@@ -127,6 +133,28 @@ def test_the_command_itself(
         assert main(["master", code, "--master", master, "--format", file_format, *choice.split()]) == 0
         printed = capsys.readouterr().out
         assert printed == next(content for (name, _), content in files.items() if name == file_format) + "\n"
+
+
+def test_the_page_in_a_browser(
+    data: Path, shown: dict[tuple[str, str, str], tuple[str, dict[Any, str]]], browser: Browser
+) -> None:
+    """The address chooses order code, master and answer, from a file. A beginning leads to the order codes."""
+    page = data.with_name("page.html")
+    scripts = "".join(f'<script src="{path.as_uri()}" defer></script>' for path in (data, SCRIPT))
+    page.write_text(f'<meta charset="utf-8"><div class="codewheel-settings"></div>{scripts}', encoding="utf-8")
+    address = "code=asc8525%2Fsc1&master=moteus&choose=zero_bit%3Dleft_out"
+    browser.open(f"{page.as_uri()}?1#{address}")
+    text, files = shown["ASC8525/SC1", "--choose zero_bit=left_out", "moteus"]
+    assert browser.run('document.querySelector("pre").textContent') == text
+    assert browser.run('document.querySelectorAll("a[download]").length') == len(files) == 1
+    command = "codewheel master ASC8525/SC1 --master moteus --choose zero_bit=left_out"
+    assert browser.run('document.querySelector("[role=status]").textContent') == command
+    assert browser.run("location.hash").lower() == f"#{address}".lower()
+    browser.open(f"{page.as_uri()}?2#code=AMM5A2")
+    assert browser.run('document.querySelector("pre").hidden')
+    begun = browser.run('document.querySelector("[role=status]").textContent')
+    assert begun.startswith("Order codes that begin like this: AMM5A21/")
+    assert list(browser.complaints) == []
 
 
 def test_labels_on_the_page() -> None:

@@ -73,11 +73,11 @@ function mountSettings(box, data) {
     fill(master, described);
     if (described.some(([name]) => name === wantedMaster)) master.value = wantedMaster;
     const [number, formats] = byMaster[data.masters.findIndex(([name]) => name === master.value)];
-    message.textContent = settingsCommand(found, master.value, answers);
+    message.replaceChildren(element("code", { textContent: settingsCommand(found, master.value, answers) }));
     output.textContent = settingsText(data, found, number);
     files.replaceChildren(...formats.flatMap(([format, device, file]) => {
       const blob = new Blob([`${settingsText(data, found, file)}\n`], { type: "text/plain" });
-      const name = `${master.value}-${found}`.replace(/[^A-Za-z0-9-]/g, "_");
+      const name = [master.value, format, device, found].join("-").replace(/[^A-Za-z0-9-]+/g, "_");
       const title = `File for ${device}: ${format}`;
       return [element("a", { href: URL.createObjectURL(blob), download: name + data.formats[format], textContent: title }), " "];
     }));
