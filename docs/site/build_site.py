@@ -21,6 +21,7 @@ from pathlib import Path
 from api_pages import api_pages
 from encoder_pages import LISTS, encoder_pages, with_page_links
 from front_cards import cards
+from settings_data import script as settings_script
 from sphinx.application import Sphinx
 from sphinx.util.console import nocolor
 
@@ -40,6 +41,9 @@ PAGES = (
 #: The script of the decode box, if it has been generated.
 DECODER = Path("generated/browser/decode.js")
 DECODER_PAGE = "decode"
+#: The page with the settings of masters, and the script with its data.
+SETTINGS_PAGE = "settings"
+SETTINGS_DATA = "settings-data.js"
 #: An entry of the contents: a page, or a title and the page.
 NAMED = re.compile(r"^(?:[^<>`\n]* <)?([\w/-]+)>?$", re.MULTILINE)
 #: Line of the contents in ``index.md`` that stands for the families.
@@ -67,6 +71,8 @@ def build(target: Path, root: Path = ROOT) -> int:
     application.builder.search = False
     application.build(force_all=True)
     copy_linked(root, source, target)
+    if (source / f"{SETTINGS_PAGE}.md").exists():
+        _write(target / SETTINGS_DATA, settings_script(root))
     for leftover in (".buildinfo", "objects.inv"):
         (target / leftover).unlink(missing_ok=True)
     shutil.rmtree(work)
@@ -86,6 +92,9 @@ def stage(root: Path, source: Path) -> None:
             _write(path, with_page_links(path.read_text(encoding="utf-8")))
     if (root / DECODER).exists():
         name = f"{DECODER_PAGE}.md"
+        _write(source / name, _own_page(name))
+    if (root / "specs").is_dir():
+        name = f"{SETTINGS_PAGE}.md"
         _write(source / name, _own_page(name))
     for name, text in api_pages(root):
         _write(source / name, text)

@@ -93,7 +93,8 @@ def run(chosen: argparse.Namespace) -> int:
         print_json(text.sheet_data(match, encoder_record, sheets))
     else:
         print(text.sheet_text(device, match, encoder_record, sheets))
-    return 1 if chosen.master is not None and sheets[0].refusals else 0
+    is_refused = chosen.master is not None and sheets[0].refusals
+    return 1 if is_refused or encoder_record.obstacle else 0
 
 
 def _refuse_incomplete(chosen: argparse.Namespace) -> None:

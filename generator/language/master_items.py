@@ -9,7 +9,7 @@ from dataclasses import dataclass
 WORDS: Mapping[str, tuple[str, ...]] = {
     "interface": ("biss", "ssi"),
     "movement": ("rotary", "linear"),
-    "coding": ("binary", "gray", "gray_with_status"),
+    "coding": ("binary", "gray", "gray_with_status", "other"),
     "status_active": ("low", "high", "mixed", "none"),
     "parity": ("none", "even", "odd"),
     "singleturn_codes": ("all", "some", "unknown", "none"),
@@ -28,7 +28,9 @@ NUMBERS: Mapping[str, str] = {
     "crc_bits": "CRC bits",
     "other_bits_left": "other bits before the position",
     "other_bits_right": "other bits after the position",
+    "other_bits_after_status": "other bits after the first status bit",
     "parity_bits": "1 if a parity bit over the whole frame is its last bit",
+    "bits_without_crc": "all bits of the frame, without CRC and parity bit",
     "frame_bits": "all bits of the frame, without the parity bit",
     "crc_polynomial": "CRC polynomial with its top bit, or 0 without a CRC",
     "crc_polynomial_without_top_bit": "CRC polynomial without its top bit",

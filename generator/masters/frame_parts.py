@@ -75,6 +75,18 @@ def frame_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: 
         raise NoRecord(f"the last bits of '{layout.name}' have no meaning in the spec")
 
 
+def rough_parts(placed_layout: PlacedLayout, measurement: Measurement) -> Iterator[Part]:
+    """Yield a part for each field, in the order sent, for a frame that masters cannot take."""
+    position_field_names = placed_layout.layout.names_in(measurement.of)
+    for field in placed_layout.fields:
+        role = _expected_role(field, "after")
+        if field.name in position_field_names:
+            role = "singleturn" if field.name == position_field_names[-1] else "multiturn"
+        elif role == "after":
+            role = "padding"
+        yield Part(field.name, role, field.width, _active_level(field.field) if role == "status" else "")
+
+
 def _role(field: PlacedField, placed_layout: PlacedLayout, position_field_names: Sequence[str], stage: str) -> str:
     """Return the role of a field, with ``before`` and ``after`` for zero bits. ``stage`` is the last one reached."""
     if field.name in position_field_names:
@@ -145,7 +157,10 @@ def parity_of_frame(placed_layout: PlacedLayout, parts: Sequence[Part]) -> str:
 
 
 def position_coding(placed_layout: PlacedLayout, measurement: Measurement, parts: Sequence[Part]) -> str:
-    """Return the code of the position, with ``gray_with_status`` if the code includes all status bits after it."""
+    """Return the code of the position, with ``gray_with_status`` if the code includes all status bits after it.
+
+    The code is ``other`` if the bits in Gray code are neither of these.
+    """
     layout: Layout = placed_layout.layout
     if not layout.gray_of or (layout.gray_when and not placed_layout.gray):
         return "binary"
@@ -155,8 +170,7 @@ def position_coding(placed_layout: PlacedLayout, measurement: Measurement, parts
     status_names = {part.name for part in parts if part.role == "status"}
     if gray_names == position_names | status_names:
         return "gray_with_status"
-    extent = "with more than the position" if position_names < gray_names else "not the whole position"
-    raise NoRecord(f"only '{layout.gray_of}' is in Gray code, {extent}")
+    return "other"
 
 
 def _bits_of_role(parts: Sequence[Part], role: str) -> int:
@@ -183,9 +197,17 @@ def bit_counts(parts: Sequence[Part]) -> dict[str, int | None]:
         "crc_bits": bits["crc"],
         "other_bits_left": other_left,
         "other_bits_right": bits["other"] - other_left,
+        "other_bits_after_status": _bits_of_role(_parts_after_status(parts), "other"),
         "parity_bits": bits["parity"],
+        "bits_without_crc": data + bits["status"] + bits["other"],
         "frame_bits": data + bits["status"] + bits["crc"] + bits["other"],
     }
+
+
+def _parts_after_status(parts: Sequence[Part]) -> Sequence[Part]:
+    """Return the parts from the first status bit on."""
+    status_indices = (index for index, part in enumerate(parts) if part.role == "status")
+    return parts[next(status_indices, len(parts)) :]
 
 
 #: iC-Haus, application note AN15, BiSS C master operation details, revision A3, table 1: clock on MA with RS-422.

@@ -30,6 +30,7 @@ from .frame_parts import (
     frame_parts,
     parity_of_frame,
     position_coding,
+    rough_parts,
 )
 
 _NO_ANSWERS: Mapping[str, str] = MappingProxyType({})
@@ -51,7 +52,9 @@ class Record:
     ``cable_m`` is the cable length for which the highest clock is chosen, and ``cable_row`` the row of the table for
     it. Both may be None. ``step`` is the exact length of a count in µm. ``numbers`` has it in each unit in which it is
     whole. ``document`` is the word for what does not state a fact, and ``mentioned`` are the subjects of the
-    texts that it has. ``used_hz`` has the clocks in use, if the highest clock is not known.
+    texts that it has. ``used_hz`` has the clocks in use, if the highest clock is not known. ``obstacle`` is the
+    reason why no master can take the position, and ``crc_obstacle`` the reason why none can check the CRC. Both are
+    sentences, or empty.
     """
 
     code: str
@@ -69,6 +72,8 @@ class Record:
     document: str = "manual"
     mentioned: frozenset[Subject] = frozenset()
     used_hz: tuple[int, ...] = ()
+    obstacle: str = ""
+    crc_obstacle: str = ""
 
     @property
     def known_numbers(self) -> Mapping[str, int]:
@@ -108,12 +113,13 @@ def record(
 
     Raises:
         Undecided: The frame depends on an answer that is missing.
-        NoRecord: The order code has no BiSS or SSI interface, its position is not in one piece, or no clock is known
-            for this cable length.
+        NoRecord: The order code has no BiSS or SSI interface, no frame carries its position, or no clock is known for
+            this cable length.
     """
     frame = _position_frame(device, variant, answers)
     deciding_alternatives = device.alternatives_of(frame.placed_layout.layout)
-    parts = tuple(frame_parts(frame.placed_layout, frame.measurement, variant))
+    parts, obstacle = _parts_and_obstacle(frame)
+    crc_obstacle = _crc_obstacle(device, frame.placed_layout)
     numbers = _numbers(frame, parts)
     cables = cable_table(device, frame.interface, variant.code)
     needed_answers = {alternative.name: answers[alternative.name] for alternative in deciding_alternatives}
@@ -121,8 +127,11 @@ def record(
         *_answer_notes(deciding_alternatives, needed_answers),
         *_clock_notes(numbers, cables, cable_m),
         *_frame_notes(device, frame.measurement.of, frame.placed_layout, parts, as_delivered),
+        *_channel_notes(frame),
+        *filter(None, (obstacle, crc_obstacle)),
     )
     unlimited = _record(frame, parts, numbers, cables, notes, needed_answers)
+    unlimited = replace(unlimited, obstacle=obstacle, crc_obstacle=crc_obstacle)
     return unlimited if cable_m is None else _with_cable(unlimited, cable_m)
 
 
@@ -144,6 +153,33 @@ def _position_frame(device: Device, variant: Variant, answers: Mapping[str, str]
         placed_layout=placed_layout,
         measurement=measurement.within(placed_layout.layout.position_range),
     )
+
+
+def _parts_and_obstacle(frame: _PositionFrame) -> tuple[tuple[Part, ...], str]:
+    """Return the parts of the frame, and the reason why no master can take them, or an empty string."""
+    layout = frame.placed_layout.layout
+    try:
+        if layout.in_bytes:
+            raise NoRecord(f"'{layout.name}' is carried as bytes, and the rules for masters cover frames of bits")
+        return tuple(frame_parts(frame.placed_layout, frame.measurement, frame.variant)), ""
+    except NoRecord as reason:
+        rough = tuple(rough_parts(frame.placed_layout, frame.measurement))
+        return rough, f"No master described here can read the position: {reason}."
+
+
+def _crc_obstacle(device: Device, placed_layout: PlacedLayout) -> str:
+    """Return the reason why no master can check the CRC, or an empty string."""
+    crc = device.crc_of(placed_layout.layout)
+    if crc is None or _is_common_form(device, crc):
+        return ""
+    form = "is not sent most significant bit first, either plain or fully inverted"
+    return f"No master described here can check the CRC: '{crc.name}' {form}."
+
+
+def _is_common_form(device: Device, crc: Crc) -> bool:
+    """Return whether the CRC is sent most significant bit first, either plain or fully inverted."""
+    is_reflected = device.reflects_input(crc) or crc.refout
+    return not is_reflected and crc.xorout in (0, crc.mask) and bool(crc.poly & 1)
 
 
 def _record(
@@ -177,7 +213,7 @@ def _record(
 def _numbers(frame: _PositionFrame, parts: Sequence[Part]) -> dict[str, int | None]:
     """Return the numbers of a record, in their order there."""
     variant = frame.variant
-    crc = _crc_for_masters(frame.device, frame.placed_layout)
+    crc = frame.device.crc_of(frame.placed_layout.layout)
     widths = bit_counts(parts)
     numbers = (
         widths
@@ -238,19 +274,8 @@ def _frame_with_position(interface: Interface, measurement: Measurement, variant
     for layout in layouts:
         placed_layout = layout.place(variant.parameters)
         if placed_layout.place_of(measurement.of)[1]:
-            if layout.in_bytes:
-                raise NoRecord(f"'{layout.name}' is carried as bytes, and the rules for masters cover frames of bits")
             return placed_layout
     raise NoRecord(f"no frame of {interface.title} carries '{measurement.of}'")
-
-
-def _crc_for_masters(device: Device, placed_layout: PlacedLayout) -> Crc | None:
-    crc = device.crc_of(placed_layout.layout)
-    if crc is None:
-        return None
-    if device.reflects_input(crc) or crc.refout or crc.xorout not in (0, crc.mask) or not crc.poly & 1:
-        raise NoRecord(f"the CRC '{crc.name}' is not sent most significant bit first, either plain or fully inverted")
-    return crc
 
 
 def _crc_numbers(crc: Crc | None) -> dict[str, int | None]:
@@ -360,6 +385,15 @@ def _frame_notes(
     fixed = [part.name for part in parts if part.role == "status" and not part.active]
     if fixed:
         yield f"{' and '.join(fixed)}: always 1, which a master treats as an inactive status bit."
+
+
+def _channel_notes(frame: _PositionFrame) -> Iterator[str]:
+    """Yield a sentence about the channels of BiSS whose data the settings leave out."""
+    channel = frame.placed_layout.layout.channel
+    others = [layout for layout in frame.interface.layouts if layout.channel and layout.channel != channel]
+    if channel and others:
+        names = " and ".join(f"'{layout.name}' on channel {layout.channel}" for layout in others)
+        yield f"The encoder also sends {names}. These settings are for channel {channel} only."
 
 
 def _register_notes(device: Device, dependence: str, parameters: set[str], as_delivered: bool) -> Iterator[str]:

@@ -229,7 +229,7 @@ def _field_texts(rule: Raw, name: str, record: Record) -> Iterator[str]:
     for part in parts:
         kind = f"status_active_{part.active or 'low'}" if part.role == "status" else part.role
         if kind not in texts:
-            raise UnsupportedFeature(f"{name} cannot express '{part.name}'")
+            raise UnsupportedFeature(f"{filled(name, record)} cannot express '{part.name}'")
         yield _filled_if_known(texts[kind].replace("{bits}", str(part.bits)).replace("{name}", part.name), record)
 
 

@@ -6,6 +6,7 @@ Everything about a master is in its description, a file in ``specs/masters``. Se
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
@@ -14,6 +15,7 @@ from typing import Any
 
 from ..language.check import check_document
 from ..language.files import packaged_masters
+from ..language.master_items import NUMBERS
 from ..language.problems import Report, listed
 from ..language.read import read_specs
 from ..model import INTERFACES, Device, Document, Interface, Variant, choices
@@ -95,7 +97,8 @@ class Sheet:
 
     ``writing`` are the conditions for writing the settings.
     ``is_described`` is false if the master is not described for the interface. ``unusable_devices`` are devices that
-    cannot use the order code although others can.
+    cannot use the order code although others can. ``gaps`` are the parts of the frame that the description of the
+    master does not cover. Settings that depend on them are unknown.
     """
 
     master: Master
@@ -105,6 +108,7 @@ class Sheet:
     writing: tuple[WriteCondition, ...] = ()
     is_described: bool = True
     unusable_devices: frozenset[str] = frozenset()
+    gaps: tuple[Refusal, ...] = ()
 
     def devices_with(self, file: Raw) -> list[str]:
         """Return the devices of the master to which a file in its description applies."""
@@ -178,11 +182,14 @@ def sheet(master: Master, record: Record) -> Sheet:
         only = listed(INTERFACES[name].title for name in master.takes)
         reason = f"This master is described for {only} only, but {record.code} has {INTERFACES[interface].title}."
         return Sheet(master, (Refusal(reason, master.standing, ""),), (), (), is_described=False)
-    settings, device_refusals = _settings_and_device_refusals(master, record)
+    if record.obstacle:
+        return Sheet(master, (Refusal(record.obstacle, "inferred", ""),), (), ())
+    uncovered = _uncovered_parts(master, record)
+    settings, device_refusals = _settings_and_device_refusals(master, record, uncovered)
     unusable_devices = frozenset[str]().union(*(devices for _, devices in device_refusals))
     broken_limits = (rule for rule in master.limits if applies(rule, record) and not is_within_limits(rule, record))
     refusals = [_limit_refusal(rule, master, record) for rule in broken_limits]
-    refusals += _refusals_of_parts(master, record)
+    refusals += _refusals_of_crc(master, record)
     if len(unusable_devices) == len(master.devices):
         refusals += [refusal for refusal, _ in device_refusals]
     if not refusals:
@@ -200,20 +207,26 @@ def sheet(master: Master, record: Record) -> Sheet:
         notes=(*device_notes, *notes),
         writing=writing_of(writing_rules, setting_names, master.devices, master.standing),
         unusable_devices=unusable_devices,
+        gaps=(_gap(uncovered),) if uncovered else (),
     )
 
 
 def _settings_and_device_refusals(
-    master: Master, record: Record
+    master: Master, record: Record, uncovered: str
 ) -> tuple[list[Setting], list[tuple[Refusal, set[str]]]]:
-    """Return the settings, and the refusals of settings that some devices cannot express, with these devices."""
+    """Return the settings, and the refusals of settings that some devices cannot express, with these devices.
+
+    ``uncovered`` names the parts of the frame that the description does not mention. If there are any, settings that
+    depend on the whole frame are unknown.
+    """
     settings: list[Setting] = []
     device_refusals: list[tuple[Refusal, set[str]]] = []
     for rule in master.settings:
         if not applies(rule, record):
             continue
         try:
-            settings.append(_setting_of_rule(rule, master, record))
+            unknown_parts = uncovered if _depends_on_whole_frame(rule) else ""
+            settings.append(_setting_of_rule(rule, master, record, unknown_parts))
         except UnsupportedFeature as reason:
             refusal = Refusal(f"{reason}.", rule.get("standing", master.standing), rule["source"])
             device_refusals.append((refusal, _devices_of(rule, master)))
@@ -233,16 +246,42 @@ def _refusals_of_values(settings: Sequence[Setting]) -> Iterator[Refusal]:
             yield Refusal(f"{reason}.", setting.standing, setting.source)
 
 
-def _refusals_of_parts(master: Master, record: Record) -> list[Refusal]:
-    """Return a refusal if the frame has parts that the master's description does not mention."""
+def _refusals_of_crc(master: Master, record: Record) -> Iterator[Refusal]:
+    """Yield a refusal if no master can check the CRC, and this one does."""
+    if record.crc_obstacle and _CRC_ITEMS & _mentioned_items((master.limits, master.settings)):
+        yield Refusal(record.crc_obstacle, "inferred", "")
+
+
+_CRC_ITEMS = {name for name in NUMBERS if name.startswith("crc_")} - {"crc_bits"}
+#: Items whose values are valid for any frame, as they do not depend on other bits of it.
+_ITEMS_OF_ANY_FRAME = {"multiturn_bits", "singleturn_bits", "position_bits", "status_bits", *_CRC_ITEMS, "crc_bits"}
+_FRAME_ITEMS = {name for name in NUMBERS if name.endswith("_bits") or "padding" in name or "bits_" in name}
+
+
+def _depends_on_whole_frame(rule: Raw) -> bool:
+    """Return whether other bits of the frame may change the value of a setting."""
+    if "string" in rule:
+        return True
+    items = _mentioned_items({key: rule[key] for key in ("value", "choice") if key in rule})
+    items = _FRAME_ITEMS & (items | set(re.findall(r"\{(\w+)\}", rule.get("text", ""))))
+    return len(items) > 1 or not items <= _ITEMS_OF_ANY_FRAME
+
+
+def _uncovered_parts(master: Master, record: Record) -> str:
+    """Return the names of the parts of the frame that the master's description does not mention, as a text."""
     pairs = zip(record.parts, _items_of_parts(record.parts), strict=True)
     uncommon_parts = {part.name: item_name for part, item_name in pairs if item_name}
-    mentioned = _mentioned_items((master.limits, master.settings)) if uncommon_parts else set[str]()
-    names = [f"'{name}'" for name, item_name in uncommon_parts.items() if item_name not in mentioned]
-    if not names:
-        return []
-    reason = f"The description of this master does not say how it handles {listed(names)} in the frame."
-    return [Refusal(reason, "inferred", "")]
+    if not uncommon_parts:
+        return ""
+    mentioned = _mentioned_items((master.limits, master.settings, master.notes))
+    if "parity" in mentioned:
+        mentioned.add("parity_bits")
+    return listed(f"'{name}'" for name, item_name in uncommon_parts.items() if item_name not in mentioned)
+
+
+def _gap(uncovered: str) -> Refusal:
+    reason = f"The description of this master does not say how it handles {uncovered} in the frame."
+    return Refusal(reason, "inferred", "")
 
 
 def _items_of_parts(parts: Sequence[Part]) -> Iterator[str]:
@@ -283,8 +322,11 @@ def _filled_names(names: Sequence[str], record: Record) -> list[str]:
     return [filled(name, record) for name in names]
 
 
-def _setting_of_rule(rule: Raw, master: Master, record: Record) -> Setting:
+def _setting_of_rule(rule: Raw, master: Master, record: Record, unknown_parts: str) -> Setting:
+    """Return a setting, without a value if it depends on parts whose handling is unknown."""
     try:
+        if unknown_parts:
+            raise UnknownValue(f"it depends on how the master handles {unknown_parts}")
         value, text, bound = value_of_setting(rule, record)
     except UnknownValue as reason:
         value, text, bound = None, f"unknown: {reason}", ""
@@ -375,10 +417,13 @@ def _sheets_for(master: Master, groups: Sequence[Group]) -> tuple[Sheet, ...]:
 
 
 def records_of(device: Device, interface: Interface) -> Iterator[Record]:
-    """Yield the records of all listed order codes of an interface, once for each choice on which the frame depends."""
+    """Yield the records of all listed order codes of an interface, once for each choice on which the frame depends.
+
+    Order codes whose position no master can read are left out.
+    """
     for variant in device.variants_over(interface.name):
         with suppress(NoRecord):
-            yield from _records_by_answers(device, variant)
+            yield from (code_record for code_record in _records_by_answers(device, variant) if not code_record.obstacle)
 
 
 def _records_by_answers(device: Device, variant: Variant) -> Iterator[Record]:

@@ -21,7 +21,12 @@ from .sheet import Master, Refusal, Setting, Sheet
 
 VERSION = 1
 
-_CODINGS = {"binary": "binary", "gray": "Gray", "gray_with_status": "Gray, position and status bits as one number"}
+_CODINGS = {
+    "binary": "binary",
+    "gray": "Gray",
+    "gray_with_status": "Gray, position and status bits as one number",
+    "other": "Gray, over other bits than the position",
+}
 _MARKS = {"documented": "", "inferred": " *", "tried": " +"}
 
 
@@ -109,8 +114,12 @@ def _data_bits(record: Record) -> str:
     sizes = [f"{number['data_bits']}"]
     if number["status_bits"]:
         sizes.append(f"{number['data_and_status_bits']} with the status bits")
+    if number["other_bits_left"] or number["other_bits_right"]:
+        sizes.append(f"{number['bits_without_crc']} with the other bits")
     if number["crc_bits"]:
         sizes.append(f"{number['frame_bits']} with the CRC")
+    if number["parity_bits"]:
+        sizes.append(f"{record.known_numbers['frame_bits'] + 1} with the parity bit")
     return ", ".join(sizes)
 
 
@@ -122,17 +131,18 @@ def _crc(record: Record) -> str:
     without_top_bit = number["crc_polynomial_without_top_bit"]
     spellings = f"0x{polynomial:02X} ({polynomial}) with its top bit, 0x{without_top_bit:02X} without it"
     spellings += f", 0x{number['crc_polynomial_without_last_1']:02X} without its trailing 1 (Koopman notation)"
-    return (
-        f"{number['crc_bits']} bits, polynomial {spellings}, start value {number['crc_start']}, "
-        f"sent {'inverted' if number['crc_inverted'] else 'not inverted'}"
-    )
+    form = f"sent {'inverted' if number['crc_inverted'] else 'not inverted'}"
+    if record.crc_obstacle:
+        form = "in a form that masters cannot check, see below"
+    return f"{number['crc_bits']} bits, polynomial {spellings}, start value {number['crc_start']}, {form}"
 
 
 def legend(masters: Sequence[Master], sheets: Sequence[Sheet], with_places: bool) -> str:
     """Return the meaning of the marks, and the settings tested on hardware."""
     standings = {master.standing for master in masters}
     for sheet in sheets:
-        rules: tuple[Setting | WriteCondition | Refusal, ...] = (*sheet.settings, *sheet.writing, *sheet.refusals)
+        refusals = (*sheet.refusals, *sheet.gaps)
+        rules: tuple[Setting | WriteCondition | Refusal, ...] = (*sheet.settings, *sheet.writing, *refusals)
         standings |= {rule.standing for rule in rules}
         if with_places:
             standings |= {place.standing for setting in sheet.settings for place in setting.places}
@@ -194,6 +204,8 @@ def _setting_text(setting: Setting) -> str:
 def sheet_text(device: Device, match: Match, record: Record, sheets: Sequence[Sheet]) -> str:
     """Return the record and each master's settings or refusals as text, at most 80 columns wide."""
     lines = _record_lines(device, match, record)
+    if record.obstacle:
+        return "\n".join(lines)
     lines += ["", wrapped(legend([sheet.master for sheet in sheets], sheets, len(sheets) == 1), WIDTH)]
     usable_sheets = [sheet for sheet in sheets if not sheet.refusals]
     for sheet in usable_sheets:
@@ -239,6 +251,7 @@ def _sheet_lines(sheet: Sheet, with_documents: bool) -> list[str]:
         lines += _setting_lines(setting, sheet, name_width, value_width)
         if with_documents:
             lines += _lines_of_places(setting, sheet)
+    lines += [wrapped(refusal_text(gap), WIDTH, "    ", "  - ") for gap in sheet.gaps]
     for rule in sheet.shared_writing:
         lines.append(wrapped(condition_text(rule), WIDTH, "    ", "  - "))
         lines += _lines_of_needed_values(rule, sheet.master, "    ") if with_documents else []
@@ -341,6 +354,7 @@ def _sheet_data(sheet: Sheet) -> dict[str, Any]:
         "title": sheet.master.title,
         "takes_it": not sheet.refusals,
         "refusals": [asdict(reason) for reason in sheet.refusals],
+        "gaps": [asdict(gap) for gap in sheet.gaps],
         "settings": [asdict(setting) for setting in sheet.settings],
         "writing": [asdict(rule) for rule in sheet.writing],
         "write_order": list(write_order(names, sheet.writing)),

@@ -37,12 +37,9 @@ def record_with(record: Record, **items: int | str | None) -> Record:
         ),
         (
             "ic_mb",
-            {"data_and_status_bits": 64},
-            {"data_and_status_bits": 65},
-            (
-                "A slave sends 1 to 64 bits of sensor data, status bits included. "
-                "For this encoder: data and status bits 65."
-            ),
+            {"bits_without_crc": 64},
+            {"bits_without_crc": 65},
+            ("A slave sends 1 to 64 bits of sensor data, status bits included. For this encoder: bits without crc 65."),
         ),
         (
             "ic_mb",

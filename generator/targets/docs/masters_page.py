@@ -9,7 +9,16 @@ from typing import Annotated, Any, TypedDict
 
 from ...masters.places import MasterDevice, Place, place_words
 from ...masters.sheet import Group, GroupSheets, Master, Refusal, Setting, Sheet, records_of, sheets_of
-from ...masters.text import bound_in_words, cited, condition_text, condition_texts, facts, legend, standing_mark
+from ...masters.text import (
+    bound_in_words,
+    cited,
+    condition_text,
+    condition_texts,
+    facts,
+    legend,
+    refusal_text,
+    standing_mark,
+)
 from ...model import Device, Interface
 from ...say.markdown import code, joined, text
 from .fact_tables import document_rows
@@ -230,7 +239,8 @@ def _further_notes(group_sheets: GroupSettings) -> Iterator[str]:
     """Yield further notes, with the order codes unless a note applies to all of them."""
     groups_by_note: dict[str, list[Group]] = {}
     for group, sheet in group_sheets:
-        for note in (*(condition_text(rule) for rule in sheet.shared_writing), *sheet.notes):
+        gaps = (refusal_text(gap) for gap in sheet.gaps)
+        for note in (*gaps, *(condition_text(rule) for rule in sheet.shared_writing), *sheet.notes):
             groups_by_note.setdefault(text(note), []).append(group)
     for note, groups in groups_by_note.items():
         applies_to_all = len(groups) == len(group_sheets)
