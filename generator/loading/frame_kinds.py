@@ -102,6 +102,8 @@ def _verdicts_of_affected_bits(device: Device, erratum: Erratum) -> Iterator[Ver
             if layout.tells_validity:
                 yield from verdicts
                 yield Verdict.USABLE
+                if not layout.judging_bits.is_constant:
+                    yield Verdict.UNKNOWN
             else:
                 yield from map(_at_best_unknown, verdicts)
                 yield Verdict.UNKNOWN

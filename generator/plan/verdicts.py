@@ -11,6 +11,7 @@ from dataclasses import field as dataclass_field
 from dataclasses import replace
 
 from ..model import Device, Field, Flag, Interface, Layout, Verdict
+from ..model.expressions import Expression
 from ..model.kinds import Choice, Constant, CrcValue, Decimal, Number, Parity, Text, Unused
 from ..model.lookup import assert_never
 from ..model.record import dataclass
@@ -69,12 +70,19 @@ class VerdictCause:
 class Judgement:
     """Verdict on the position of a frame: that of the worst active cause, or ``otherwise`` if none is active.
 
-    If ``otherwise`` is UNKNOWN, warnings have no effect, since UNKNOWN is worse than a warning.
+    If ``otherwise`` is UNKNOWN, warnings have no effect, since UNKNOWN is worse than a warning. ``judging_bits`` is the
+    number of bits that say whether the position is usable. For order codes where it is 0, UNKNOWN is also a verdict.
     """
 
     not_usable: tuple[VerdictCause, ...]
     with_warning: tuple[VerdictCause, ...]
     otherwise: Verdict
+    judging_bits: Expression
+
+    @property
+    def may_be_unknown(self) -> bool:
+        """True if the frames of some order codes have no bits that judge the position, and those of others have."""
+        return not self.judging_bits.is_constant
 
     @property
     def worst_first(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
@@ -100,7 +108,7 @@ def judgement_of(codec: Codec) -> Judgement:
     tells = codec.layout.tells_validity
     warning = speaking[Verdict.USABLE_WITH_WARNING] if tells else ()
     otherwise = Verdict.USABLE if tells else Verdict.UNKNOWN
-    return Judgement(tuple(speaking[Verdict.NOT_USABLE]), tuple(warning), otherwise)
+    return Judgement(tuple(speaking[Verdict.NOT_USABLE]), tuple(warning), otherwise, codec.layout.judging_bits)
 
 
 def _by_worth(field: Field) -> Iterator[tuple[Flag, Only | None]]:

@@ -56,7 +56,11 @@ class FrameReports:
             *self._told,
             *(cause for _, speakers in judged for cause in speakers),
         ]
-        return any(cause.conditions for cause in causes)
+        return self._may_be_unknown or any(cause.conditions for cause in causes)
+
+    @property
+    def _may_be_unknown(self) -> bool:
+        return self._judgement is not None and self._judgement.may_be_unknown
 
     def _holds(self, only: Only) -> Expr:
         """Return the condition on a parameter of the encoder."""
@@ -67,7 +71,16 @@ class FrameReports:
         """Verdicts that flags or bits of the frame lead to, worst first. Any of a verdict's conditions is enough."""
         if self._judgement is None:
             return []
-        return [(verdict.name, self._conditions(items)) for verdict, items in self._judgement.worst_first]
+        conditions = {verdict: self._conditions(items) for verdict, items in self._judgement.worst_first}
+        if self._judgement.may_be_unknown:
+            conditions[Verdict.UNKNOWN] = [self._has_no_judge(self._judgement.judging_bits)]
+        return [(verdict.name, conditions[verdict]) for verdict in Verdict if verdict in conditions]
+
+    def _has_no_judge(self, judging_bits: Expression) -> str:
+        """Return the condition that the frames of the encoder have no bits that judge the position."""
+        variant = self._own("variant")
+        names = {parameter: f"{variant}.{attribute}" for parameter, attribute in self._parameters.items()}
+        return f"{Scope(names).of(judging_bits).operand} == 0"
 
     @property
     def not_usable(self) -> list[str]:
@@ -346,6 +359,8 @@ class Decoder:
             case Active(low):
                 # A shorter number also contains the lowest bits.
                 at = part.bits.low
+                if not field.width.is_constant:
+                    return [_optional_bit_test(bits, low, self.number(field.width))]
                 is_low = self.tables and not self.codec.gray and at.is_constant and at.constant < TABLE_BITS
                 return [_bit_test(self.read.bit(part.bits, "low" if is_low else ""), low)]
             case Named() if self.selects(field):
@@ -410,6 +425,11 @@ def _or_if_zero(bits: Expr, stands_for: int) -> Expr:
 
 def _bit_test(bits: Expr, low: bool) -> Expr:
     return Atom(f"not {bits}" if low else f"{bits.operand} != 0")
+
+
+def _optional_bit_test(bits: Expr, low: bool, width: Expr) -> Expr:
+    """Return the condition that a flag is active. It is inactive if its width is 0."""
+    return Atom(f"{bits.operand} != {width.operand if low else 0}")
 
 
 def _text(field: Field, bits: Expr) -> Expr:
