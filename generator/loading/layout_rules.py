@@ -310,7 +310,8 @@ def _check_one_bit(field: Field, kind_text: str, site: Site) -> None:
             return
     if field.widest == 0:
         message = f"'{field.name}' has no bits, since '{field.width.render()}' is 0 for all order codes"
-        site.report("width-mismatch", f"{message}; remove the field, or give the parameter 1 where it is sent")
+        remedy = "remove the field, or give the parameter 1 where it is sent, or 'max: 1' if it is read from a register"
+        site.report("width-mismatch", f"{message}; {remedy}")
 
 
 def _check_choice(field: Field, kind: Choice, site: Site) -> None:

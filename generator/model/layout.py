@@ -7,7 +7,7 @@ layout.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from enum import Enum
 from functools import cached_property
 from itertools import accumulate
@@ -137,25 +137,35 @@ class Layout:
         return tuple(filter(_is_status, self.fields))
 
     @cached_property
-    def judging_bits(self) -> Expression:
-        """Number of bits that say in every frame whether the position is usable. It is 0 for order codes without any.
-
-        They belong to flags, named values and combinations with a verdict. If some of them are in the frames of all
-        order codes, their number does not matter, and this is 1.
-        """
-        widths = [field.width for field in self.fields if _judges(field.kind)]
+    def judging_fields(self) -> tuple[Field, ...]:
+        """Fields that say in every frame whether the position is usable: flags, or fields of values with a verdict."""
+        names = {field.name for field in self.fields if _judges(field.kind)}
         for sign in self.signs:
             if _judges(sign.flag.kind):
-                name, _ = sign.conditions[0]  # The fields of a combination have the same width for all order codes.
-                widths.append(self.field(name).width)
+                # The fields of a combination have the same width for all order codes, so the first one is enough.
+                name, _ = sign.conditions[0]
+                names.add(name)
+        return tuple(field for field in self.fields if field.name in names)
+
+    @cached_property
+    def judging_bits(self) -> Expression:
+        """Number of bits of the judging fields. It is 0 for order codes without any.
+
+        If all order codes have some of these fields, the number of bits does not matter, and this is 1.
+        """
+        widths = {field.width: None for field in self.judging_fields}
         if any(width.is_constant for width in widths):
             return Expression(1)
-        return sum(dict.fromkeys(widths), Expression(0))
+        return sum(widths, Expression(0))
 
     @property
     def tells_validity(self) -> bool:
         """True if at least for some order codes, every frame says whether the position is usable."""
         return self.judging_bits != Expression(0)
+
+    def with_unknown_verdicts(self) -> Layout:
+        """Return the layout with UNKNOWN instead of a warning as the verdict of reserved bits."""
+        return replace(self, fields=tuple(map(_with_unknown_verdict_if_reserved, self.fields)))
 
     @cached_property
     def signs(self) -> tuple[Sign, ...]:
@@ -258,6 +268,12 @@ class PlacedLayout:
 def _judges(kind: Kind) -> bool:
     """Return whether a flag says for all order codes that have it whether the position is usable."""
     return isinstance(kind, Flag) and kind.makes_position is not Verdict.USABLE and not kind.only_while
+
+
+def _with_unknown_verdict_if_reserved(field: Field) -> Field:
+    if isinstance(field.kind, Unused) and field.kind.makes_position is Verdict.USABLE_WITH_WARNING:
+        return replace(field, kind=replace(field.kind, makes_position=Verdict.UNKNOWN))
+    return field
 
 
 def _is_status(field: Field) -> bool:

@@ -84,11 +84,25 @@ class Judgement:
         """True if the frames of some order codes have no bits that judge the position, and those of others have."""
         return not self.judging_bits.is_constant
 
+    def for_parameters(self, parameters: Mapping[str, int]) -> Judgement:
+        """Return the verdict for an order code with these parameters, without causes that its frames do not have."""
+        not_usable = tuple(cause for cause in self.not_usable if _has_bits(cause.by, parameters))
+        if self.judging_bits.value(parameters) == 0:
+            return Judgement(not_usable, (), Verdict.UNKNOWN, Expression(0))
+        with_warning = tuple(cause for cause in self.with_warning if _has_bits(cause.by, parameters))
+        return Judgement(not_usable, with_warning, self.otherwise, Expression(1))
+
     @property
     def worst_first(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
         """Return the verdicts with their causes, worst first."""
         levels = ((Verdict.NOT_USABLE, self.not_usable), (Verdict.USABLE_WITH_WARNING, self.with_warning))
         return tuple(level for level in levels if level[1])
+
+
+def _has_bits(cause: Cause, parameters: Mapping[str, int]) -> bool:
+    """Return whether the frames of an order code with these parameters have the bits of a cause."""
+    places = [part.bits for part, _ in cause.conditions] if isinstance(cause, Match) else [cause.bits]
+    return all(bits.width.value(parameters) > 0 for bits in places)
 
 
 def judgement_of(codec: Codec) -> Judgement:

@@ -339,7 +339,13 @@ class VirtualEncoder:
             *(register.layout for register in self.device.registers_over(self.variant.interface)),
         ]
         fields = (field for layout in layouts for field in layout.fields)
-        return frozenset(field.name for field in fields if isinstance(field.kind, Flag))
+        return frozenset(field.name for field in fields if isinstance(field.kind, Flag) and self._may_send(field))
+
+    def _may_send(self, field: Field) -> bool:
+        """Return whether the encoder sends a field, or would send it with other values in its registers."""
+        run_time_names = {parameter.name for parameter in self.device.run_time_parameters}
+        needed_names = self.device.needed_parameters(field.width.parameters)
+        return field.width.value(self.variant.parameters) > 0 or not run_time_names.isdisjoint(needed_names)
 
     def _check_answers(self, variant: Variant) -> None:
         alternatives = self.device.alternatives
