@@ -299,7 +299,9 @@ def _check_one_bit(field: Field, kind_text: str, site: Site) -> None:
             site.report("width-mismatch", f"{subject}, so it must have one bit, not {field.widest}")
         return
     if site.path[0] == "registers":
-        message = f"{subject} in a register, so it has one bit for all order codes, but 'bits' is {field.width.render()}"
+        message = (
+            f"{subject} in a register, so it has one bit for all order codes, but 'bits' is {field.width.render()}"
+        )
         site.report("width-mismatch", f"{message}; leave 'bits' out")
         return
     for parameters in site.sets:

@@ -11,8 +11,8 @@ from typing import Any, Protocol
 from ..model import (
     Biss,
     CodePart,
-    Constant,
     Connector,
+    Constant,
     CrcExample,
     CrcValue,
     Device,
@@ -356,7 +356,7 @@ def _without_empty_fields(layout: Layout) -> Layout:
     return reduced if reduced.tells_validity == layout.tells_validity else reduced.with_unknown_verdicts()
 
 
-def _with_parity_of_others(field: Field, removed: Collection[str]) -> Field:
+def _with_parity_of_others(field: Field, removed: set[str]) -> Field:
     """Return a parity bit without the removed fields. If it covers no others, it is always the same."""
     parity = field.kind
     if not isinstance(parity, Parity) or removed.isdisjoint(parity.of):

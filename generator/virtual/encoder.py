@@ -187,7 +187,8 @@ class VirtualEncoder:
         flag_names = self._flags
         for name in names:
             if name not in flag_names:
-                raise ValueError(f"{self.variant.code} has no flag '{name}'; it has: {', '.join(sorted(flag_names))}")
+                known_names = ", ".join(sorted(flag_names)) or "none"
+                raise ValueError(f"{self.variant.code} has no flag '{name}'; it has: {known_names}")
         self.flags.update(names)
 
     def clear_flag(self, *names: str) -> None:

@@ -15,11 +15,15 @@ from dataclasses import dataclass
 from functools import cache
 from itertools import product
 from pathlib import Path
+from runpy import run_path
 from types import ModuleType
 from typing import Any
 
 import pytest
 from c_harness import GCC, compile_programs, runner_over, write
+from codewheel.commands.outputs import targets_named
+from codewheel.dump.plain import device_dump
+from codewheel.dump.xml import to_xml
 from codewheel.loading.library import load_library
 from codewheel.model import Device, PlacedLayout, Variant, Verdict
 from codewheel.plan.verdicts import reports_of
@@ -27,12 +31,14 @@ from codewheel.reference import codec
 from codewheel.reference.findings import findings
 from codewheel.targets import Library
 from codewheel.targets.browser.files import generate as generate_page
+from codewheel.virtual.encoder import VirtualEncoder
 from exhaustive import mostly_exhaustive
 from test_c_reports import by_interface
 
 pytestmark = pytest.mark.slow
 
 SPECS = Path(__file__).resolve().parents[1] / "specs"
+SCRIPT = SPECS.parents[1] / "docs" / "example" / "decode_from_xml.py"
 VERDICTS = [verdict.value for verdict in Verdict]
 NOT_USABLE, UNKNOWN, WARNING, USABLE = VERDICTS
 FAULTS = {"0": "", "1": "length", "2": "crc", "3": "constant", "4": "range"}
@@ -341,8 +347,13 @@ def decode_in_c(cases: Sequence[Case], _: Import, folder: Path) -> Iterator[Case
     names = {1 << report.number: report.name for report in reports_of(view)}
     members = {"word": "position failed worn life unused", "cycle": "life position moving error warning whole"}
     member_names = members.get(cases[0].layout, "broken position aged unused").split()
-    texts = [case.number.to_bytes(4, "little").hex() if case.layout == "reply" else f"{case.number:X}" for case in cases]
+    texts = [
+        case.number.to_bytes(4, "little").hex() if case.layout == "reply" else f"{case.number:X}" for case in cases
+    ]
     decoded = run([f"{case.code} decode {case.layout} {text}" for case, text in zip(cases, texts, strict=True)])
+    valid = [(case, text, row[2:]) for case, text, row in zip(cases, texts, decoded, strict=True) if row[0] == "0"]
+    encoded = run([f"{case.code} encode {case.layout} {row}" for case, _, row in valid])
+    assert encoded == [f"0 {text.upper()}" for _, text, _ in valid]
     judged = run([f"{case.code} tells {case.layout} {text}" for case, text in zip(cases, texts, strict=True)])
     for case, values_text, verdict_text in zip(cases, decoded, judged, strict=True):
         fault, *numbers = values_text.split()
@@ -437,9 +448,115 @@ def test_every_engine_decides_as_the_decoder_here_does(
 
 def test_there_are_frames_of_all_kinds() -> None:
     assert len(OPTIONS) == 96
-    for layout, faults in {"word": {"", "constant"}, "cycle": {"", "crc", "constant"}, "reply": {"", "crc", "constant"}}.items():
+    for layout, faults in {
+        "word": {"", "constant"},
+        "cycle": {"", "crc", "constant"},
+        "reply": {"", "crc", "constant"},
+    }.items():
         cases = cases_of(layout, 40)
         assert {case.fault for case in cases} == faults
         assert len({case.code for case in cases if not case.fault}) == 96
         unknown = {case.code[5:7] for case in cases if case.verdict == UNKNOWN}
         assert unknown == {"XX"}
+
+
+#: Values of a frame without its absent flags, and flags that the order codes of a layout may lack.
+ABSENT = {
+    "word": ({"position": 5, "life": 0}, ("failed", "worn")),
+    "cycle": ({"position": 5, "life": 0}, ("error", "warning", "moving")),
+    "reply": ({"position": 5}, ("broken", "aged")),
+}
+CODES = {"word": "OPS12XXXXX", "cycle": "OPB12XXXXX", "reply": "OPR12XXXXX"}
+
+
+@pytest.mark.parametrize("layout", FRAMES)
+def test_an_active_flag_that_the_order_code_lacks_is_refused(
+    layout: str, import_generated: Import, tmp_path: Path
+) -> None:
+    np: Any = pytest.importorskip("numpy")
+    (numbers, flags), code = ABSENT[layout], CODES[layout]
+    _, placed_layout = placed(code, layout)
+    package = import_generated(Library((device(),)), device().manufacturer.python_package)[1]
+    encoder: Any = package.lookup(code)
+    inactive: dict[str, Any] = {**numbers, **dict.fromkeys(flags, False)}
+    number = codec.encode(device(), placed_layout, inactive)
+    kind: Any = type(encoder.decode(number.to_bytes(4, "little") if layout == "reply" else number))
+    assert kind(encoder, **inactive).encode() == kind(encoder, **inactive).encode()
+    compile_programs([*GCC, "-Wall", "-Wextra", "-Werror"], device(), tmp_path, write(tmp_path, (device(),)))
+    run = runner_over(device(), tmp_path)
+    rows = {"word": "5 {} {} 0 0", "cycle": "0 5 {2} {0} {1} 5", "reply": "{} 5 {} 0"}
+    assert run([f"{code} encode {layout} {rows[layout].format(0, 0, 0)}"])[0].startswith("0 ")
+    for index, flag in enumerate(flags):
+        active = {**inactive, flag: True}
+        with pytest.raises(codec.EncodeError, match=flag):
+            codec.encode(device(), placed_layout, active)
+        with pytest.raises(ValueError, match=f"{flag} must be False, since this encoder has no such flag, got True"):
+            kind(encoder, **active).encode()
+        columns = {name: np.array([value, value]) for name, value in active.items()}
+        with pytest.raises(ValueError, match=f"{flag} must be False"):
+            kind.encode_many(columns, encoder)
+        bits = [int(index == place) for place in range(3)]
+        assert run([f"{code} encode {layout} {rows[layout].format(*bits)}"])[0].startswith("4 "), flag
+    # The whole number has one bit for the moving bit only with order codes that have it.
+    if layout == "cycle":
+        with pytest.raises(ValueError, match="moving"):
+            _ = kind(encoder, **{**inactive, "moving": True}).whole
+
+
+@pytest.mark.parametrize("layout", FRAMES)
+def test_the_example_script_for_the_xml_decides_as_the_decoder_here_does(
+    layout: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    xml = tmp_path / "device.xml"
+    xml.write_text(to_xml(device_dump(device())), encoding="utf-8")
+    for _, group in list(by_code(cases_of(layout, 40)))[::7]:
+        case = next(case for case in group if not case.fault)
+        text = case.number.to_bytes(4, "little").hex() if layout == "reply" else hex(case.number)
+        monkeypatch.setattr("sys.argv", [str(SCRIPT), str(xml), case.code, layout, text])
+        run_path(str(SCRIPT))
+        assert capsys.readouterr().out.splitlines()[-1] == f"verdict: {case.verdict}", (case.code, text)
+
+
+@pytest.mark.parametrize(
+    ("code", "line"),
+    [
+        ("OPS12XXXXX", "Position: no bit of this frame confirms that the position is usable."),
+        ("OPS12XWXXX", "Position: ▲ usable with a warning if `worn` or `spare` is 0; otherwise ✓ usable."),
+        (
+            "OPS12EXXXX",
+            "✕ **not usable** if `failed` is 1; ▲ usable with a warning if `spare` is 0; otherwise ✓ usable.",
+        ),
+        ("OPB12XXPXX", "Position: no bit of this frame confirms that the position is usable."),
+        ("OPB17EXXXX", "✕ **not usable** if `error` is 0; otherwise, if the CRC is correct, ✓ usable."),
+    ],
+)
+def test_the_page_of_an_order_code_has_the_verdicts_of_its_bits(code: str, line: str) -> None:
+    assert line in _pages()[f"docs/options/{code}.md"]
+
+
+def test_the_page_of_verdicts_says_which_order_codes_have_none() -> None:
+    page = _pages()["docs/usable-or-not.md"]
+    assert "| none of these, for order codes without `failed` or `worn` |  | `unknown` |" in page
+    assert page.count("none of these, for order codes without") == 3
+
+
+@cache
+def _pages() -> Mapping[str, str]:
+    (target,) = (target for target in targets_named() if target.name == "docs")
+    return {path: text for path, text in target.files(Library((device(),)), {}).items() if path.endswith(".md")}
+
+
+@pytest.mark.parametrize("code", ["OPS12XXXXX", "OPS17EXPLZ", "OPS12XWQXX"])
+def test_a_virtual_encoder_sends_and_accepts_only_the_flags_that_it_has(code: str) -> None:
+    options = Options.of(code[3:])
+    encoder = VirtualEncoder(code, specs=[SPECS / "options.yaml", SPECS / "manufacturer.yaml"])
+    for flag, width in (("failed", options.error), ("worn", options.warning)):
+        if not width:
+            with pytest.raises(ValueError, match=flag):
+                encoder.set_flag(flag)
+            continue
+        encoder.set_flag(flag)
+        _, layout = placed(code, "word")
+        decoded = codec.decode(device(), layout, encoder.frame(layout.layout, {}))
+        assert not decoded.problems
+        assert decoded.values[flag] is True

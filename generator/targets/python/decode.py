@@ -357,12 +357,7 @@ class Decoder:
             case ZeroMeans(stands_for):
                 return [_or_if_zero(bits, stands_for)]
             case Active(low):
-                # A shorter number also contains the lowest bits.
-                at = part.bits.low
-                if not field.width.is_constant:
-                    return [_optional_bit_test(bits, low, self.number(field.width))]
-                is_low = self.tables and not self.codec.gray and at.is_constant and at.constant < TABLE_BITS
-                return [_bit_test(self.read.bit(part.bits, "low" if is_low else ""), low)]
+                return [self._is_active(part, low)]
             case Named() if self.selects(field):
                 return [call(self.enum(field), bits)]
             case Named():
@@ -374,6 +369,17 @@ class Decoder:
                 return [Atom(f'{adjacent}.decode("latin-1")') if adjacent else _text(field, bits)]
             case meaning:
                 assert_never(meaning)
+
+    def _is_active(self, part: Part, low: bool) -> Expr:
+        """Return the condition that a flag is active. A flag that the order code does not have is inactive."""
+        width = part.field.width
+        if not width.is_constant:
+            inactive = self.number(width) if low else number(0)
+            return Atom(f"{self.bits(part).operand} != {inactive.operand}")
+        # A shorter number also contains the lowest bits.
+        at = part.bits.low
+        is_low = self.tables and not self.codec.gray and at.is_constant and at.constant < TABLE_BITS
+        return _bit_test(self.read.bit(part.bits, "low" if is_low else ""), low)
 
     def all_values(self, encoder_and_answers: Sequence[tuple[str, str]]) -> list[str]:
         """Return the values of all attributes, in order, after the encoder and the answers."""
@@ -425,11 +431,6 @@ def _or_if_zero(bits: Expr, stands_for: int) -> Expr:
 
 def _bit_test(bits: Expr, low: bool) -> Expr:
     return Atom(f"not {bits}" if low else f"{bits.operand} != 0")
-
-
-def _optional_bit_test(bits: Expr, low: bool, width: Expr) -> Expr:
-    """Return the condition that a flag is active. It is inactive if its width is 0."""
-    return Atom(f"{bits.operand} != {width.operand if low else 0}")
 
 
 def _text(field: Field, bits: Expr) -> Expr:

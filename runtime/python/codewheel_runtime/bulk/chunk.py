@@ -51,8 +51,11 @@ class Chunk:
             number &= np.uint64((1 << width) - 1)
         return number
 
-    def flag(self, low: int, active: bool, out: Any) -> None:
-        """Set ``out`` to True where a bit is 1, or where it is 0 if ``active`` is False."""
+    def flag(self, low: int, width: int, active: bool, out: Any) -> None:
+        """Set ``out`` to True where a bit is 1, or where it is 0 if ``active`` is False. Without a bit, it is False."""
+        if not width:
+            out[:] = False
+            return
         bit = self.byte(low // 8) & np.uint8(1 << low % 8)
         (np.not_equal if active else np.equal)(bit, 0, out=out)
 

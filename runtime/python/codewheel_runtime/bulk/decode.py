@@ -262,10 +262,7 @@ def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
 def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
     match column.kind:
         case "flag" | "not_flag":
-            if column.width:
-                chunk.flag(column.low, column.kind == "flag", out[column.name])
-            else:
-                out[column.name][:] = False
+            chunk.flag(column.low, column.width, column.kind == "flag", out[column.name])
         case "choice":
             out[column.name][:] = chunk.take(column.low, column.width)
         case "digits":
