@@ -74,8 +74,8 @@ def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgeme
     yield last_name, "", code(judgement.otherwise.value), "", ""
     if judgement.may_be_unknown:
         names = [Code(field.name) for field in layout.judging_fields]
-        missing_names = STYLE.phrase(statement(*listed(names, " or ")))
-        yield f"none of these, for order codes without {missing_names}", "", code(Verdict.UNKNOWN.value), "", ""
+        missing_names = STYLE.phrase(statement(*listed(names)))
+        yield f"order codes that lack {missing_names}", "", code(Verdict.UNKNOWN.value), "", ""
 
 
 @dataclass(frozen=True, slots=True)
