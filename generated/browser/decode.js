@@ -307,8 +307,14 @@
       const worst = at.speaks.find((item) =>
         applies(item) && !(item.unless ?? []).some((name) => active.has(name)));
       found.verdict = worst ? worst.verdict : at.layout.otherwise;
+      if (!judges(at) && found.verdict !== "not_usable") found.verdict = "unknown";
     }
     found.differences = [...at.fields.flatMap((item) => differenceOf(found, item)), ...strangeIn(found)];
+  }
+
+  /** Whether frames of the order code have bits that say whether the position is usable, if others have. */
+  function judges({ layout, parameters }) {
+    return layout.judging_bits === undefined || value(layout.judging_bits, parameters) > 0;
   }
 
   /** Whether a flag is active, or unused bits differ from the manual. */

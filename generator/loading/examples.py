@@ -397,9 +397,9 @@ def _encoded_sample(
     decoded_values = {field.name: values[field.name] for field in placed.fields if field.name in values}
     decoded_values |= {join.name: join_value(placed, join, plain_frame) for join in placed.layout.joins}
     refused_frame = None
-    if placed.layout.spoiling_flags:
+    if placed.spoiling_flags:
         # An active flag that makes the position unusable. One is enough.
-        flag = placed.layout.spoiling_flags[0]
+        flag = placed.spoiling_flags[0]
         refused_frame = encode(device, placed, {**values, flag.name: True})
     return Sample(
         order_code=variant.code,

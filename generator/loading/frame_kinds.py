@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import replace
 from itertools import combinations
 
 from ..language.document import Path
@@ -46,7 +45,7 @@ def with_unknown_verdicts(layout: Layout, raw_fields: Iterable[Raw], site: Site)
     if layout.tells_validity:
         return layout
     _report_stated_warnings(layout, raw_fields, site)
-    return replace(layout, fields=tuple(map(_with_unknown_verdict_if_reserved, layout.fields)))
+    return layout.with_unknown_verdicts()
 
 
 def _report_stated_warnings(layout: Layout, raw_fields: Iterable[Raw], site: Site) -> None:
@@ -56,12 +55,6 @@ def _report_stated_warnings(layout: Layout, raw_fields: Iterable[Raw], site: Sit
         if is_reserved and field.get("makes_position") == Verdict.USABLE_WITH_WARNING.value:
             problem = f"no flag of '{layout.name}' says whether the position is usable, so the verdict stays unknown"
             site.report("reserved-verdict", f"{problem}; leave 'makes_position' out", "fields", index, "makes_position")
-
-
-def _with_unknown_verdict_if_reserved(field: Field) -> Field:
-    if isinstance(field.kind, Unused) and field.kind.makes_position is Verdict.USABLE_WITH_WARNING:
-        return replace(field, kind=replace(field.kind, makes_position=Verdict.UNKNOWN))
-    return field
 
 
 def check_errata(device: Device, report: DocumentReport) -> None:
@@ -102,6 +95,8 @@ def _verdicts_of_affected_bits(device: Device, erratum: Erratum) -> Iterator[Ver
             if layout.tells_validity:
                 yield from verdicts
                 yield Verdict.USABLE
+                if not layout.judging_bits.is_constant:
+                    yield Verdict.UNKNOWN
             else:
                 yield from map(_at_best_unknown, verdicts)
                 yield Verdict.UNKNOWN

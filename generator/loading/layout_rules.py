@@ -29,6 +29,7 @@ from ..model import (
 )
 from ..model.expressions import Expression
 from .fields import Site
+from .gaps import values_text
 
 
 def check_joined(layout: Layout, site: Site, low_byte_first: bool) -> None:
@@ -291,14 +292,27 @@ def _check_text(field: Field, site: Site) -> None:
 
 
 def _check_one_bit(field: Field, kind_text: str, site: Site) -> None:
-    if field.width.is_constant and field.width != Expression(1):
-        site.report("width-mismatch", f"'{field.name}' is a {kind_text}, so it must have one bit, not {field.widest}")
-    elif not field.width.is_constant:
+    """Check that a flag or parity bit has one bit. In a frame, it can have none for some order codes."""
+    subject = f"'{field.name}' is a {kind_text}"
+    if field.width.is_constant:
+        if field.width != Expression(1):
+            site.report("width-mismatch", f"{subject}, so it must have one bit, not {field.widest}")
+        return
+    if site.path[0] == "registers":
         message = (
-            f"'{field.name}' is a {kind_text}, so it has one bit for all order codes, but 'bits' is"
-            f" {field.width.render()}"
+            f"{subject} in a register, so it has one bit for all order codes, but 'bits' is {field.width.render()}"
         )
-        remedy = "leave 'bits' out, and describe the order codes that do not send it in a spec of their own"
+        site.report("width-mismatch", f"{message}; leave 'bits' out")
+        return
+    for parameters in site.sets:
+        width = field.width.value(parameters)
+        if width > 1:
+            message = f"{subject}, so it has one bit or none, but it has {width}{values_text(parameters, field.width)}"
+            site.report("width-mismatch", f"{message}; use a parameter that is 0 or 1")
+            return
+    if field.widest == 0:
+        message = f"'{field.name}' has no bits, since '{field.width.render()}' is 0 for all order codes"
+        remedy = "remove the field, or give the parameter 1 where it is sent, or 'max: 1' if it is read from a register"
         site.report("width-mismatch", f"{message}; {remedy}")
 
 

@@ -164,9 +164,10 @@ def position_coding(placed_layout: PlacedLayout, measurement: Measurement, parts
     layout: Layout = placed_layout.layout
     if not layout.gray_of or (layout.gray_when and not placed_layout.gray):
         return "binary"
-    if layout.gray_of == measurement.of:
+    gray_names = {field.name for field in placed_layout.find_fields(layout.names_in(layout.gray_of))}
+    position_names = {field.name for field in placed_layout.find_fields(layout.names_in(measurement.of))}
+    if gray_names == position_names:
         return "gray"
-    gray_names, position_names = set(layout.names_in(layout.gray_of)), set(layout.names_in(measurement.of))
     status_names = {part.name for part in parts if part.role == "status"}
     if gray_names == position_names | status_names:
         return "gray_with_status"

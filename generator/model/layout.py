@@ -7,7 +7,7 @@ layout.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import field
+from dataclasses import field, replace
 from enum import Enum
 from functools import cached_property
 from itertools import accumulate
@@ -16,7 +16,7 @@ from types import MappingProxyType
 from .expressions import Expression
 from .facts import Sources
 from .fields import Combination, Field, Join, PlacedField, Sign
-from .kinds import CrcValue, Flag, Parity, Unused, Value, Verdict
+from .kinds import CrcValue, Flag, Kind, Parity, Unused, Value, Verdict
 from .lookup import member_named
 from .measurement import LayoutRange
 from .record import dataclass
@@ -137,11 +137,35 @@ class Layout:
         return tuple(filter(_is_status, self.fields))
 
     @cached_property
+    def judging_fields(self) -> tuple[Field, ...]:
+        """Fields that say in every frame whether the position is usable: flags, or fields of values with a verdict."""
+        names = {field.name for field in self.fields if _judges(field.kind)}
+        for sign in self.signs:
+            if _judges(sign.flag.kind):
+                # The fields of a combination have the same width for all order codes, so the first one is enough.
+                name, _ = sign.conditions[0]
+                names.add(name)
+        return tuple(field for field in self.fields if field.name in names)
+
+    @cached_property
+    def judging_bits(self) -> Expression:
+        """Number of bits of the judging fields. It is 0 for order codes without any.
+
+        If all order codes have some of these fields, the number of bits does not matter, and this is 1.
+        """
+        widths = {field.width: None for field in self.judging_fields}
+        if any(width.is_constant for width in widths):
+            return Expression(1)
+        return sum(widths, Expression(0))
+
+    @property
     def tells_validity(self) -> bool:
-        """True if a flag, a named value or a combination says in every frame whether the position is usable."""
-        flags = [field.kind for field in self.fields if isinstance(field.kind, Flag)]
-        flags += [sign.flag.kind for sign in self.signs if isinstance(sign.flag.kind, Flag)]
-        return any(flag.makes_position is not Verdict.USABLE and not flag.only_while for flag in flags)
+        """True if at least for some order codes, every frame says whether the position is usable."""
+        return self.judging_bits != Expression(0)
+
+    def with_unknown_verdicts(self) -> Layout:
+        """Return the layout with UNKNOWN instead of a warning as the verdict of reserved bits."""
+        return replace(self, fields=tuple(map(_with_unknown_verdict_if_reserved, self.fields)))
 
     @cached_property
     def signs(self) -> tuple[Sign, ...]:
@@ -204,6 +228,16 @@ class PlacedLayout:
         """Return the fields with these names that the order code has, in the same order."""
         return [field for field in map(self.find_field, names) if field is not None]
 
+    @property
+    def spoiling_flags(self) -> tuple[Field, ...]:
+        """Flags of the order code that make the position unusable, except those that only combine other flags."""
+        return tuple(flag for flag in self.layout.spoiling_flags if self.find_field(flag.name) is not None)
+
+    @cached_property
+    def tells_validity(self) -> bool:
+        """True if every frame of the order code says whether the position is usable."""
+        return self.layout.judging_bits.value(self.parameters) > 0
+
     @cached_property
     def crc_field(self) -> PlacedField | None:
         return next((field for field in self.fields if isinstance(field.field.kind, CrcValue)), None)
@@ -229,6 +263,17 @@ class PlacedLayout:
         parts = self.find_fields(self.layout.names_in(name))
         width = sum(part.width for part in parts)
         return (parts[-1].low, width) if parts else (0, 0)
+
+
+def _judges(kind: Kind) -> bool:
+    """Return whether a flag says for all order codes that have it whether the position is usable."""
+    return isinstance(kind, Flag) and kind.makes_position is not Verdict.USABLE and not kind.only_while
+
+
+def _with_unknown_verdict_if_reserved(field: Field) -> Field:
+    if isinstance(field.kind, Unused) and field.kind.makes_position is Verdict.USABLE_WITH_WARNING:
+        return replace(field, kind=replace(field.kind, makes_position=Verdict.UNKNOWN))
+    return field
 
 
 def _is_status(field: Field) -> bool:

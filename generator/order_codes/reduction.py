@@ -12,6 +12,7 @@ from ..model import (
     Biss,
     CodePart,
     Connector,
+    Constant,
     CrcExample,
     CrcValue,
     Device,
@@ -25,6 +26,7 @@ from ..model import (
     Join,
     Layout,
     MeasureExample,
+    Parity,
     ProcedureExample,
     Quantity,
     RegisterExample,
@@ -338,16 +340,29 @@ def _with_fixed_code(layout: Layout, known_parameters: Mapping[str, int]) -> Lay
 
 
 def _without_empty_fields(layout: Layout) -> Layout:
-    """Return the layout without zero-width fields, in the layout itself and in its joins."""
+    """Return the layout without zero-width fields, in the layout itself, in its joins and in its parity bits."""
     empty_fields = {field.name for field in layout.fields if field.width == Expression(0)}
     if not empty_fields:
         return layout
     joins = [_without_fields(join, empty_fields) for join in layout.joins]
-    return replace(
+    remaining_fields = [field for field in layout.fields if field.name not in empty_fields]
+    single_names = {join.name: join.fields[0] for join in joins if len(join.fields) == 1}
+    reduced = replace(
         layout,
-        fields=tuple(field for field in layout.fields if field.name not in empty_fields),
+        fields=tuple(_with_parity_of_others(field, empty_fields) for field in remaining_fields),
         joins=tuple(join for join in joins if len(join.fields) > 1),
+        gray_of=single_names.get(layout.gray_of, layout.gray_of),
     )
+    return reduced if reduced.tells_validity == layout.tells_validity else reduced.with_unknown_verdicts()
+
+
+def _with_parity_of_others(field: Field, removed: set[str]) -> Field:
+    """Return a parity bit without the removed fields. If it covers no others, it is always the same."""
+    parity = field.kind
+    if not isinstance(parity, Parity) or removed.isdisjoint(parity.of):
+        return field
+    covered_names = tuple(name for name in parity.of if name not in removed)
+    return replace(field, kind=replace(parity, of=covered_names) if covered_names else Constant(int(parity.odd)))
 
 
 def _without_fields(join: Join, removed: Collection[str]) -> Join:

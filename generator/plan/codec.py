@@ -220,7 +220,7 @@ def _constants(layout: Layout, by_word: bool) -> Iterator[Check]:
                     of_bits=of_bits,
                     odd=odd,
                     mask=_parity_mask(kind, fields),
-                    known_parity=_known_parity(layout, fields, kind),
+                    known_parity=_known_parity(layout, field, fields, kind),
                 )
 
 
@@ -252,9 +252,9 @@ def allowed_values(layout: Layout, field: Field) -> tuple[int, ...]:
     return () if is_full else tuple(values)
 
 
-def _known_parity(layout: Layout, fields: tuple[Field, ...], kind: Parity) -> int | None:
-    """Return the parity bit if every field has a single value, otherwise None."""
-    value = only_value(layout, fields[0]) if len(fields) == 1 else None
+def _known_parity(layout: Layout, bit: Field, fields: tuple[Field, ...], kind: Parity) -> int | None:
+    """Return the parity bit if all order codes have it and every field has a single value, otherwise None."""
+    value = only_value(layout, fields[0]) if len(fields) == 1 and bit.width.is_constant else None
     return parity(value & kind.mask, kind.odd) if value is not None else None
 
 
@@ -283,7 +283,7 @@ def _terms(layout: Layout) -> Iterator[Term]:
                 continue
             case Parity(of=names, odd=odd) as kind:
                 fields = tuple(map(layout.field, names))
-                bit, mask = _known_parity(layout, fields, kind), _parity_mask(kind, fields)
+                bit, mask = _known_parity(layout, field, fields, kind), _parity_mask(kind, fields)
                 value: Fixed | ValueOfField | ParityOf | ReservedBits = (
                     ParityOf(fields, odd, mask) if bit is None else Fixed(bit)
                 )

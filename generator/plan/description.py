@@ -158,7 +158,8 @@ class Description:
     """A frame or register. ``length`` is 0 and ``order`` is empty if it is not sent as bytes.
 
     ``columns`` and ``fields`` contain all fields, in the order of the layout. ``fixed`` contains the constant bits that
-    are not all 0. ``otherwise`` is the verdict if no cause applies, or None without a position.
+    are not all 0. ``otherwise`` is the verdict if no cause applies, or None without a position. If ``judging_bits`` is
+    not None, the verdict is at best UNKNOWN for order codes where it is 0.
     """
 
     bits: Expression
@@ -176,6 +177,7 @@ class Description:
     gray: Gray | None
     fixed: tuple[tuple[Place, int], ...]
     otherwise: Verdict | None
+    judging_bits: Expression | None
 
 
 def _unused(reserved: Reserved) -> Unused:
@@ -206,6 +208,7 @@ def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Descri
         gray=codec.gray,
         fixed=tuple(fixed_numbers),
         otherwise=judgement.otherwise if judgement is not None else None,
+        judging_bits=judgement.judging_bits if judgement is not None and judgement.may_be_unknown else None,
     )
 
 

@@ -265,6 +265,8 @@ def _of_field(layout: Layout, field: Field) -> Iterator[Refusal]:
         case Decimal(runs=runs):
             yield from (DigitTooHigh(field, run) for run in runs)
             yield DigitsDisagree(field, runs)
+        case Flag() if not field.width.is_constant:
+            yield TooWide(field, field.width)
         case Flag() | Text() | Constant() | Unused() | CrcValue() | Parity():
             return
         case _:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from ..model import Crc, Digits, Fault, Field, Join, Piece
+from ..model import Crc, Digits, Fault, Field, Flag, Join, Parity, Piece
 from ..model.expressions import Expression
 from ..model.record import dataclass
 from .crcs import FoldStep
@@ -296,5 +296,8 @@ class Term:
 
     @property
     def depends(self) -> bool:
-        """True if its position or, for a signed field, its width depends on the order code."""
-        return not self.field.low.is_constant or (self.field.number.signed and not self.field.width.is_constant)
+        """True if its position depends on the order code, or if its bits depend on a width that does."""
+        if not self.field.low.is_constant:
+            return True
+        needs_width = self.field.number.signed or isinstance(self.field.kind, (Flag, Parity))
+        return needs_width and not self.field.width.is_constant

@@ -11,6 +11,7 @@ from dataclasses import field as dataclass_field
 from dataclasses import replace
 
 from ..model import Device, Field, Flag, Interface, Layout, Verdict
+from ..model.expressions import Expression
 from ..model.kinds import Choice, Constant, CrcValue, Decimal, Number, Parity, Text, Unused
 from ..model.lookup import assert_never
 from ..model.record import dataclass
@@ -69,18 +70,39 @@ class VerdictCause:
 class Judgement:
     """Verdict on the position of a frame: that of the worst active cause, or ``otherwise`` if none is active.
 
-    If ``otherwise`` is UNKNOWN, warnings have no effect, since UNKNOWN is worse than a warning.
+    If ``otherwise`` is UNKNOWN, warnings have no effect, since UNKNOWN is worse than a warning. ``judging_bits`` is the
+    number of bits that say whether the position is usable. For order codes where it is 0, UNKNOWN is also a verdict.
     """
 
     not_usable: tuple[VerdictCause, ...]
     with_warning: tuple[VerdictCause, ...]
     otherwise: Verdict
+    judging_bits: Expression
+
+    @property
+    def may_be_unknown(self) -> bool:
+        """True if the frames of some order codes have no bits that judge the position, and those of others have."""
+        return not self.judging_bits.is_constant
+
+    def for_parameters(self, parameters: Mapping[str, int]) -> Judgement:
+        """Return the verdict for an order code with these parameters, without causes that its frames do not have."""
+        not_usable = tuple(cause for cause in self.not_usable if _has_bits(cause.by, parameters))
+        if self.judging_bits.value(parameters) == 0:
+            return Judgement(not_usable, (), Verdict.UNKNOWN, Expression(0))
+        with_warning = tuple(cause for cause in self.with_warning if _has_bits(cause.by, parameters))
+        return Judgement(not_usable, with_warning, self.otherwise, Expression(1))
 
     @property
     def worst_first(self) -> tuple[tuple[Verdict, tuple[VerdictCause, ...]], ...]:
         """Return the verdicts with their causes, worst first."""
         levels = ((Verdict.NOT_USABLE, self.not_usable), (Verdict.USABLE_WITH_WARNING, self.with_warning))
         return tuple(level for level in levels if level[1])
+
+
+def _has_bits(cause: Cause, parameters: Mapping[str, int]) -> bool:
+    """Return whether the frames of an order code with these parameters have the bits of a cause."""
+    places = [part.bits for part, _ in cause.conditions] if isinstance(cause, Match) else [cause.bits]
+    return all(bits.width.value(parameters) > 0 for bits in places)
 
 
 def judgement_of(codec: Codec) -> Judgement:
@@ -100,7 +122,7 @@ def judgement_of(codec: Codec) -> Judgement:
     tells = codec.layout.tells_validity
     warning = speaking[Verdict.USABLE_WITH_WARNING] if tells else ()
     otherwise = Verdict.USABLE if tells else Verdict.UNKNOWN
-    return Judgement(tuple(speaking[Verdict.NOT_USABLE]), tuple(warning), otherwise)
+    return Judgement(tuple(speaking[Verdict.NOT_USABLE]), tuple(warning), otherwise, codec.layout.judging_bits)
 
 
 def _by_worth(field: Field) -> Iterator[tuple[Flag, Only | None]]:

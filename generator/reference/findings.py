@@ -15,6 +15,7 @@ from ..model import (
     Kind,
     Layout,
     PlacedField,
+    PlacedLayout,
     Register,
     Sign,
     Unused,
@@ -83,7 +84,7 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
     else:
         reported = [field for field in active if _verdict_of_kind(field.kind) is not Verdict.USABLE]
     differences = tuple(_differences(variant, decoded, values, bool(register)))
-    verdict = _verdict(layout, active) if device.tells_position(variant.interface, layout) else None
+    verdict = _verdict(decoded.layout, active) if device.tells_position(variant.interface, layout) else None
     return Findings(tuple(_report(field, alarms[field.name]) for field in reported), verdict, differences)
 
 
@@ -134,14 +135,14 @@ def _report(field: Field, alarm: Alarm | None) -> Report:
     )
 
 
-def _verdict(layout: Layout, active: Sequence[Field]) -> Verdict:
+def _verdict(placed: PlacedLayout, active: Sequence[Field]) -> Verdict:
     """Return the verdict on the position of a valid frame."""
     names = {field.name for field in active}
     # A flag that combines others adds no information if one of them is active.
     flags = {field.name: field.kind for field in active if isinstance(field.kind, Flag)}
     silent_names = {name for name, flag in flags.items() if not names.isdisjoint(flag.sums_up)}
     verdicts = [_verdict_of_kind(field.kind) for field in active if field.name not in silent_names]
-    verdicts.append(Verdict.USABLE if layout.tells_validity else Verdict.UNKNOWN)
+    verdicts.append(Verdict.USABLE if placed.tells_validity else Verdict.UNKNOWN)
     return min(filter(None, verdicts), key=list(Verdict).index)
 
 

@@ -187,7 +187,8 @@ class VirtualEncoder:
         flag_names = self._flags
         for name in names:
             if name not in flag_names:
-                raise ValueError(f"{self.variant.code} has no flag '{name}'; it has: {', '.join(sorted(flag_names))}")
+                known_names = ", ".join(sorted(flag_names)) or "none"
+                raise ValueError(f"{self.variant.code} has no flag '{name}'; it has: {known_names}")
         self.flags.update(names)
 
     def clear_flag(self, *names: str) -> None:
@@ -339,7 +340,13 @@ class VirtualEncoder:
             *(register.layout for register in self.device.registers_over(self.variant.interface)),
         ]
         fields = (field for layout in layouts for field in layout.fields)
-        return frozenset(field.name for field in fields if isinstance(field.kind, Flag))
+        return frozenset(field.name for field in fields if isinstance(field.kind, Flag) and self._may_send(field))
+
+    def _may_send(self, field: Field) -> bool:
+        """Return whether the encoder sends a field, or would send it with other values in its registers."""
+        run_time_names = {parameter.name for parameter in self.device.run_time_parameters}
+        needed_names = self.device.needed_parameters(field.width.parameters)
+        return field.width.value(self.variant.parameters) > 0 or not run_time_names.isdisjoint(needed_names)
 
     def _check_answers(self, variant: Variant) -> None:
         alternatives = self.device.alternatives

@@ -187,7 +187,8 @@ class Rs485Line:
         Return None if the EEPROM is busy and the reply cannot report it.
         """
         now = self.encoder.clock()
-        flags = [field.name for field in layout.fields if isinstance(field.kind, Flag)][:1]
+        sent_fields = [placed_field.field for placed_field in self.encoder.place(layout).fields]
+        flags = [field.name for field in sent_fields if isinstance(field.kind, Flag)][:1]
         if now < self._memory_busy_until:
             return {**dict.fromkeys(flags, True), "data": 0} if flags else None
         address = int(request_values["address"])

@@ -35,6 +35,7 @@ MADE_UP += (
     "specs/ring_turns",
     "specs/scale",
     "specs/signs",
+    "specs/switched",
     "specs/wide",
     "specs/long",
     "specs/long_crc",

@@ -55,6 +55,7 @@ MADE_UP = {
     "ring_turns": SPECS / "ring_turns.yaml",
     "scale": SPECS / "scale.yaml",
     "signs": SPECS / "signs.yaml",
+    "switched": SPECS / "switched.yaml",
     "wide": SPECS / "wide.yaml",
     "reserved": _HERE / "specs" / "reserved.yaml",
     "shapes": _HERE / "specs" / "shapes.yaml",

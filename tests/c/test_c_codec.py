@@ -77,7 +77,7 @@ class Table:
                 values[field.name] = raw.to_bytes(placed_field.width // 8, "big").hex().upper()
             else:
                 values[field.name] = int(
-                    value_of_raw(field, placed_field.width if placed_field is not None else 1, raw)
+                    value_of_raw(field, placed_field.width if placed_field is not None else 0, raw)
                 )
             for run in field.runs:
                 values[run.name] = raw // run.divisor % run.modulus
@@ -94,8 +94,8 @@ class Table:
 def value_of_raw(field: Field, width: int, raw: int) -> int | bool:
     """Return the meaning of the bits of a field."""
     if isinstance(field.kind, Flag):
-        return bool(raw) != field.kind.active_low
-    if field.number.signed and raw >> (width - 1):
+        return width > 0 and bool(raw) != field.kind.active_low
+    if width and field.number.signed and raw >> (width - 1):
         return raw - (1 << width)
     return field.number.zero_means if field.number.zero_means and not raw else raw
 
@@ -268,6 +268,7 @@ def test_decode_and_encode_are_inverse_for_every_order_code(machine: tuple[Devic
             "ring_turns": 8,
             "scale": 9,
             "signs": 3,
+            "switched": 2,
             "wide": 2,
             "reserved": 4,
             "shapes": 4,
@@ -304,6 +305,7 @@ def test_disturbed_frames_have_the_same_fault_as_in_the_model(machine: tuple[Dev
         "ring_turns": {"0", "2", "4"},
         "scale": {"0", "2", "3", "4"},
         "signs": {"0", "2", "3", "4"},
+        "switched": {"0", "2", "3"},
         "wide": {"0", "2"},
         "amm5": {"0", "2", "3", "4"},
         "words": {"0", "2", "3", "4"},

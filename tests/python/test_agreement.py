@@ -54,7 +54,7 @@ FAMILIES = sorted(path.name.removesuffix(".second.yaml") for path in SPECS.glob(
 #: Specs with features that no device has.
 MADE_UP = {"words": TESTS / "specs", "odd_shapes": TESTS / "python" / "specs", "shapes": TESTS / "c" / "specs"}
 MADE_UP |= dict.fromkeys(
-    ("banks", "gray", "lowfirst", "ring", "ring_turns", "scale", "signs", "wide", "long", "long_crc"),
+    ("banks", "gray", "lowfirst", "ring", "ring_turns", "scale", "signs", "switched", "wide", "long", "long_crc"),
     TESTS / "specs",
 )
 MADE_UP |= {"as5047p": TESTS.parent / "specs" / "ams"}
@@ -62,7 +62,7 @@ MADE_UP |= {"amt21": TESTS.parent / "specs" / "cui"}
 MADE_UP |= {"skm36": TESTS.parent / "specs" / "sick"}
 ALL = [*FAMILIES, *MADE_UP]
 #: Families whose tests make test runs. make verify runs those of the others.
-REPRESENTATIVES = ("amm5", "as5047p", "long_crc", "odd_shapes", "shapes", "signs")
+REPRESENTATIVES = ("amm5", "as5047p", "long_crc", "odd_shapes", "shapes", "signs", "switched")
 CASES_OF_FAMILIES = mostly_exhaustive(ALL, *REPRESENTATIVES)
 
 

@@ -185,7 +185,7 @@ def _alarm_report_data(field: Field, alarm: Alarm) -> Data:
 
 def _layout_data(device: Device, codec: Codec, description: Description) -> Data:
     """Return the description of a frame or register with the texts about its parts."""
-    members = ("bits", "order", "joins", "speaks", "gray", "otherwise")
+    members = ("bits", "order", "joins", "speaks", "gray", "otherwise", "judging_bits")
     checks = zip(description.checks, codec.checks, strict=True)
     crc = description.crc
     return without_empty(

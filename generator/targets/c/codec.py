@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 from itertools import chain
 
-from ...model import Biss, Field, Piece, Spi, Ssi, assert_never
+from ...model import Biss, Field, Flag, Piece, Spi, Ssi, assert_never
 from ...model.expressions import Expression
 from ...plan.codec import characters
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, Refusal, TooWide, depends, refusals
@@ -67,8 +67,9 @@ class Encoder:
     # -- values that are refused
 
     def number(self, field: Field) -> Expr:
-        """Return a member as a number, with a cast if it is of an enumeration."""
-        return Cast("uint32_t", self.member_of(field)) if self.struct.enumeration(field) else self.member_of(field)
+        """Return a member as a number, with a cast if it is a flag or of an enumeration."""
+        is_number = not isinstance(field.kind, Flag) and not self.struct.enumeration(field)
+        return self.member_of(field) if is_number else Cast("uint32_t", self.member_of(field))
 
     def joined(self, whole: Whole) -> Expr:
         return self.reader.joined(whole, self._bits_in_whole)
@@ -102,7 +103,9 @@ class Encoder:
                 if len(parts) == 1 and parts[0][1] <= 32:
                     parts = [(Cast("uint32_t", parts[0][0]), parts[0][1])]
                 ones = self.reader.parity(parts, mask)
-                return Operation("^", (ones, Number(1))) if odd else ones
+                bit = Operation("^", (ones, Number(1))) if odd else ones
+                has_bit = op.field.width.is_constant
+                return bit if has_bit else Operation("&", (bit, self.struct.scope.of(op.field.width)))
             case ValueOfField(field):
                 return self._bits_of_member(field)
             case ReservedBits():
@@ -124,7 +127,8 @@ class Encoder:
         name = self.member_of(field)
         match meaning_of(field):
             case Active(low):
-                return Conditional(name, *((Number(0), Number(1)) if low else (Number(1), Number(0))))
+                inactive = Number(1) if field.width.is_constant else self.struct.scope.of(field.width)
+                return Conditional(name, *((Number(0), inactive) if low else (Number(1), Number(0))))
             case TwosComplement():
                 return Operation("&", (Cast("uint64_t", name), self.struct.scope.mask(field.width)))
             case ZeroMeans(number):

@@ -207,7 +207,7 @@ class Decoder:
                 yield name, Cast(type_, Conditional(Operation("==", (bits, Number(0))), Number(number), bits))
             case Active(low):
                 bit = self.reader.flag(part.bits) if is_plain_flag(part) else bits
-                yield name, Name(Operation("==" if low else "!=", (bit, Number(0))).operand)
+                yield name, Name(self._is_active(part, bit, low).operand)
             case DigitRuns(runs):
                 yield name, self._bits_as(type_, part)
                 for run in runs:
@@ -218,6 +218,12 @@ class Decoder:
                     yield f"{name}[{index}]", Cast(type_, Name(f"bytes[{byte}]"))
             case never:
                 assert_never(never)
+
+    def _is_active(self, part: Part, bit: Expr, low: bool) -> Expr:
+        """Return the condition that a flag is active. A flag that the order code does not have is inactive."""
+        if low and not part.field.width.is_constant:
+            return Operation("!=", (bit, self.struct.scope.of(part.field.width)))
+        return Operation("==" if low else "!=", (bit, Number(0)))
 
     def _bits_as(self, type_: str, part: Part) -> Expr:
         """Return the bits of a part, with a cast if the member has another type."""

@@ -210,7 +210,14 @@ class FrameReports:
     @property
     def verdict_depends(self) -> bool:
         """True if the verdict depends on the order code or on an answer of the user."""
+        if self.may_be_unknown:
+            return True
         return any(cause.conditions for _, speaking in self._levels for cause in speaking)
+
+    @property
+    def may_be_unknown(self) -> bool:
+        """True if the frames of some order codes, but not of all, have no bits that judge the position."""
+        return self.judgement is not None and self.judgement.may_be_unknown
 
     @property
     def reports_depend(self) -> bool:
@@ -240,8 +247,13 @@ class FrameReports:
     @property
     def worse(self) -> Iterator[tuple[Expr, Verdict]]:
         """The conditions of verdicts worse than ``otherwise``, worst first."""
-        for verdict, speaking in self._levels:
-            yield self._any(speaking), verdict
+        conditions = {verdict: self._any(speaking) for verdict, speaking in self._levels}
+        if self.judgement is not None and self.judgement.may_be_unknown:
+            has_no_judge = Operation("==", (self.family.scope.of(self.judgement.judging_bits), Number(0)))
+            conditions[Verdict.UNKNOWN] = has_no_judge
+        for verdict in Verdict:
+            if verdict in conditions:
+                yield conditions[verdict], verdict
 
     def _any(self, speaking: Sequence[VerdictCause]) -> Expr:
         """Return the condition that one of these is active. Unused bits are checked together."""

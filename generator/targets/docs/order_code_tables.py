@@ -348,6 +348,7 @@ def _in_superscript(exponent: re.Match[str]) -> str:
 
 def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
     """Return the rule for the verdict on the position of an order code."""
+    judgement = judgement.for_parameters(variant.parameters)
     causes_by_verdict = _applicable_causes(judgement, variant)
     parts = [_verdict_if(verdict, causes) for verdict, causes in causes_by_verdict.items()]
     if not parts:

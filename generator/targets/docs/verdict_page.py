@@ -72,6 +72,10 @@ def _rows_of_frame(device: Device, interface: Interface, layout: Layout, judgeme
         yield _decider_row(device, interface, layout, decider, signs.get(decider.field.name))
     last_name = "none of these" if deciders else "no field decides"
     yield last_name, "", code(judgement.otherwise.value), "", ""
+    if judgement.may_be_unknown:
+        names = [Code(field.name) for field in layout.judging_fields]
+        missing_names = STYLE.phrase(statement(*listed(names)))
+        yield f"order codes that lack {missing_names}", "", code(Verdict.UNKNOWN.value), "", ""
 
 
 @dataclass(frozen=True, slots=True)

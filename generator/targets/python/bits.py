@@ -10,7 +10,7 @@ from ...model.expressions import Expression
 from ...model.lookup import assert_never
 from ...plan.codec import Codec, ShiftedBits, moved_bits
 from ...plan.operations import Bits, Reserved, Whole
-from ...plan.values import Active, Characters, DigitRuns, Meaning, Named, Raw, TwosComplement, ZeroMeans, meaning_of
+from ...plan.values import Active, Characters, DigitRuns, Named, Raw, TwosComplement, ZeroMeans, meaning_of
 from .literals import Atom, Expr, Not, Operation, Scope, call, joined, mask, moved, number, times
 from .names import ClassNames
 
@@ -33,8 +33,11 @@ class Maker:
             case TwosComplement():
                 number = call("check_signed", quoted_name, attribute, width)
                 return Operation(number, "&", self.scope.ones(field.width))
-            case Active(low):
+            case Active(low) if field.width.is_constant:
                 return Not(attribute) if low else call("bool", attribute)
+            case Active():
+                # A flag of a joined number is active high.
+                return call("check_width", quoted_name, call("int", attribute), width)
             case DigitRuns():
                 return self.digits(field)
             case Characters():
@@ -70,7 +73,7 @@ class Maker:
     @staticmethod
     def parameters_of_whole(whole: Whole) -> frozenset[str]:
         """Return the parameters on which the expression of a joined number depends."""
-        checked_fields = (field for field in whole.fields if _has_width_check(meaning_of(field)))
+        checked_fields = (field for field in whole.fields if _has_width_check(field))
         expressions = [low for _, low in whole.from_low] + [field.width for field in checked_fields]
         return frozenset(name for expression in expressions for name in expression.parameters)
 
@@ -78,14 +81,16 @@ class Maker:
         return call("index", f"self.{self.names.attribute(name)}")
 
 
-def _has_width_check(meaning: Meaning) -> bool:
+def _has_width_check(field: Field) -> bool:
     """Return whether ``_bits`` compares a value with the width of the field."""
-    match meaning:
+    match meaning_of(field):
         case Raw() | Named() | TwosComplement() | ZeroMeans():
             return True
-        case Active() | DigitRuns() | Characters():
+        case Active():
+            return not field.width.is_constant
+        case DigitRuns() | Characters():
             return False
-        case _:
+        case meaning:
             assert_never(meaning)
 
 

@@ -56,7 +56,11 @@ class FrameReports:
             *self._told,
             *(cause for _, speakers in judged for cause in speakers),
         ]
-        return any(cause.conditions for cause in causes)
+        return self._may_be_unknown or any(cause.conditions for cause in causes)
+
+    @property
+    def _may_be_unknown(self) -> bool:
+        return self._judgement is not None and self._judgement.may_be_unknown
 
     def _holds(self, only: Only) -> Expr:
         """Return the condition on a parameter of the encoder."""
@@ -67,7 +71,16 @@ class FrameReports:
         """Verdicts that flags or bits of the frame lead to, worst first. Any of a verdict's conditions is enough."""
         if self._judgement is None:
             return []
-        return [(verdict.name, self._conditions(items)) for verdict, items in self._judgement.worst_first]
+        conditions = {verdict: self._conditions(items) for verdict, items in self._judgement.worst_first}
+        if self._judgement.may_be_unknown:
+            conditions[Verdict.UNKNOWN] = [self._has_no_judge(self._judgement.judging_bits)]
+        return [(verdict.name, conditions[verdict]) for verdict in Verdict if verdict in conditions]
+
+    def _has_no_judge(self, judging_bits: Expression) -> str:
+        """Return the condition that the frames of the encoder have no bits that judge the position."""
+        variant = self._own("variant")
+        names = {parameter: f"{variant}.{attribute}" for parameter, attribute in self._parameters.items()}
+        return f"{Scope(names).of(judging_bits).operand} == 0"
 
     @property
     def not_usable(self) -> list[str]:
@@ -344,10 +357,7 @@ class Decoder:
             case ZeroMeans(stands_for):
                 return [_or_if_zero(bits, stands_for)]
             case Active(low):
-                # A shorter number also contains the lowest bits.
-                at = part.bits.low
-                is_low = self.tables and not self.codec.gray and at.is_constant and at.constant < TABLE_BITS
-                return [_bit_test(self.read.bit(part.bits, "low" if is_low else ""), low)]
+                return [self._is_active(part, low)]
             case Named() if self.selects(field):
                 return [call(self.enum(field), bits)]
             case Named():
@@ -359,6 +369,17 @@ class Decoder:
                 return [Atom(f'{adjacent}.decode("latin-1")') if adjacent else _text(field, bits)]
             case meaning:
                 assert_never(meaning)
+
+    def _is_active(self, part: Part, low: bool) -> Expr:
+        """Return the condition that a flag is active. A flag that the order code does not have is inactive."""
+        width = part.field.width
+        if not width.is_constant:
+            inactive = self.number(width) if low else number(0)
+            return Atom(f"{self.bits(part).operand} != {inactive.operand}")
+        # A shorter number also contains the lowest bits.
+        at = part.bits.low
+        is_low = self.tables and not self.codec.gray and at.is_constant and at.constant < TABLE_BITS
+        return _bit_test(self.read.bit(part.bits, "low" if is_low else ""), low)
 
     def all_values(self, encoder_and_answers: Sequence[tuple[str, str]]) -> list[str]:
         """Return the values of all attributes, in order, after the encoder and the answers."""

@@ -28,6 +28,7 @@ from ...model import (
     Scale,
     Spi,
     Ssi,
+    Verdict,
     assert_never,
     cite,
 )
@@ -367,8 +368,17 @@ class Shape:
         if self.plan.keeps_others:
             yield "others", Code(str(others(coder.context.scope, self.plan)))
         yield "limited", (register.limits_of, coder.limited) if register is not None and coder.limited else ()
-        yield "otherwise", self._shown(described.otherwise)
+        yield "otherwise", self._otherwise
         yield "frame", self._frame
+
+    @property
+    def _otherwise(self) -> Literal:
+        """Verdict if no condition applies. Without bits that judge the position, it is unknown."""
+        shown = self._shown(self._of.otherwise)
+        if self._of.judging_bits is None:
+            return shown
+        judging_bits = self.coder.number(self._of.judging_bits)
+        return Code(f"{literal(shown)} if {judging_bits} else {literal(self._shown(Verdict.UNKNOWN))}")
 
     @property
     def _frame(self) -> str:

@@ -135,7 +135,7 @@ class Readme:
         )
         if not example.has_verdict or coder.reports is None or sample.spoilt is None:
             return example
-        flag = layout.spoiling_flags[0]
+        flag = placed.spoiling_flags[0]
         reported = coder.reports.name_of(flag)
         example = replace(example, spoilt=_text(placed, sample.spoilt), reported=reported)
         crc_field = layout.crc_field

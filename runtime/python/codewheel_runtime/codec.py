@@ -180,6 +180,10 @@ def check_width(field: str, value: SupportsIndex, bits: int) -> int:
     return number
 
 
+#: Only value of a flag that the encoder does not send, for an error.
+NO_SUCH_FLAG: Final = "False, since this encoder has no such flag"
+
+
 def check_flag(field: str, value: object) -> bool:
     """Return ``value`` as a bool. The numbers 0 and 1 are accepted, and so are the bools of NumPy."""
     if type(value) is bool:

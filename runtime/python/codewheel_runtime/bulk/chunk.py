@@ -51,8 +51,11 @@ class Chunk:
             number &= np.uint64((1 << width) - 1)
         return number
 
-    def flag(self, low: int, active: bool, out: Any) -> None:
-        """Set ``out`` to True where a bit is 1, or where it is 0 if ``active`` is False."""
+    def flag(self, low: int, width: int, active: bool, out: Any) -> None:
+        """Set ``out`` to True where a bit is 1, or where it is 0 if ``active`` is False. Without a bit, it is False."""
+        if not width:
+            out[:] = False
+            return
         bit = self.byte(low // 8) & np.uint8(1 << low % 8)
         (np.not_equal if active else np.equal)(bit, 0, out=out)
 
@@ -121,7 +124,9 @@ def within(bits: Any, check: Check, limit: int) -> Any:
 
 
 def parity_bits(chunk: Chunk, check: Check) -> Any:
-    """Return the parity bit of each frame."""
+    """Return the parity bit of each frame, or 0 if the encoder does not send it."""
+    if not check.width:
+        return np.zeros(len(chunk.limbs[0]), np.uint8)
     # The parity of several fields is the parity of their XOR.
     fields = [chunk.take(low, width) for low, width in check.parity_of]
     bits = fields[0]

@@ -262,7 +262,7 @@ def _write_unused(chunk: Chunk, shape: Shape, out: Any) -> None:
 def _write_column(chunk: Chunk, column: Column, out: Mapping[str, Any]) -> None:
     match column.kind:
         case "flag" | "not_flag":
-            chunk.flag(column.low, column.kind == "flag", out[column.name])
+            chunk.flag(column.low, column.width, column.kind == "flag", out[column.name])
         case "choice":
             out[column.name][:] = chunk.take(column.low, column.width)
         case "digits":
@@ -318,7 +318,8 @@ def _judge(shape: Shape, out: Mapping[str, Any]) -> None:
             continue
         speaking.setdefault(condition.verdict, []).append(where)
     verdicts[:] = otherwise
-    if Verdict.USABLE_WITH_WARNING in speaking:
+    # A warning does not improve on an unknown position.
+    if Verdict.USABLE_WITH_WARNING in speaking and shape.otherwise is not Verdict.UNKNOWN:
         less = np.uint8((otherwise - VERDICTS.index(Verdict.USABLE_WITH_WARNING)) % 256)
         verdicts -= reduce(np.logical_or, speaking[Verdict.USABLE_WITH_WARNING]).view(np.uint8) * less
     if Verdict.NOT_USABLE in speaking:

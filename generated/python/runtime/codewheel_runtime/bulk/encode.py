@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from typing import Any, Final
 
-from ..codec import assert_never
+from ..codec import NO_SUCH_FLAG, assert_never
 from ..errors import RangeError
 from .chunk import Chunk, crc_difference, np, parity_bits, within
 from .decode import CHUNK
@@ -166,6 +166,8 @@ def _bits(arrays: Mapping[str, Any], column: Column, first_error: FirstError) ->
         case "flag" | "not_flag":
             if values.dtype.kind != "b":
                 first_error.add((values != 0) & (values != 1), column.name, values, "True or False")
+            if not column.width:
+                first_error.add(values != 0, column.name, values, NO_SUCH_FLAG)
             yield column.low, column.width, ((values != 0) == (column.kind == "flag")).astype(np.uint64)
         case "digits":
             number = np.zeros(len(values), np.uint64)

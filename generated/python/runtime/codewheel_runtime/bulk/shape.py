@@ -53,9 +53,9 @@ class Check(NamedTuple):
     lowest: int = 0
 
     def parity(self, number: int) -> int:
-        """Return the parity bit for a frame."""
+        """Return the parity bit for a frame, or 0 if the encoder does not send it."""
         ones = ((number >> low & (1 << width) - 1 & (self.mask or -1)).bit_count() for low, width in self.parity_of)
-        return sum(ones) & 1 ^ self.odd
+        return (sum(ones) & 1 ^ self.odd) & self.width
 
     def is_within(self, bits: int) -> bool:
         """Return whether the bits are at most ``limit``, and if they are signed, at least ``lowest``."""

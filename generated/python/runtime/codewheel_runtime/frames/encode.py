@@ -6,6 +6,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ..codec import (
+    NO_SUCH_FLAG,
     assert_never,
     check_bits,
     check_flag,
@@ -56,7 +57,8 @@ def number_of(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
 
 def _limit_error(shape: Shape, check: Check, bits: int) -> RangeError:
     """Return the error for a field whose bits are outside its limits."""
-    column = next(candidate for candidate in shape.columns if candidate.low == check.low)
+    place = (check.low, check.width)
+    column = next(candidate for candidate in shape.columns if (candidate.low, candidate.width) == place)
     field = column.field or column.name
     if column.kind == "signed":
         return RangeError(field, signed(bits, check.width), f"{check.lowest} to {check.limit}")
@@ -85,7 +87,10 @@ def _bits(fields: Any, column: Column) -> int:
     value = getattr(fields, column.name)
     match column.kind:
         case "flag" | "not_flag":
-            return check_flag(name, value) == (column.kind == "flag")
+            is_active = check_flag(name, value)
+            if not width and is_active:
+                raise RangeError(name, is_active, NO_SUCH_FLAG)
+            return (is_active == (column.kind == "flag")) & width
         case "text":
             return text_number(name, value, width // 8)
         case "signed":

@@ -80,9 +80,9 @@ def _usual_bits(column: Column) -> _Bits | None:
         return None
     match column.kind:
         case "flag":
-            return _Bits("type({0}) is bool", "{0}") if width == 1 else None
+            return _Bits("type({0}) is bool", "{0}") if width else _Bits("{0} is False", "0")
         case "not_flag":
-            return _Bits("type({0}) is bool", "(not {0})") if width == 1 else None
+            return _Bits("type({0}) is bool", "(not {0})") if width else _Bits("{0} is False", "0")
         case "signed" if width:
             top = 1 << width >> 1
             return _Bits(f"type({{0}}) is int and {-top} <= {{0}} < {top}", f"({{0}} & {(1 << width) - 1:#x})")
