@@ -238,6 +238,8 @@ def test_no_function_calls_itself(headers: tuple[Path, list[str]]) -> None:
     for header in header_names:
         code = without_texts((include / header).read_text(encoding="ascii"))
         names = [name for _, name, _ in declared([code]).functions]
+        # A macro behind a function may call it.
+        code = re.sub(r"^#define (?:.*\\\n)*.*\n", "", code, flags=re.MULTILINE)
         parts = re.split(r"^static inline [\w \*]+?\w+\([^()]*\)\s*\{", code, flags=re.MULTILINE)[1:]
         assert len(parts) == len(names)
         for index, body in enumerate(parts):
