@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Sequence, Set
 from itertools import chain
 
 from ...model.record import dataclass
@@ -13,6 +13,7 @@ _COMMENT = re.compile(r"/\*.*?\*/", re.DOTALL)
 _DEFINED = re.compile(r"^#define (\w+)", re.MULTILINE)
 #: The member of an enumeration, and its value.
 _MEMBER = re.compile(r"^ +(\w+) = ", re.MULTILINE)
+_CONDITION = re.compile(r"#(if|el|endif)")
 _FUNCTION = re.compile(r"(\w+)\(")
 #: What opens and closes the scope of C in a header.
 _OPENS_C, _CLOSES_C = 'extern "C" {\n#endif\n', "#ifdef __cplusplus\n}\n#endif\n"
@@ -46,7 +47,7 @@ class Declaration:
         """The names that it declares."""
         code = self.plain_code
         if code.startswith("#if"):
-            inner_lines = self.code.splitlines(keepends=True)[1:-1]
+            inner_lines = [line for line in self.code.splitlines(keepends=True) if not _CONDITION.match(line)]
             return tuple(sorted(names_of(_declarations(inner_lines))))
         macros = tuple(_DEFINED.findall(code))
         if macros:
@@ -177,7 +178,7 @@ def needed_by(roots: Iterable[str], declarations: Sequence[Declaration]) -> list
     return list(_titled(declarations, needed_names))
 
 
-def _titled(declarations: Iterable[Declaration], needed_names: Collection[str]) -> Iterator[Declaration]:
+def _titled(declarations: Iterable[Declaration], needed_names: Set[str]) -> Iterator[Declaration]:
     """Yield the needed declarations, and each title that has one of them below it."""
     title: Declaration | None = None
     for declaration in declarations:

@@ -65,8 +65,8 @@ from .package import (
 )
 from .procedures import FilledRows
 from .selftest import AllTests, FamilyTest, SelfTest, Work, own_test, selftest_files
-from .single import SingleHeader, single_header, single_path, single_views
 from .single import TEMPLATE as SINGLE_TEMPLATE
+from .single import SingleHeader, single_header, single_path, single_views
 
 #: Operations of the plan and further operations of this target.
 TESTS = tests_for(
@@ -256,9 +256,7 @@ def _headers(library: Library, view: DeviceView) -> Iterator[tuple[str, Callable
         yield f"{view.maker.name}/{part.file}", text
 
 
-def _single_headers(
-    device: Device, library: Library, passing: Passing
-) -> Iterator[tuple[str, Callable[[], str]]]:
+def _single_headers(device: Device, library: Library, passing: Passing) -> Iterator[tuple[str, Callable[[], str]]]:
     """Yield the path of the header of each order code, and a function for its text."""
 
     def text(view: DeviceView) -> str:

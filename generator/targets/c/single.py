@@ -1,7 +1,8 @@
 """One header for one order code: what reads a position, cut from the headers of its interface and of the runtime.
 
-Functions, types and macros are those of these headers. All names begin with the order code, so that several such
-headers, and the others, can be included together. Only the results and verdicts are shared, under their own guard.
+Functions and types are those of the headers that are generated for this order code alone. All names begin with the
+order code, so that several such headers, and the others, can be included together. Only the results and verdicts are
+shared, under their own guard.
 """
 
 from __future__ import annotations
@@ -74,7 +75,7 @@ class SingleCode:
         kept_names = names_of(self.declarations)
         self._runtime_names = names_of(of_runtime) & kept_names
         self._renamed = self._new_names(kept_names)
-        self._absent = names_of(declarations) - kept_names
+        self._shared_names = names_of(declarations_in(runtime_headers()[_SHARED]))
 
     @property
     def shared(self) -> str:
@@ -254,7 +255,12 @@ class SingleCode:
         if sentence.startswith(_OTHER_SENTENCES):
             return True
         is_elsewhere = re.search(r"\b\w+\.h\b|_reports\(\)|order code is named once|[Cc]ode can be ", sentence)
-        return is_elsewhere is not None or any(word in self._absent for word in _WORD.findall(sentence))
+        return is_elsewhere is not None or any(map(self._is_absent, _WORD.findall(sentence)))
+
+    def _is_absent(self, name: str) -> bool:
+        """Return True if a name is one of the tree that this header does not have."""
+        is_of_tree = name.startswith((f"{self.view.prefix}_", f"{self.view.PREFIX}_", "cw_"))
+        return is_of_tree and name not in self._renamed and name not in self._shared_names
 
 
 def identifier(order_code: str) -> str:
