@@ -147,8 +147,7 @@ PASSING = Option(
 
 FORM = Option(
     "form",
-    "one header for each interface and what builds need, or a single header for each order code, which needs no other"
-    " file and only reads positions",
+    "package: a header for each interface, and what builds need; single: a header for each order code, for positions",
     "package",
     ("package", "single"),
 )
