@@ -263,7 +263,7 @@ def _single_headers(device: Device, library: Library, passing: Passing) -> Itera
         return single_header(view, partial(_render, library), header())
 
     for view in single_views(device, passing):
-        yield f"c/{single_path(view)}", partial(text, view)
+        yield f"c/{single_path(view.maker, view.device.variants[0].code)}", partial(text, view)
 
 
 def _values(view: DeviceView) -> Family:

@@ -63,7 +63,7 @@ class SingleCode:
     def __init__(self, view: DeviceView, header: str) -> None:
         self.view = view
         self.order_code = view.device.variants[0].code
-        self.path = single_path(view)
+        self.path = single_path(view.maker, self.order_code)
         self.stem = self.path.removesuffix(".h")
         self.STEM = self.stem.upper()
         settings = {f"{view.maker.name.upper()}_CRC_{setting}" for setting in ("TABLE", "BITWISE")}
@@ -268,9 +268,9 @@ def identifier(order_code: str) -> str:
     return re.sub("[^a-z0-9]+", "_", order_code.lower()).strip("_")
 
 
-def single_path(view: DeviceView) -> str:
-    """Return the file name of the header for the only order code of a view."""
-    return f"{view.maker.name}_{identifier(view.device.variants[0].code)}.h"
+def single_path(maker: Manufacturer, order_code: str) -> str:
+    """Return the file name of the header for an order code."""
+    return f"{maker.name}_{identifier(order_code)}.h"
 
 
 def single_views(device: Device, passing: Passing) -> Iterator[DeviceView]:
