@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
+import posixpath
 import re
 from collections.abc import Iterator
 from pathlib import Path
 
 from codewheel.loading.library import load_library
+from codewheel.model import Device
 from codewheel.targets import Library
+from codewheel.targets.c.files import generate as generate_c
+from codewheel.targets.c.single import single_path
 from codewheel.targets.docs.files import generate
 
 #: Pages that list all encoders.
 LISTS = ("README.md", "docs/encoders.md")
+#: The title of the page of an order code, and the paragraph below it.
+_TITLE = re.compile(r"^# (\S+)\n\n.+\n", re.MULTILINE)
 _SPEC_LINK = re.compile(r"\]\(((?:\.\./)?)specs/\w+/(\w+)\.yaml\)(?: \(pages on the site only\))?")
 
 
 def encoder_pages(root: Path) -> Iterator[tuple[str, str]]:
-    """Yield the path and text of each page and picture for the specs in ``root``, if there are any.
+    """Yield the path and text of each page, picture and header for the specs in ``root``, if there are any.
+
+    The page of an order code links to its header for C.
 
     Raises:
         ValueError: There are problems in the specs.
@@ -26,8 +34,28 @@ def encoder_pages(root: Path) -> Iterator[tuple[str, str]]:
     devices, report = load_library([root / "specs"])
     if report.problems:
         raise ValueError(report.problems[0].format())
-    for path, text in generate(Library(devices)).items():
-        yield f"generated/{path}", text
+    pages = generate(Library(devices))
+    titles = (_TITLE.search(text) for text in pages.values())
+    headers = dict(_headers(devices, {title[1] for title in titles if title is not None}))
+    for path, text in pages.items():
+        folder, title = f"generated/{posixpath.dirname(path)}", _TITLE.search(text)
+        if title is None or title[1] not in headers:
+            yield f"generated/{path}", text
+            continue
+        name, header = headers[title[1]]
+        link = f"\nFor C99 and C++11: [`{name}`]({name}) has all that a program needs to read a position.\n"
+        yield f"{folder}/{name}", header
+        yield f"generated/{path}", text[: title.end()] + link + text[title.end() :]
+
+
+def _headers(devices: tuple[Device, ...], titles: set[str]) -> Iterator[tuple[str, tuple[str, str]]]:
+    """Yield each order code among the titles of pages, with the name and text of its header."""
+    makers = {variant.code: device.manufacturer for device in devices for variant in device.variants}
+    codes = sorted(titles & makers.keys())
+    files = generate_c(Library(devices), {"form": "single", "only": ",".join(codes)}) if codes else {}
+    for code in codes:
+        name = single_path(makers[code], code)
+        yield code, (name, files[f"c/{name}"])
 
 
 def with_page_links(text: str) -> str:

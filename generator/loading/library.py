@@ -22,6 +22,7 @@ from ..order_codes.reduction import for_codes
 from .device import build_device
 from .editions import check_editions, edition_of, notes
 from .evidence import read_counts, read_history
+from .examples import samples
 from .from_mapping import build_manufacturer
 from .overlays import Family as Family
 from .overlays import apply_overlays, is_overlay, overlays_beside
@@ -329,7 +330,10 @@ def narrowed_to(devices: Sequence[Device], only: str) -> tuple[Device, ...]:
     narrowed_devices = []
     for device in devices:
         codes = {variant.code for variant in device.variants if wanted_names & set(_names(device, variant))}
-        narrowed_devices += [for_codes(device, codes)] if codes else []
+        if codes:
+            narrowed_device = for_codes(device, codes)
+            # Frames that programs and pages show come from one of the remaining order codes.
+            narrowed_devices.append(replace(narrowed_device, samples=samples(narrowed_device)))
     return tuple(narrowed_devices)
 
 

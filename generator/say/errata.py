@@ -155,8 +155,8 @@ def erratum(correction: Erratum, *, whole: bool = False) -> Statement:
     """Return an erratum in three labelled parts: the printed text, the value used, and the reason.
 
     The reason is omitted if it is long, unless ``whole`` is set or wrong bytes could be sent. A change by an overlay
-    or another edition always has its reason. The short form keeps the value used if wrong bytes could be sent and the
-    erratum is open.
+    or another edition always has its reason. The short form has the first sentence on what is used, and all of them if
+    wrong bytes could be sent and the erratum is open.
     """
     if correction.overlay or correction.edition:
         return _change(correction)
@@ -167,13 +167,23 @@ def erratum(correction: Erratum, *, whole: bool = False) -> Statement:
         used += " " + sentence(f"Only with {correction.only}")
     reason = correction.why if has_reason else ""
     severity = correction.severity.replace("_", " ")
+    label = f"Erratum: {correction.title} ({correction.status}, {severity})"
+    needs_all = may_send_wrong_bytes and correction.status == "open"
     return Statement(
         parts=(),
-        label=f"Erratum: {correction.title} ({correction.status}, {severity})",
+        label=label,
         source=correction.source,
-        brief=f"Used: {used}" if may_send_wrong_bytes and correction.status == "open" else "",
+        brief=f"{label}. Used: {used if needs_all else _first_sentence(used)}",
         below=tuple(_labelled(("Printed", correction.printed), ("Used", used), ("Why", reason))),
     )
+
+
+#: The end of a sentence that another one follows. Numbers of sections and abbreviations do not end one.
+_SENTENCE_END = re.compile(r"(?<=[a-z0-9)°%][.]) (?=[A-Z0-9])")
+
+
+def _first_sentence(text: str) -> str:
+    return _SENTENCE_END.split(text, maxsplit=1)[0]
 
 
 def _labelled(*parts: tuple[str, str]) -> Iterator[Statement]:
@@ -183,11 +193,11 @@ def _labelled(*parts: tuple[str, str]) -> Iterator[Statement]:
 def _change(correction: Erratum) -> Statement:
     """Return a change by an overlay, by another edition, or by the editions before one."""
     brief = None
+    label = layer_in_words(correction.overlay, correction.edition)
     if correction.edition:
         # Next to code, a hint that another edition differs is enough, since the code is correct for this edition.
         differs = "may differ" if correction.used == NOT_KNOWN else "differs"
-        brief = f"{differs}. See the encoder's page."
-    label = layer_in_words(correction.overlay, correction.edition)
+        brief = f"{label}: {differs}. See the encoder's page."
     below = tuple(_labelled(*changed(correction), ("Why", correction.why)))
     return Statement(parts=(), label=label, source=correction.source, brief=brief, below=below)
 

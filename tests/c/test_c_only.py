@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -36,6 +37,17 @@ def test_only_the_order_code_is_there(c_devices: tuple[Device, ...]) -> None:
     assert codes == ["LIKA_AMM5_BISS_A21_65KSC1", "LIKA_AMM5_BISS_B17_1SC1"]
     whole = headers(c_devices, "")["amm5_biss"]
     assert text.splitlines()[-200:] == whole.splitlines()[-200:], "the functions are the same"
+
+
+@pytest.mark.slow
+def test_the_frame_of_an_example_is_one_of_the_order_code(c_devices: tuple[Device, ...]) -> None:
+    # 17 bits of position, the 1 before them and the 0 after them fill 19 of 24 bits. The others are 0.
+    program = generate(Library(c_devices), {"only": "AMM5A17/1BG1"})["c/examples/amm5_ssi.c"]
+    (listed,) = re.findall(r"\[LIKA_AMM5_SSI_A17_1BG1_RX_BYTES\] = \{\s*([^}]*?)\s*\}", program)
+    first, *_, last = (int(byte, 16) for byte in re.findall(r"0x([0-9A-F]{2})", listed))
+    assert listed.count("0x") == 3
+    assert first >> 7 == 1
+    assert last & 0x3F == 0
 
 
 @pytest.mark.parametrize(("only", "hint"), [

@@ -75,6 +75,13 @@ def test_every_link_and_anchor(site: Path) -> None:
 
 
 @pytest.mark.slow
+def test_the_page_of_an_order_code_has_its_header_for_c(site: Path) -> None:
+    folder = site / "generated" / "docs" / "amm5"
+    assert 'href="lika_amm5a21_65ksc1.h"' in (folder / "AMM5A21-65KSC1.html").read_text(encoding="utf-8")
+    header = (folder / "lika_amm5a21_65ksc1.h").read_text(encoding="ascii")
+    assert "#define LIKA_AMM5A21_65KSC1_READ(rx, position)" in header
+
+
 def test_every_page_leads_back_and_has_the_search(site: Path) -> None:
     for path in site.rglob("*.html"):
         text = path.read_text(encoding="utf-8")

@@ -240,6 +240,8 @@ def test_no_function_calls_itself(headers: tuple[Path, list[str]]) -> None:
         # A macro calls functions that stand above it.
         code = re.sub(r"^#define(?:.*\\\n)*.*\n", "", code, flags=re.MULTILINE)
         names = [name for _, name, _ in declared([code]).functions]
+        # A macro behind a function may call it.
+        code = re.sub(r"^#define (?:.*\\\n)*.*\n", "", code, flags=re.MULTILINE)
         parts = re.split(r"^static inline [\w \*]+?\w+\([^()]*\)\s*\{", code, flags=re.MULTILINE)[1:]
         assert len(parts) == len(names)
         for index, body in enumerate(parts):

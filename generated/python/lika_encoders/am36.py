@@ -600,7 +600,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         Two sections disagree on the number of SSI clocks (open, wrong limit): The generated files do not enforce either
             rule. n + 1 clocks satisfy both.
         The order of singleturn and multiturn is missing (open, omission): Multiturn comes first, as the more
-            significant part.
+            significant part. Singleturn follows. In Gray code, both form one word.
     """
 
     __slots__ = ()
@@ -714,11 +714,12 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         The singleturn resolution of the BiSS models is left open (open, wrong data): The widths come from registers 56h
             and 57h, with their printed defaults, regardless of the order code.
         The order of singleturn and multiturn is missing (open, omission): Multiturn comes first, as the more
-            significant part.
+            significant part. Singleturn follows. In Gray code, both form one word.
         The manual leaves open when the frame changes its length (open, omission): As soon as a resolution is written,
             the position has the number of bits given by registers 56h and 57h.
         The manual does not say what 0 means in the unused error bits (open, omission): A frame with either bit at 0 is
-            decoded, and the bit is reported.
+            decoded, and the bit is reported. The position is not usable if nE is 0. Otherwise, the verdict is unknown,
+            because no bit of the frame says that the position is valid.
 
     Bits of unused:
         bit 0, warning: Warning, nW: Not used, always 1. In the BiSS protocol, 0 here signals a warning. Unused,

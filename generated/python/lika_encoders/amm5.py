@@ -700,7 +700,11 @@ class WarningCause(Enum):
 
     Errata (full text in ERRATA):
         Which errors affect the position is only partly described (open, omission): The position is not usable if any of
-            these is active: error, BUSY, PS error or ST error.
+            these is active: error, BUSY, PS error or ST error. Latched errors stay active until they are reset. In
+            multiturn models, the MT error or the warning bit also makes the position unusable. With the battery alarm,
+            it is usable with a warning. So it is with the warning bit if you choose to take it for a low battery. EE_1,
+            which combines BUSY, PS error, battery alarm and MT error, makes the position unusable. If the frame also
+            carries these four flags (data ID 3), they decide instead.
     """
 
     EITHER_CAUSE = (0,)
@@ -747,7 +751,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             rule. n + 1 clocks satisfy both.
         The table of word lengths has 65KKG1 instead of 65KBG1 (settled, wrong limit): 65KBG1.
         The order of singleturn and multiturn is missing (open, omission): Multiturn comes first, as the more
-            significant part.
+            significant part. Singleturn follows.
     """
 
     __slots__ = ()
@@ -863,14 +867,20 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
 
     Errata (full text in ERRATA):
         The order of singleturn and multiturn is missing (open, omission): Multiturn comes first, as the more
-            significant part.
+            significant part. Singleturn follows.
         The frame is one bit longer than the printed length (settled, wrong data): The length is position_bits + 8.
         Error bits, LEDs and alarms do not correspond one to one (open, omission): Each bit, LED and alarm is used as
-            printed.
+            printed. None is derived from another.
         Which errors affect the position is only partly described (open, omission): The position is not usable if any of
-            these is active: error, BUSY, PS error or ST error.
+            these is active: error, BUSY, PS error or ST error. Latched errors stay active until they are reset. In
+            multiturn models, the MT error or the warning bit also makes the position unusable. With the battery alarm,
+            it is usable with a warning. So it is with the warning bit if you choose to take it for a low battery. EE_1,
+            which combines BUSY, PS error, battery alarm and MT error, makes the position unusable. If the frame also
+            carries these four flags (data ID 3), they decide instead.
         Battery alarms are printed for models without a battery (open, omission): In singleturn models (.../1...), nW,
-            BATT and MTERR have no explanation.
+            BATT and MTERR have no explanation. An active bit is reported, and the position is usable with a warning.
+            Without ALMC (data IDs 0 and 1), EE_1 makes the position unusable, since it may be BUSY. The step is left
+            out. Only with .../1...
 
     Checked by decode():
         crc: CRC: CRC of the transmission, sent inverted. CRC ``biss_6`` over everything before it.
@@ -1320,8 +1330,9 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
 
     Errata (full text in ERRATA):
         One bit combines BUSY with errors that keep the position (open, omission): EE_1 is one flag, status_other_error.
+            Do not trust a position received with this flag until ALMC has been read.
         The frame of the CRC example does not fit any reply (settled, wrong data): The bytes are used only as a check of
-            the CRC.
+            the CRC. As a reply, they are rejected because of their length.
 
     See also in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say what other
     values of the unused bits mean; Which errors affect the position is only partly described; The structure of the
@@ -1446,6 +1457,7 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
 
     Errata (full text in ERRATA):
         One bit combines BUSY with errors that keep the position (open, omission): EE_1 is one flag, status_other_error.
+            Do not trust a position received with this flag until ALMC has been read.
 
     See also in ERRATA: Error bits, LEDs and alarms do not correspond one to one; The manual does not say what other
     values of the unused bits mean; Which errors affect the position is only partly described; The structure of the
@@ -2304,7 +2316,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
         Only the Italian edition allows the total resolution as preset (settled, wrong limit): The maximum is
             2^position_bits − 1.
         The singleturn models are counted among those with 65,536 turns (settled, wrong limit): Singleturn models have
-            no multiturn bits.
+            no multiturn bits. Their bits 48:33 are taken as 0.
         The bits below the lowest singleturn bit are not described (open, omission): All bits below the lowest
             singleturn bit are 0.
         The preset uses registers that BiSS reserves for banks (open, omission): The registers are used as printed.
@@ -2810,6 +2822,7 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
         Table and note disagree on what data ID 8 resets (open, wrong data): The generated files follow the table. Data
             ID 8 resets singleturn and multiturn data.
         The interval between the ten reset requests is ambiguous (open, omission): No other request is sent in between.
+            After each request, at least 40 µs pass before the next one begins.
         A shaft turning at 300 rpm is called stopped (open, wrong limit): The condition is standstill, which the manual
             defines as 300 rpm or less.
 
@@ -2843,8 +2856,9 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
 
     Errata (full text in ERRATA):
         The battery alarm is missing in one list of errors to be reset (open, omission): Data IDs 7 and C also clear the
-            battery alarm.
+            battery alarm. Only with .../65K...
         The interval between the ten reset requests is ambiguous (open, omission): No other request is sent in between.
+            After each request, at least 40 µs pass before the next one begins.
         A shaft turning at 300 rpm is called stopped (open, wrong limit): The condition is standstill, which the manual
             defines as 300 rpm or less.
 
@@ -2878,8 +2892,9 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
 
     Errata (full text in ERRATA):
         The battery alarm is missing in one list of errors to be reset (open, omission): Data IDs 7 and C also clear the
-            battery alarm.
+            battery alarm. Only with .../65K...
         The interval between the ten reset requests is ambiguous (open, omission): No other request is sent in between.
+            After each request, at least 40 µs pass before the next one begins.
         A shaft turning at 300 rpm is called stopped (open, wrong limit): The condition is standstill, which the manual
             defines as 300 rpm or less.
 

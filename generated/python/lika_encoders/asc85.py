@@ -599,9 +599,9 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
         One profile ID is given for models with different data lengths (open, wrong data): The profile ID is 281Ah for
             all models, as printed. It does not indicate the resolution or the zero bit of the frame.
         The manual does not say which errors cause a warning (open, omission): No bit of the error register is
-            interpreted as a warning.
+            interpreted as a warning. All are active errors.
         How errors and warnings affect the position is not described (open, omission): Error bit active: the position is
-            not usable.
+            not usable. Warning bit active: the position is usable with a warning.
 
     Checked by decode():
         zero: 0: Always 0, between position and error bit.
@@ -1017,7 +1017,7 @@ class Status(FixedRegister, _Status):
         Internal data bus busy is bit 3 in one place and bit 2 in another (settled, wrong data): Internal data bus busy
             is bit 2.
         The manual does not say which errors cause a warning (open, omission): No bit of the error register is
-            interpreted as a warning.
+            interpreted as a warning. All are active errors.
         The registers of the EDS are not listed (open, omission): The generated files have no EDS.
     """
 
@@ -1155,7 +1155,7 @@ class ErrorRegister(FixedRegister, _ErrorRegister):
         A singleturn encoder has a cycle counter without explanation (open, omission): The command and the error are
             described as printed.
         The manual does not say which errors cause a warning (open, omission): No bit of the error register is
-            interpreted as a warning.
+            interpreted as a warning. All are active errors.
         Two kinds of reading the position could reset the errors (open, omission): Reading the position register resets
             the messages.
     """

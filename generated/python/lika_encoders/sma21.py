@@ -771,10 +771,13 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
 
     Errata (full text in ERRATA):
         Two sections disagree on the number of SSI clocks (open, wrong limit): The generated files do not enforce either
-            rule.
-        The manual does not say which bits are in Gray code (open, omission): Only the position is coded.
+            rule. Sending one more clock than there are bits in the word satisfies both.
+        The manual does not say which bits are in Gray code (open, omission): Only the position is coded. The error bit,
+            the warning bit and the CRC are sent unchanged.
         How single alarms affect the position is not described (open, omission): The position is not usable if any of
-            these is active: nE, ea1 or an alarm that is part of ea1.
+            these is active: nE, ea1 or an alarm that is part of ea1. Stored errors stay active until they are reset.
+            The position is usable with a warning if any of these is active: ea0, an alarm that is part of ea0, or nW.
+            It is usable while none is active (9.1).
     """
 
     __slots__ = ()
@@ -867,17 +870,21 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     zeros, so it does not matter whether they are converted. The error and warning bits are assumed not to be converted.
 
     Errata (full text in ERRATA):
-        The manual does not say which bits are in Gray code (open, omission): Only the position is coded.
+        The manual does not say which bits are in Gray code (open, omission): Only the position is coded. The error bit,
+            the warning bit and the CRC are sent unchanged.
         The frame is one bit longer than printed at 1 µm (settled, wrong data): The frame has 32 bits at resolutions of
             50 µm to 2 µm and 33 bits at 1 µm.
         Bits that should be 0 carry data with an offset (open, wrong data): While an offset is selected in the
             Configuration register, 6.4 applies: the position takes up the whole field of 24 or 25 bits. Otherwise 6.2
             applies: the bits above the position are zero, and a frame with a nonzero bit there is rejected.
         The values of positions below zero are not given (open, omission): Over SSI and BiSS, the position wraps around
-            after 2^position_bits counts.
+            after 2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of its
+            field. The 48-bit position can be negative, and it never wraps around.
         The level of an active warning is not given (open, omission): 0 means a warning, as with the error bit.
         How single alarms affect the position is not described (open, omission): The position is not usable if any of
-            these is active: nE, ea1 or an alarm that is part of ea1.
+            these is active: nE, ea1 or an alarm that is part of ea1. Stored errors stay active until they are reset.
+            The position is usable with a warning if any of these is active: ea0, an alarm that is part of ea0, or nW.
+            It is usable while none is active (9.1).
 
     Checked by decode():
         padding: Zeros above the position, part of the manual's Posizione. There are none while an offset is selected.
@@ -1077,7 +1084,8 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
 
     Errata (full text in ERRATA):
         The values of positions below zero are not given (open, omission): Over SSI and BiSS, the position wraps around
-            after 2^position_bits counts.
+            after 2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of its
+            field. The 48-bit position can be negative, and it never wraps around.
         The highest 24-bit position has one digit too many (settled, wrong limit): The highest value is FFFFFFh.
         The width of the position over RS-485 is not given by model (open, omission): The position has 20 bits at 50 µm,
             22 at 10 µm, 23 at 5 µm, and 24 at 2 µm and 1 µm.
@@ -1234,7 +1242,8 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
 
     Errata (full text in ERRATA):
         The values of positions below zero are not given (open, omission): Over SSI and BiSS, the position wraps around
-            after 2^position_bits counts.
+            after 2^position_bits counts. In the 24-bit replies over RS-485, it wraps around at the full range of its
+            field. The 48-bit position can be negative, and it never wraps around.
         The highest 48-bit position lacks two digits (settled, wrong limit): The highest value is 7FFFFFFFFFFFh.
         High bits of the signed 48-bit position are said to be 0 (open, omission): The position is signed and uses all
             48 bits.
@@ -2491,6 +2500,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
 
     Errata (full text in ERRATA):
         The interval between the ten reset requests is ambiguous (open, omission): No other request is sent in between.
+            After each request, at least 40 µs pass before the next one begins.
         The duration of a reset over RS-485 is missing (open, omission): The generated files specify no wait time.
 
     Args:
@@ -2525,6 +2535,7 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
         Zero setting over RS-485 is denied and described (open, wrong limit): Data ID F is used as described in 7.3.1
             and 7.3.3.2.
         The interval between the ten reset requests is ambiguous (open, omission): No other request is sent in between.
+            After each request, at least 40 µs pass before the next one begins.
         The duration of a reset over RS-485 is missing (open, omission): The generated files specify no wait time.
 
     Args:

@@ -81,13 +81,12 @@ def in_comment_lead(text: str) -> str:
 
 
 class InHeader(Style):
-    """A style that mentions an erratum where it matters, with the value used if wrong bytes could be sent."""
+    """A style that mentions an erratum in short, where it matters, with what is used instead."""
 
     def sentence(self, statement: Statement) -> str:
         if statement.brief is None:
             return super().sentence(statement)
-        label = self.text(statement.label)
-        return f"{label}: {statement.brief}" if statement.brief else f"{label}."
+        return self.text(statement.brief)
 
 
 S = InHeader(text=BY_TITLE.text, code=BY_TITLE.code, ref=BY_TITLE.ref)

@@ -65,6 +65,8 @@ from .package import (
 )
 from .procedures import FilledRows
 from .selftest import AllTests, FamilyTest, SelfTest, Work, own_test, selftest_files
+from .single import TEMPLATE as SINGLE_TEMPLATE
+from .single import SingleHeader, single_header, single_path, single_views
 
 #: Operations of the plan and further operations of this target.
 TESTS = tests_for(
@@ -143,6 +145,14 @@ PASSING = Option(
 )
 
 
+FORM = Option(
+    "form",
+    "package: a header for each interface, and what builds need; single: a header for each order code, for positions",
+    "package",
+    ("package", "single"),
+)
+
+
 class Shared(TypedDict):
     maker: Annotated[Manufacturer, "the manufacturer"]
     PREFIX: Annotated[str, "the prefix of its macros"]
@@ -178,6 +188,8 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     passing = _passing(options)
     for device in devices:
         files |= library.files_of(_family, device, options)
+    if options.get(FORM.name) == "single":
+        return files
     views = [view for device in devices for view in views_of(device, passing)]
     for device, clash in clashes((view.device, view.names) for view in views):
         raise TargetError(f"{device.name}: {called(clash.path)}: {clash.message()}")
@@ -207,6 +219,9 @@ def _family(device: Device, library: Library, options: Options) -> Iterator[tupl
         return partial(_render, library, template, values)
 
     passing = _passing(options)
+    if options.get(FORM.name) == "single":
+        yield from _single_headers(device, library, passing)
+        return
     for view in views_of(device, passing):
         yield from ((f"c/include/{path}", text) for path, text in _headers(library, view))
         if passing.by_address:
@@ -240,6 +255,17 @@ def _headers(library: Library, view: DeviceView) -> Iterator[tuple[str, Callable
         yield f"{view.maker.name}/{part.file}", text
 
 
+def _single_headers(device: Device, library: Library, passing: Passing) -> Iterator[tuple[str, Callable[[], str]]]:
+    """Yield the path of the header of each order code, and a function for its text."""
+
+    def text(view: DeviceView) -> str:
+        header = next(text for path, text in _headers(library, view) if path == view.header)
+        return single_header(view, partial(_render, library), header())
+
+    for view in single_views(device, passing):
+        yield f"c/{single_path(view.maker, view.device.variants[0].code)}", partial(text, view)
+
+
 def _values(view: DeviceView) -> Family:
     return {"maker": view.maker, "PREFIX": view.maker.name.upper(), "d": view}
 
@@ -269,6 +295,7 @@ TEMPLATES = Templates(
         "selftest.c.jinja": FamilyTest,
         "selftest_all.c.jinja": AllTests,
         "selftest.h.jinja": AllTests,
+        SINGLE_TEMPLATE: SingleHeader,
         TEMPLATE: Assumptions,
         **dict.fromkeys(FILES.values(), Package),
         **dict.fromkeys(FOUND_BY_NAME.values(), Named),
@@ -282,7 +309,7 @@ TARGET = Target(
     summary="headers for C99 and C++11, packaged for CMake, pkg-config, PlatformIO, Arduino and Zephyr",
     files=generate,
     problems=problems,
-    options=(ONLY, PASSING),
+    options=(ONLY, PASSING, FORM),
     templates=TEMPLATES,
     family=_family,
 )

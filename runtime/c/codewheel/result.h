@@ -34,8 +34,8 @@ extern "C" {
 #endif
 
 /**
- * Checks the pointers that are passed to receive.h and tracker.h. By default it does nothing. To
- * check them, define it before including the first header, for example as assert(condition).
+ * Checks the pointers of functions that receive or track. By default it does nothing. To check
+ * them, define it before including the first header, for example as assert(condition).
  */
 #ifndef CW_ASSERT
 #define CW_ASSERT(condition) ((void)0)

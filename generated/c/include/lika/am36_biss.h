@@ -106,16 +106,21 @@ extern "C" {
  * both numbers in every enquiry. Technical data are in the catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum: The BiSS models are printed with 17 instead of I7 (settled, wrong limit).
- * Erratum: Edition 1.1 writes the order codes in another way (open, wrong limit).
- * Erratum: The manual does not say which of BG and GG is Gray code (open, wrong data): Used: BG is
+ * Erratum: The BiSS models are printed with 17 instead of I7 (settled, wrong limit). Used: I7 is
+ * the code for BiSS. 17 is also accepted and shown as unlisted.
+ * Erratum: Edition 1.1 writes the order codes in another way (open, wrong limit). Used: Labels of
+ * both editions are accepted.
+ * Erratum: The manual does not say which of BG and GG is Gray code (open, wrong data). Used: BG is
  * binary, GG is Gray.
- * Erratum: The singleturn resolution of the BiSS models is left open (open, wrong data): Used: The
+ * Erratum: The singleturn resolution of the BiSS models is left open (open, wrong data). Used: The
  * widths come from registers 56h and 57h, with their printed defaults, regardless of the order
  * code.
  * Erratum: The order code has 4,096 revolutions, the registers have 65,536 (open, wrong limit).
- * Erratum: The manual leaves open when the frame changes its length (open, omission).
+ * Used: The registers and the frame use 65,536.
+ * Erratum: The manual leaves open when the frame changes its length (open, omission). Used: As soon
+ * as a resolution is written, the position has the number of bits given by registers 56h and 57h.
  * Erratum: The number of bits for 2,000 revolutions and the like is not given (open, omission).
+ * Used: The number of bits is read from register 57h, not computed.
  * In edition 1.1: differs. See the encoder's page.
  * In edition 1.1: may differ. See the encoder's page.
  */
@@ -232,7 +237,9 @@ typedef enum lika_am36_biss_report {
  * registers. The manual describes the main fields and refers to the BiSS C protocol description for
  * the complete structure.
  * Erratum: The order code has 4,096 revolutions, the registers have 65,536 (open, wrong limit).
- * Erratum: The rule for the BiSS time-out is missing (open, omission).
+ * Used: The registers and the frame use 65,536.
+ * Erratum: The rule for the BiSS time-out is missing (open, omission). Used: The time-out is at
+ * most 10 us.
  * In edition 1.1: differs. See the encoder's page.
  * In edition 1.1: may differ. See the encoder's page.
  */
@@ -314,12 +321,15 @@ typedef enum lika_am36_biss_report {
  *   bits 5:0                                  crc         CRC: CRC of the transmission, sent
  *                                                         inverted. CRC biss_6 over everything
  *                                                         before it.
- * Erratum: The singleturn resolution of the BiSS models is left open (open, wrong data): Used: The
+ * Erratum: The singleturn resolution of the BiSS models is left open (open, wrong data). Used: The
  * widths come from registers 56h and 57h, with their printed defaults, regardless of the order
  * code.
- * Erratum: The order of singleturn and multiturn is missing (open, omission).
- * Erratum: The manual leaves open when the frame changes its length (open, omission).
- * Erratum: The manual does not say what 0 means in the unused error bits (open, omission).
+ * Erratum: The order of singleturn and multiturn is missing (open, omission). Used: Multiturn comes
+ * first, as the more significant part.
+ * Erratum: The manual leaves open when the frame changes its length (open, omission). Used: As soon
+ * as a resolution is written, the position has the number of bits given by registers 56h and 57h.
+ * Erratum: The manual does not say what 0 means in the unused error bits (open, omission). Used: A
+ * frame with either bit at 0 is decoded, and the bit is reported.
  */
 typedef struct lika_am36_biss_frame {
     uint16_t multiturn; /**< Number of revolutions. Unit: revolutions. */
@@ -345,7 +355,8 @@ static inline uint32_t lika_am36_biss_bits(lika_am36_biss variant)
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
  * order (most significant bit first) and the range (position, error and warning bit) come from
  * public BiSS documents.
- * Erratum: The start value of the BiSS CRCs is missing (open, omission).
+ * Erratum: The start value of the BiSS CRCs is missing (open, omission). Used: The start value is
+ * 0.
  * How it folds: the remainder of x^6 is x + 1. By squaring, the remainder of x^12 is x^2 + 1, and
  * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done
  * with the shifts 12 and 2, then 6 and 1, until 6 bits are left.

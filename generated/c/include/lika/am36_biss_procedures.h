@@ -125,7 +125,8 @@ static inline cw_result lika_am36_biss_set_preset_steps(
  * Before: The manual suggests setting the preset with the shaft at a standstill.
  * Result: The position at the moment of the command becomes the preset value. All other positions
  * shift accordingly.
- * Erratum: The preset example writes one bit instead of the whole byte (settled, wrong data).
+ * Erratum: The preset example writes one bit instead of the whole byte (settled, wrong data). Used:
+ * Register 49h is set to 20h, with bit 2 at 0 and the other bits at their defaults.
  * Set, save and activate a preset, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
  *
@@ -195,7 +196,8 @@ static inline cw_result lika_am36_biss_store_preset_steps(
  * Set and save a preset without activating it [6.5 p.29, 4.4 p.15].
  * Result: The preset is saved. The position is the same as before. The "Zero setting/Preset" input
  * or activate_preset activates the preset.
- * Erratum: The preset example writes one bit instead of the whole byte (settled, wrong data).
+ * Erratum: The preset example writes one bit instead of the whole byte (settled, wrong data). Used:
+ * Register 49h is set to 20h, with bit 2 at 0 and the other bits at their defaults.
  * Set and save a preset without activating it, over BiSS C-mode. The transport needs
  * read_registers, write_registers and wait_us.
  *
@@ -305,7 +307,9 @@ static inline const cw_step *lika_am36_biss_restore_defaults_steps(size_t *count
  * not turn by more than 2,047 revolutions in either direction while the encoder is off. Otherwise
  * the absolute position is lost.
  * Erratum: The order code has 4,096 revolutions, the registers have 65,536 (open, wrong limit).
- * Erratum: The manual leaves open when the frame changes its length (open, omission).
+ * Used: The registers and the frame use 65,536.
+ * Erratum: The manual leaves open when the frame changes its length (open, omission). Used: As soon
+ * as a resolution is written, the position has the number of bits given by registers 56h and 57h.
  * Load and save the default parameters, over BiSS C-mode. The transport needs write_registers and
  * wait_us.
  */
@@ -440,9 +444,12 @@ typedef struct lika_am36_biss_set_resolution_read {
  * The frame length changes as soon as the resolution is written. The master must use the new length
  * before it can read a position again. The order of the steps follows from the warnings of
  * registers 48h, 4Bh, 4Eh and 50h.
- * Erratum: The manual leaves open when the frame changes its length (open, omission).
- * Erratum: Two sections disagree on when a new resolution clears the preset (open, omission).
- * Erratum: When a value of several bytes becomes active is not described (open, omission).
+ * Erratum: The manual leaves open when the frame changes its length (open, omission). Used: As soon
+ * as a resolution is written, the position has the number of bits given by registers 56h and 57h.
+ * Erratum: Two sections disagree on when a new resolution clears the preset (open, omission). Used:
+ * set_resolution saves the resolution first, and only then writes and activates the preset.
+ * Erratum: When a value of several bytes becomes active is not described (open, omission). Used:
+ * The bytes are written in ascending order of address, without another access in between.
  * Change the resolution, then set and activate the preset again, over BiSS C-mode. The transport
  * needs read_registers, write_registers and wait_us.
  * The frames depend on the bytes written, so call lika_am36_biss_read_state() afterwards to update

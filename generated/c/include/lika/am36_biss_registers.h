@@ -39,7 +39,7 @@ extern "C" {
  * Byte order: high byte first, at 42h.
  * Next to this register, the manual refers to "Standard encoder profile", "data format", "Variant
  * 0-24".
- * Erratum: The profile ID 0000h does not fit the variant 0-24 (open, wrong data): Used: The value
+ * Erratum: The profile ID 0000h does not fit the variant 0-24 (open, wrong data). Used: The value
  * is 00 00. The generated files do not derive a data length from it.
  * In edition 1.1: may differ. See the encoder's page.
  *   bits 15:0  profile
@@ -128,7 +128,7 @@ static inline cw_result lika_am36_biss_read_profile_id(
  * Serial number, registers 44h to 47h, read only, over BiSS C-mode [6.5 p.24].
  * Year and week of production and a serial number, "in hexadecimal notation".
  * Byte order: high byte first, at 44h.
- * Erratum: The coding of year, week and serial number is not given (open, wrong data): Used: The
+ * Erratum: The coding of year, week and serial number is not given (open, wrong data). Used: The
  * values are plain binary numbers. The year is the plain value of its byte. 46h is the high byte of
  * the serial number.
  * In edition 1.1: may differ. See the encoder's page.
@@ -205,7 +205,8 @@ static inline cw_result lika_am36_biss_read_serial_number(
  * After a command, the register automatically returns to 00. If a new resolution and a new preset
  * are set together, the command "Save parameters and activate Preset" stores the resolution but
  * sets the preset to zero. The preset must then be written again.
- * Erratum: Two sections disagree on when a new resolution clears the preset (open, omission).
+ * Erratum: Two sections disagree on when a new resolution clears the preset (open, omission). Used:
+ * set_resolution saves the resolution first, and only then writes and activates the preset.
  * In edition 1.1: may differ. See the encoder's page.
  * Function.
  */
@@ -303,8 +304,11 @@ typedef enum lika_am36_biss_enable_preset {
  * A new value takes effect immediately. The command "Save parameters on EEPROM" saves it. Bits 0,
  * 1, 3, 4 and 7 are not used. According to the list of defaults they are 0.
  * Erratum: One warning gives the bit Enable preset the opposite polarity (settled, wrong data).
- * Erratum: The example calls Counting direction bit 8 instead of bit 6 (settled, wrong data).
- * Erratum: The preset example writes one bit instead of the whole byte (settled, wrong data).
+ * Used: 0 enables the preset function.
+ * Erratum: The example calls Counting direction bit 8 instead of bit 6 (settled, wrong data). Used:
+ * Counting direction is bit 6.
+ * Erratum: The preset example writes one bit instead of the whole byte (settled, wrong data). Used:
+ * Register 49h is set to 20h, with bit 2 at 0 and the other bits at their defaults.
  * In edition 1.1: differs. See the encoder's page.
  *   bit 7     -                   Always zero.
  *   bit 6     counting_direction
@@ -432,12 +436,15 @@ static inline cw_result lika_am36_biss_write_configuration(
  * A new value takes effect immediately, which can change the length of the frame, and sets the
  * preset to zero. The command "Save parameters on EEPROM" saves it. Only powers of two are
  * accepted. Register 56h shows the resulting number of bits.
- * Erratum: The singleturn resolution of the BiSS models is left open (open, wrong data): Used: The
+ * Erratum: The singleturn resolution of the BiSS models is left open (open, wrong data). Used: The
  * widths come from registers 56h and 57h, with their printed defaults, regardless of the order
  * code.
- * Erratum: The manual leaves open when the frame changes its length (open, omission).
- * Erratum: The byte order of the resolution registers is not given (open, omission).
- * Erratum: When a value of several bytes becomes active is not described (open, omission).
+ * Erratum: The manual leaves open when the frame changes its length (open, omission). Used: As soon
+ * as a resolution is written, the position has the number of bits given by registers 56h and 57h.
+ * Erratum: The byte order of the resolution registers is not given (open, omission). Used: The high
+ * byte comes first.
+ * Erratum: When a value of several bytes becomes active is not described (open, omission). Used:
+ * The bytes are written in ascending order of address, without another access in between.
  *   bits 23:0  steps
  */
 typedef struct lika_am36_biss_reg_information_per_revolution {
@@ -549,9 +556,13 @@ static inline cw_result lika_am36_biss_write_information_per_revolution(
  * revolutions in either direction while the encoder is off. Otherwise the absolute position is
  * lost.
  * Erratum: The order code has 4,096 revolutions, the registers have 65,536 (open, wrong limit).
- * Erratum: The manual leaves open when the frame changes its length (open, omission).
- * Erratum: The byte order of the resolution registers is not given (open, omission).
- * Erratum: When a value of several bytes becomes active is not described (open, omission).
+ * Used: The registers and the frame use 65,536.
+ * Erratum: The manual leaves open when the frame changes its length (open, omission). Used: As soon
+ * as a resolution is written, the position has the number of bits given by registers 56h and 57h.
+ * Erratum: The byte order of the resolution registers is not given (open, omission). Used: The high
+ * byte comes first.
+ * Erratum: When a value of several bytes becomes active is not described (open, omission). Used:
+ * The bytes are written in ascending order of address, without another access in between.
  *   bits 15:0  revolutions
  */
 typedef struct lika_am36_biss_reg_number_of_revolutions {
@@ -665,9 +676,12 @@ static inline uint64_t lika_am36_biss_reg_preset_max(lika_am36_biss variant)
  * standstill. Set the preset again after a change of the counting direction, of "Information per
  * revolution" or of "Number of revolutions". The preset can be used, for instance, to align the
  * zero points of encoder and application.
- * Erratum: Two sections disagree on when a new resolution clears the preset (open, omission).
+ * Erratum: Two sections disagree on when a new resolution clears the preset (open, omission). Used:
+ * set_resolution saves the resolution first, and only then writes and activates the preset.
  * Erratum: One warning gives the bit Enable preset the opposite polarity (settled, wrong data).
- * Erratum: The printed default of Preset has six bytes instead of five (settled, wrong data).
+ * Used: 0 enables the preset function.
+ * Erratum: The printed default of Preset has six bytes instead of five (settled, wrong data). Used:
+ * The default is five bytes of 00.
  *   bits 39:36  -         Always zero.
  *   bits 35:0   position
  */
@@ -786,10 +800,11 @@ static inline cw_result lika_am36_biss_read_device_type(
 /**
  * No. of bits used for singleturn resolution, register 56h, read only, over BiSS C-mode [6.5 p.31].
  * Singleturn resolution in bits, as set by "Information per revolution".
- * Erratum: The singleturn resolution of the BiSS models is left open (open, wrong data): Used: The
+ * Erratum: The singleturn resolution of the BiSS models is left open (open, wrong data). Used: The
  * widths come from registers 56h and 57h, with their printed defaults, regardless of the order
  * code.
- * Erratum: The manual leaves open when the frame changes its length (open, omission).
+ * Erratum: The manual leaves open when the frame changes its length (open, omission). Used: As soon
+ * as a resolution is written, the position has the number of bits given by registers 56h and 57h.
  * Width of the singleturn part of the position. Unit: bits.
  */
 #define LIKA_AM36_BISS_REG_SINGLETURN_BITS_USED_ADDRESS 0x56U
@@ -820,8 +835,11 @@ static inline cw_result lika_am36_biss_read_singleturn_bits_used(
  * No. of bits used for multiturn resolution, register 57h, read only, over BiSS C-mode [6.5 p.31].
  * Bits of the multiturn resolution, as set by "Number of revolutions".
  * Erratum: The order code has 4,096 revolutions, the registers have 65,536 (open, wrong limit).
- * Erratum: The manual leaves open when the frame changes its length (open, omission).
+ * Used: The registers and the frame use 65,536.
+ * Erratum: The manual leaves open when the frame changes its length (open, omission). Used: As soon
+ * as a resolution is written, the position has the number of bits given by registers 56h and 57h.
  * Erratum: The number of bits for 2,000 revolutions and the like is not given (open, omission).
+ * Used: The number of bits is read from register 57h, not computed.
  * Width of the multiturn part of the position. Unit: bits.
  */
 #define LIKA_AM36_BISS_REG_MULTITURN_BITS_USED_ADDRESS 0x57U
@@ -857,8 +875,9 @@ static inline cw_result lika_am36_biss_read_multiturn_bits_used(
  * Encoder model, interface, enclosure and software version. The manual refers to the order code
  * here.
  * Byte order: high byte first, at 78h.
- * Erratum: The BiSS models are printed with 17 instead of I7 (settled, wrong limit).
- * Erratum: All models share one device ID (open, omission).
+ * Erratum: The BiSS models are printed with 17 instead of I7 (settled, wrong limit). Used: I7 is
+ * the code for BiSS. 17 is also accepted and shown as unlisted.
+ * Erratum: All models share one device ID (open, omission). Used: The device ID is used as printed.
  * In edition 1.1: may differ. See the encoder's page.
  *   bits 47:32  model
  *   bits 31:16  interface_code

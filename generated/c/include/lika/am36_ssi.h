@@ -101,15 +101,19 @@ extern "C" {
  * both numbers in every enquiry. Technical data are in the catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum: The BiSS models are printed with 17 instead of I7 (settled, wrong limit).
- * Erratum: Edition 1.1 writes the order codes in another way (open, wrong limit).
- * Erratum: The manual does not say which of BG and GG is Gray code (open, wrong data): Used: BG is
+ * Erratum: The BiSS models are printed with 17 instead of I7 (settled, wrong limit). Used: I7 is
+ * the code for BiSS. 17 is also accepted and shown as unlisted.
+ * Erratum: Edition 1.1 writes the order codes in another way (open, wrong limit). Used: Labels of
+ * both editions are accepted.
+ * Erratum: The manual does not say which of BG and GG is Gray code (open, wrong data). Used: BG is
  * binary, GG is Gray.
- * Erratum: The singleturn resolution of the BiSS models is left open (open, wrong data): Used: The
+ * Erratum: The singleturn resolution of the BiSS models is left open (open, wrong data). Used: The
  * widths come from registers 56h and 57h, with their printed defaults, regardless of the order
  * code.
  * Erratum: The order code has 4,096 revolutions, the registers have 65,536 (open, wrong limit).
- * Erratum: The number of positions with 28 bits has a wrong digit (settled, wrong limit).
+ * Used: The registers and the frame use 65,536.
+ * Erratum: The number of positions with 28 bits has a wrong digit (settled, wrong limit). Used:
+ * 268,435,456.
  * In edition 1.1: differs. See the encoder's page.
  * In edition 1.1: may differ. See the encoder's page.
  */
@@ -163,9 +167,12 @@ static inline uint32_t lika_am36_ssi_position_bits(lika_am36_ssi variant)
  * Alignment: left: the most significant bit comes with the first clock, and zeros follow the word
  * [5.2].
  * Code: binary or Gray, by order code [5.2].
- * Erratum: The clock for cables under 400 m is below the allowed range (open, wrong limit).
- * Erratum: The table of cable lengths has no cable for 400 kHz to 3 MHz (open, wrong limit).
+ * Erratum: The clock for cables under 400 m is below the allowed range (open, wrong limit). Used:
+ * Both limits are listed as printed.
+ * Erratum: The table of cable lengths has no cable for 400 kHz to 3 MHz (open, wrong limit). Used:
+ * Both limits are listed as printed.
  * Erratum: The SSI pause is "at least" 12 us in words and above it in signs (open, wrong limit).
+ * Used: The minimum is 12 us.
  * In edition 1.1: may differ. See the encoder's page.
  */
 #define LIKA_AM36_SSI_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 3 MHz [5.3]. */
@@ -233,11 +240,14 @@ static inline uint32_t lika_am36_ssi_clock_limit_hz(uint32_t cable_m)
  * In Gray code, multiturn and singleturn are coded as one word.
  *   starting at bit singleturn_bits  multiturn   multiturn_bits bits.
  *   starting at bit 0                singleturn  singleturn_bits bits.
- * Erratum: The manual does not say which of BG and GG is Gray code (open, wrong data): Used: BG is
+ * Erratum: The manual does not say which of BG and GG is Gray code (open, wrong data). Used: BG is
  * binary, GG is Gray.
- * Erratum: The bits of the SSI words are numbered from 1 instead of 0 (settled, wrong data).
- * Erratum: Two sections disagree on the number of SSI clocks (open, wrong limit).
- * Erratum: The order of singleturn and multiturn is missing (open, omission).
+ * Erratum: The bits of the SSI words are numbered from 1 instead of 0 (settled, wrong data). Used:
+ * The words have bits 27:0 and 30:0.
+ * Erratum: Two sections disagree on the number of SSI clocks (open, wrong limit). Used: The
+ * generated files do not enforce either rule. n + 1 clocks satisfy both.
+ * Erratum: The order of singleturn and multiturn is missing (open, omission). Used: Multiturn comes
+ * first, as the more significant part.
  */
 typedef struct lika_am36_ssi_frame {
     uint16_t multiturn; /**< Number of revolutions. Unit: revolutions. */

@@ -91,8 +91,10 @@ extern "C" {
  * catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum: The cable table is headed G1 instead of BG1 (settled, wrong limit).
- * Erratum: The table of word lengths has 65KKG1 instead of 65KBG1 (settled, wrong limit).
+ * Erratum: The cable table is headed G1 instead of BG1 (settled, wrong limit). Used: The cable
+ * belongs to the ...BG1-... and ...SC1-... order codes.
+ * Erratum: The table of word lengths has 65KKG1 instead of 65KBG1 (settled, wrong limit). Used:
+ * 65KBG1.
  * Before edition 1.8: differs. See the encoder's page.
  * Before edition 1.6: differs. See the encoder's page.
  */
@@ -197,8 +199,10 @@ typedef enum lika_amm5_biss_report {
  * Control data: Each frame carries one bit of control data, which is used to read and write the
  * registers. The manual describes the main fields and refers to the BiSS C protocol description for
  * the complete structure.
- * Erratum: The registers of the profile ID are not listed (open, omission).
- * Erratum: The lowest clock is below the range of BiSS (open, wrong limit).
+ * Erratum: The registers of the profile ID are not listed (open, omission). Used: The generated
+ * files have no profile ID.
+ * Erratum: The lowest clock is below the range of BiSS (open, wrong limit). Used: The lowest clock
+ * is 50 kHz.
  * Before edition 1.4: may differ. See the encoder's page.
  */
 #define LIKA_AMM5_BISS_CLOCK_MIN_HZ 50000U /**< Clock: 50 kHz to 10 MHz [6.5 p.40]. */
@@ -287,11 +291,16 @@ static inline uint32_t lika_amm5_biss_timeout_ns(uint32_t clock_hz)
  *   bit 6                                warning
  *   bits 5:0                             crc         CRC: CRC of the transmission, sent inverted.
  *                                                    CRC biss_6 over everything before it.
- * Erratum: The order of singleturn and multiturn is missing (open, omission).
- * Erratum: The frame is one bit longer than the printed length (settled, wrong data).
- * Erratum: Error bits, LEDs and alarms do not correspond one to one (open, omission).
- * Erratum: Which errors affect the position is only partly described (open, omission).
- * Erratum: Battery alarms are printed for models without a battery (open, omission).
+ * Erratum: The order of singleturn and multiturn is missing (open, omission). Used: Multiturn comes
+ * first, as the more significant part.
+ * Erratum: The frame is one bit longer than the printed length (settled, wrong data). Used: The
+ * length is position_bits + 8.
+ * Erratum: Error bits, LEDs and alarms do not correspond one to one (open, omission). Used: Each
+ * bit, LED and alarm is used as printed.
+ * Erratum: Which errors affect the position is only partly described (open, omission). Used: The
+ * position is not usable if any of these is active: error, BUSY, PS error or ST error.
+ * Erratum: Battery alarms are printed for models without a battery (open, omission). Used: In
+ * singleturn models (.../1...), nW, BATT and MTERR have no explanation.
  */
 typedef struct lika_amm5_biss_frame {
     uint16_t multiturn; /**< Number of revolutions. Unit: revolutions. */
@@ -336,7 +345,8 @@ static inline uint32_t lika_amm5_biss_bits(lika_amm5_biss variant)
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
  * order (most significant bit first) and the range (position, error and warning bit) come from
  * public BiSS documents.
- * Erratum: The start value of the BiSS CRCs is missing (open, omission).
+ * Erratum: The start value of the BiSS CRCs is missing (open, omission). Used: The start value is
+ * 0.
  * How it folds: the remainder of x^6 is x + 1. By squaring, the remainder of x^12 is x^2 + 1, and
  * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done
  * with the shifts 12 and 2, then 6 and 1, until 6 bits are left.

@@ -76,10 +76,15 @@ static inline uint64_t lika_amm5_biss_reg_preset_max(lika_amm5_biss variant)
  * take effect immediately. The manual suggests activating it at a standstill. The preset can be
  * used, for instance, to align the zero points of encoder and application.
  * Erratum: Only the Italian edition allows the total resolution as preset (settled, wrong limit).
+ * Used: The maximum is 2^position_bits - 1.
  * Erratum: The singleturn models are counted among those with 65,536 turns (settled, wrong limit).
- * Erratum: The bits below the lowest singleturn bit are not described (open, omission).
- * Erratum: The preset uses registers that BiSS reserves for banks (open, omission).
+ * Used: Singleturn models have no multiturn bits.
+ * Erratum: The bits below the lowest singleturn bit are not described (open, omission). Used: All
+ * bits below the lowest singleturn bit are 0.
+ * Erratum: The preset uses registers that BiSS reserves for banks (open, omission). Used: The
+ * registers are used as printed.
  * Erratum: The printed default of Preset has five bytes instead of seven (settled, wrong data).
+ * Used: The default is seven bytes of 00.
  *   bits 55:49                            -           Always zero.
  *   starting at bit 49 - multiturn_bits   multiturn   multiturn_bits bits.
  *   starting at bit 33                    -           16 - multiturn_bits bits. Always zero.
@@ -215,7 +220,8 @@ static inline cw_result lika_amm5_biss_write_preset(
  * C-mode [6.4 p.38, 10 p.52, it: 6.4 p.38].
  * Opens and closes the Preset registers for writing.
  * The list of defaults (section 10) gives 00, although the register cannot be read.
- * Erratum: The preset uses registers that BiSS reserves for banks (open, omission).
+ * Erratum: The preset uses registers that BiSS reserves for banks (open, omission). Used: The
+ * registers are used as printed.
  * State.
  */
 #define LIKA_AMM5_BISS_REG_PRESET_SETTING_ENABLE_ADDRESS 0x40U
@@ -255,7 +261,7 @@ static inline cw_result lika_amm5_biss_write_preset_setting_enable(
  * it: 6.4 p.39].
  * Year and week of production and a serial number, as the decimal digits of one binary number.
  * Byte order: high byte first, at 44h.
- * Erratum: Sister manuals read the serial number in opposite byte orders (open, wrong data): Used:
+ * Erratum: Sister manuals read the serial number in opposite byte orders (open, wrong data). Used:
  * The high byte comes first, as printed.
  * Before edition 1.7: may differ. See the encoder's page.
  *   bits 31:0  serial
@@ -415,7 +421,7 @@ static inline cw_result lika_amm5_biss_write_command(
  * Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.39].
  * Name of the device and its hardware-software release.
  * Byte order: high byte first, at 78h.
- * Erratum: All models share one device ID (open, omission).
+ * Erratum: All models share one device ID (open, omission). Used: The device ID is used as printed.
  * Before edition 1.7: may differ. See the encoder's page.
  *   bits 47:16  name
  *   bits 15:0   release

@@ -87,8 +87,10 @@ extern "C" {
  * catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum: The cable table is headed G1 instead of BG1 (settled, wrong limit).
- * Erratum: The table of word lengths has 65KKG1 instead of 65KBG1 (settled, wrong limit).
+ * Erratum: The cable table is headed G1 instead of BG1 (settled, wrong limit). Used: The cable
+ * belongs to the ...BG1-... and ...SC1-... order codes.
+ * Erratum: The table of word lengths has 65KKG1 instead of 65KBG1 (settled, wrong limit). Used:
+ * 65KBG1.
  * Before edition 1.8: differs. See the encoder's page.
  * Before edition 1.6: differs. See the encoder's page.
  */
@@ -146,7 +148,8 @@ static inline uint32_t lika_amm5_rs485_revolutions(lika_amm5_rs485 variant)
  * The CRC covers all bytes sent before it, without start bits and delimiters, least significant bit
  * first. It equals the XOR of the bytes, so it does not detect swapped bytes. The printed code sets
  * the start value to 0.
- * Erratum: The printed CRC code expects the bits of a byte MSB first (settled, wrong data).
+ * Erratum: The printed CRC code expects the bits of a byte MSB first (settled, wrong data). Used:
+ * The CRC is the XOR of all bytes before it, which is x^8 + 1 with input and output reflected.
  * With this polynomial, the CRC of whole bytes is their XOR.
  */
 CW_CONSTEXPR
@@ -164,7 +167,7 @@ static inline uint8_t lika_amm5_rs485_crc_rs485_8(const uint8_t *bytes, size_t l
 /**
  * Position of the address in byte ADF of an EEPROM access over RS-485 [7.5 p.46].
  * Choose the answer for your encoder. No known source settles it, and there is no default.
- * Erratum: The place of MEM BUSY in the address byte is doubtful (open, wrong data): Used: Either
+ * Erratum: The place of MEM BUSY in the address byte is doubtful (open, wrong data). Used: Either
  * position is possible. The user must choose, and there is no default. With the wrong choice, an
  * access reaches twice the address or half of it, and a write overwrites other data there. Read and
  * compare before you write.
@@ -238,18 +241,28 @@ typedef enum lika_amm5_rs485_report {
  * Memory write, busy 1: A write is in progress. The request is invalid and not executed. Address:
  * as in the request. Data: 00h [7.5 p.46].
  * Set all members of a request, because those that an initial value leaves out are 0.
- * Erratum: Error bits, LEDs and alarms do not correspond one to one (open, omission).
+ * Erratum: Error bits, LEDs and alarms do not correspond one to one (open, omission). Used: Each
+ * bit, LED and alarm is used as printed.
  * Erratum: The manual does not say what other values of the unused bits mean (open, omission).
- * Erratum: Which errors affect the position is only partly described (open, omission).
- * Erratum: The structure of the control field is not described (settled, omission).
- * Erratum: Turning on the power twice can mean one or two power cycles (open, omission).
- * Erratum: Battery alarms are printed for models without a battery (open, omission).
- * Erratum: The battery alarm is missing in one list of errors to be reset (open, omission).
- * Erratum: Table and note disagree on what data ID 8 resets (open, wrong data): Used: The generated
+ * Used: A reply with other values is decoded, and the bits are reported.
+ * Erratum: Which errors affect the position is only partly described (open, omission). Used: The
+ * position is not usable if any of these is active: error, BUSY, PS error or ST error.
+ * Erratum: The structure of the control field is not described (settled, omission). Used: Bits 2:0
+ * are 010, bits 6:3 are the data ID, and bit 7 is the even parity of the data ID.
+ * Erratum: Turning on the power twice can mean one or two power cycles (open, omission). Used: The
+ * remedy is given as printed.
+ * Erratum: Battery alarms are printed for models without a battery (open, omission). Used: In
+ * singleturn models (.../1...), nW, BATT and MTERR have no explanation.
+ * Erratum: The battery alarm is missing in one list of errors to be reset (open, omission). Used:
+ * Data IDs 7 and C also clear the battery alarm.
+ * Erratum: Table and note disagree on what data ID 8 resets (open, wrong data). Used: The generated
  * files follow the table. Data ID 8 resets singleturn and multiturn data.
- * Erratum: The interval between the ten reset requests is ambiguous (open, omission).
- * Erratum: The condition that clears BUSY differs within the manual (open, omission).
- * Erratum: The reply time over RS-485 is missing (open, omission).
+ * Erratum: The interval between the ten reset requests is ambiguous (open, omission). Used: No
+ * other request is sent in between.
+ * Erratum: The condition that clears BUSY differs within the manual (open, omission). Used: Both
+ * are given as printed.
+ * Erratum: The reply time over RS-485 is missing (open, omission). Used: The generated files have
+ * no reply time and no time-out.
  * Before edition 1.6: differs. See the encoder's page.
  */
 /** Baud rate: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.41]. */
@@ -386,7 +399,7 @@ static inline cw_result lika_amm5_rs485_data_request_encode(
  *                                                     master.
  *   byte 2                                  data
  *   byte 3                                  crc       CRC. CRC rs485_8 over everything before it.
- * Erratum: The place of MEM BUSY in the address byte is doubtful (open, wrong data): Used: Either
+ * Erratum: The place of MEM BUSY in the address byte is doubtful (open, wrong data). Used: Either
  * position is possible. The user must choose, and there is no default. With the wrong choice, an
  * access reaches twice the address or half of it, and a write overwrites other data there. Read and
  * compare before you write.
@@ -443,7 +456,7 @@ static inline cw_result lika_amm5_rs485_eeprom_write_request_encode(
  *   starting at bit mem_busy_bit + 8        mem_busy  1 bit. MEM BUSY: Always 0 when sent by the
  *                                                     master.
  *   byte 2                                  crc       CRC. CRC rs485_8 over everything before it.
- * Erratum: The place of MEM BUSY in the address byte is doubtful (open, wrong data): Used: Either
+ * Erratum: The place of MEM BUSY in the address byte is doubtful (open, wrong data). Used: Either
  * position is possible. The user must choose, and there is no default. With the wrong choice, an
  * access reaches twice the address or half of it, and a write overwrites other data there. Read and
  * compare before you write.
@@ -503,8 +516,10 @@ static inline cw_result lika_amm5_rs485_eeprom_read_request_encode(
  *                                         still decoded, with the verdict usable_with_warning.
  *   bytes 2 to 4      singleturn          singleturn_bits bits.
  *   byte 5            crc                 CRC. CRC rs485_8 over everything before it.
- * Erratum: One bit combines BUSY with errors that keep the position (open, omission).
- * Erratum: The frame of the CRC example does not fit any reply (settled, wrong data).
+ * Erratum: One bit combines BUSY with errors that keep the position (open, omission). Used: EE_1 is
+ * one flag, status_other_error.
+ * Erratum: The frame of the CRC example does not fit any reply (settled, wrong data). Used: The
+ * bytes are used only as a check of the CRC. As a reply, they are rejected because of their length.
  */
 typedef struct lika_amm5_rs485_singleturn_reply {
     lika_amm5_rs485_data_id data_id; /**< Data ID. */
@@ -634,7 +649,8 @@ static inline uint32_t lika_amm5_rs485_singleturn_reply_reports(
  *                                         still decoded, with the verdict usable_with_warning.
  *   bytes 2 to 4      multiturn           multiturn_bits bits.
  *   byte 5            crc                 CRC. CRC rs485_8 over everything before it.
- * Erratum: One bit combines BUSY with errors that keep the position (open, omission).
+ * Erratum: One bit combines BUSY with errors that keep the position (open, omission). Used: EE_1 is
+ * one flag, status_other_error.
  */
 typedef struct lika_amm5_rs485_multiturn_reply {
     /**
@@ -758,7 +774,7 @@ static inline uint32_t lika_amm5_rs485_multiturn_reply_reports(
  *                                         still decoded, with the verdict usable_with_warning.
  *   byte 2            encoder_id
  *   byte 3            crc                 CRC. CRC rs485_8 over everything before it.
- * Erratum: The encoder ID 23h may be the decimal number 23 (open, wrong data): Used: 23h is the
+ * Erratum: The encoder ID 23h may be the decimal number 23 (open, wrong data). Used: 23h is the
  * expected encoder ID. A frame with another ID is decoded, and the ID is reported.
  */
 typedef struct lika_amm5_rs485_encoder_id_reply {
@@ -876,7 +892,7 @@ static inline uint32_t lika_amm5_rs485_encoder_id_reply_reports(
  *   byte 9, bit 6     mt_error
  *   byte 9, bit 7     battery_alarm
  *   byte 10           crc                 CRC. CRC rs485_8 over everything before it.
- * Erratum: The encoder ID 23h may be the decimal number 23 (open, wrong data): Used: 23h is the
+ * Erratum: The encoder ID 23h may be the decimal number 23 (open, wrong data). Used: 23h is the
  * expected encoder ID. A frame with another ID is decoded, and the ID is reported.
  */
 typedef struct lika_amm5_rs485_complete_reply {
@@ -1097,7 +1113,7 @@ static inline uint32_t lika_amm5_rs485_complete_reply_reports(
  *   starting at bit mem_busy_bit + 8        mem_busy  1 bit.
  *   byte 2                                  data
  *   byte 3                                  crc       CRC. CRC rs485_8 over everything before it.
- * Erratum: The place of MEM BUSY in the address byte is doubtful (open, wrong data): Used: Either
+ * Erratum: The place of MEM BUSY in the address byte is doubtful (open, wrong data). Used: Either
  * position is possible. The user must choose, and there is no default. With the wrong choice, an
  * access reaches twice the address or half of it, and a write overwrites other data there. Read and
  * compare before you write.
@@ -1181,7 +1197,7 @@ static inline uint32_t lika_amm5_rs485_eeprom_write_reply_reports(
  *   starting at bit mem_busy_bit + 8        mem_busy  1 bit.
  *   byte 2                                  data
  *   byte 3                                  crc       CRC. CRC rs485_8 over everything before it.
- * Erratum: The place of MEM BUSY in the address byte is doubtful (open, wrong data): Used: Either
+ * Erratum: The place of MEM BUSY in the address byte is doubtful (open, wrong data). Used: Either
  * position is possible. The user must choose, and there is no default. With the wrong choice, an
  * access reaches twice the address or half of it, and a write overwrites other data there. Read and
  * compare before you write.

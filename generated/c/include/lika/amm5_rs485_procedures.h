@@ -44,10 +44,12 @@ static inline const cw_step *lika_amm5_rs485_reset_singleturn_and_multiturn_step
  * Result: Singleturn and multiturn data are 0. The shaft position is kept without main power, with
  * or without an external battery.
  * The ten requests must follow one another directly. Stop polling the position during the reset.
- * Erratum: Table and note disagree on what data ID 8 resets (open, wrong data): Used: The generated
+ * Erratum: Table and note disagree on what data ID 8 resets (open, wrong data). Used: The generated
  * files follow the table. Data ID 8 resets singleturn and multiturn data.
- * Erratum: The interval between the ten reset requests is ambiguous (open, omission).
- * Erratum: A shaft turning at 300 rpm is called stopped (open, wrong limit).
+ * Erratum: The interval between the ten reset requests is ambiguous (open, omission). Used: No
+ * other request is sent in between.
+ * Erratum: A shaft turning at 300 rpm is called stopped (open, wrong limit). Used: The condition is
+ * standstill, which the manual defines as 300 rpm or less.
  * Reset singleturn and multiturn data, over RS-485. The transport needs wait_us and send_request.
  */
 CW_NODISCARD
@@ -85,9 +87,12 @@ static inline const cw_step *lika_amm5_rs485_reset_multiturn_and_errors_steps(si
  * Result: Multiturn data are 0. Singleturn data are not reset. The latched errors (PS error, ST
  * error, MT error, and according to 7.4.1 also the battery alarm) are cleared.
  * The ten requests must follow one another directly. Stop polling the position during the reset.
- * Erratum: The battery alarm is missing in one list of errors to be reset (open, omission).
- * Erratum: The interval between the ten reset requests is ambiguous (open, omission).
- * Erratum: A shaft turning at 300 rpm is called stopped (open, wrong limit).
+ * Erratum: The battery alarm is missing in one list of errors to be reset (open, omission). Used:
+ * Data IDs 7 and C also clear the battery alarm.
+ * Erratum: The interval between the ten reset requests is ambiguous (open, omission). Used: No
+ * other request is sent in between.
+ * Erratum: A shaft turning at 300 rpm is called stopped (open, wrong limit). Used: The condition is
+ * standstill, which the manual defines as 300 rpm or less.
  * Reset multiturn data and all errors, over RS-485. The transport needs wait_us and send_request.
  */
 CW_NODISCARD
@@ -122,9 +127,12 @@ static inline const cw_step *lika_amm5_rs485_reset_errors_steps(size_t *count)
  * Result: The latched errors (PS error, ST error, MT error, and according to 7.4.1 also the battery
  * alarm) are cleared.
  * The ten requests must follow one another directly. Stop polling the position during the reset.
- * Erratum: The battery alarm is missing in one list of errors to be reset (open, omission).
- * Erratum: The interval between the ten reset requests is ambiguous (open, omission).
- * Erratum: A shaft turning at 300 rpm is called stopped (open, wrong limit).
+ * Erratum: The battery alarm is missing in one list of errors to be reset (open, omission). Used:
+ * Data IDs 7 and C also clear the battery alarm.
+ * Erratum: The interval between the ten reset requests is ambiguous (open, omission). Used: No
+ * other request is sent in between.
+ * Erratum: A shaft turning at 300 rpm is called stopped (open, wrong limit). Used: The condition is
+ * standstill, which the manual defines as 300 rpm or less.
  * Reset all errors, over RS-485. The transport needs wait_us and send_request.
  */
 CW_NODISCARD

@@ -146,7 +146,8 @@ static inline const cw_report_text *lika_amm5_rs485_report_text(uint32_t reports
  * Detected: In normal operation, when the main power is turned on.
  * Clears itself when its cause is gone.
  * Remedy: The flag clears itself (once the speed of rotation is 300 rpm or less).
- * Erratum: The condition that clears BUSY differs within the manual (open, omission).
+ * Erratum: The condition that clears BUSY differs within the manual (open, omission). Used: Both
+ * are given as printed.
  */
 #define LIKA_AMM5_RS485_ALARM_BUSY_MASK 0x02U
 
@@ -158,7 +159,8 @@ static inline const cw_report_text *lika_amm5_rs485_report_text(uint32_t reports
  * Stays active until it is reset.
  * Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
  * Cleared by: reset_errors or reset_multiturn_and_errors.
- * Erratum: Turning on the power twice can mean one or two power cycles (open, omission).
+ * Erratum: Turning on the power twice can mean one or two power cycles (open, omission). Used: The
+ * remedy is given as printed.
  */
 #define LIKA_AMM5_RS485_ALARM_PS_ERROR_MASK 0x20U
 
@@ -170,7 +172,8 @@ static inline const cw_report_text *lika_amm5_rs485_report_text(uint32_t reports
  * Stays active until it is reset.
  * Remedy: Turn on the main power twice, or reset the error with data ID 7 or C.
  * Cleared by: reset_errors or reset_multiturn_and_errors.
- * Erratum: Turning on the power twice can mean one or two power cycles (open, omission).
+ * Erratum: Turning on the power twice can mean one or two power cycles (open, omission). Used: The
+ * remedy is given as printed.
  */
 #define LIKA_AMM5_RS485_ALARM_ST_ERROR_MASK 0x04U
 
@@ -185,7 +188,9 @@ static inline const cw_report_text *lika_amm5_rs485_report_text(uint32_t reports
  * Only with .../65K...
  * Cleared by: reset_errors or reset_multiturn_and_errors.
  * Erratum: The allowed battery voltage includes voltages that raise an alarm (open, wrong limit).
- * Erratum: The battery alarm is missing in one list of errors to be reset (open, omission).
+ * Used: Both are listed as printed.
+ * Erratum: The battery alarm is missing in one list of errors to be reset (open, omission). Used:
+ * Data IDs 7 and C also clear the battery alarm.
  */
 #define LIKA_AMM5_RS485_ALARM_BATTERY_ALARM_MASK 0x80U
 #define LIKA_AMM5_RS485_ALARM_BATTERY_ALARM_BELOW_MV 3150U /**< raised below this, in millivolts */
@@ -201,6 +206,7 @@ static inline const cw_report_text *lika_amm5_rs485_report_text(uint32_t reports
  * Only with .../65K...
  * Cleared by: reset_errors or reset_multiturn_and_errors.
  * Erratum: The allowed battery voltage includes voltages that raise an alarm (open, wrong limit).
+ * Used: Both are listed as printed.
  */
 #define LIKA_AMM5_RS485_ALARM_MT_ERROR_MASK 0x40U
 #define LIKA_AMM5_RS485_ALARM_MT_ERROR_BELOW_MV 3050U /**< raised below this, in millivolts */

@@ -87,8 +87,10 @@ extern "C" {
  * catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum: The cable table is headed G1 instead of BG1 (settled, wrong limit).
- * Erratum: The table of word lengths has 65KKG1 instead of 65KBG1 (settled, wrong limit).
+ * Erratum: The cable table is headed G1 instead of BG1 (settled, wrong limit). Used: The cable
+ * belongs to the ...BG1-... and ...SC1-... order codes.
+ * Erratum: The table of word lengths has 65KKG1 instead of 65KBG1 (settled, wrong limit). Used:
+ * 65KBG1.
  * Before edition 1.8: differs. See the encoder's page.
  * Before edition 1.6: differs. See the encoder's page.
  */
@@ -149,9 +151,12 @@ static inline uint32_t lika_amm5_ssi_revolutions(lika_amm5_ssi variant)
  * Alignment: left: the most significant bit comes with the first clock, and zeros follow the word
  * [5.2 p.28].
  * Code: binary [5.2 p.28].
- * Erratum: The clock for cables under 400 m is below the allowed range (open, wrong limit).
- * Erratum: The table of cable lengths has no cable for 400 kHz to 4 MHz (open, wrong limit).
+ * Erratum: The clock for cables under 400 m is below the allowed range (open, wrong limit). Used:
+ * Both limits are listed as printed.
+ * Erratum: The table of cable lengths has no cable for 400 kHz to 4 MHz (open, wrong limit). Used:
+ * Both limits are listed as printed.
  * Erratum: The SSI pause is "at least" 20 us in words and above it in signs (open, wrong limit).
+ * Used: The minimum is 20 us.
  * Before edition 1.6: differs. See the encoder's page.
  */
 #define LIKA_AMM5_SSI_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 4 MHz [5.3 p.29]. */
@@ -225,10 +230,14 @@ static inline uint32_t lika_amm5_ssi_clock_limit_hz(uint32_t cable_m)
  * Further clock pulses read zeros after the word. There is no error bit, no warning bit and no CRC.
  *   starting at bit singleturn_bits  multiturn   multiturn_bits bits.
  *   starting at bit 0                singleturn  singleturn_bits bits.
- * Erratum: One section says Binary or Gray, the other says Binary (settled, wrong data).
- * Erratum: Two sections disagree on the number of SSI clocks (open, wrong limit).
- * Erratum: The table of word lengths has 65KKG1 instead of 65KBG1 (settled, wrong limit).
- * Erratum: The order of singleturn and multiturn is missing (open, omission).
+ * Erratum: One section says Binary or Gray, the other says Binary (settled, wrong data). Used:
+ * Binary.
+ * Erratum: Two sections disagree on the number of SSI clocks (open, wrong limit). Used: The
+ * generated files do not enforce either rule. n + 1 clocks satisfy both.
+ * Erratum: The table of word lengths has 65KKG1 instead of 65KBG1 (settled, wrong limit). Used:
+ * 65KBG1.
+ * Erratum: The order of singleturn and multiturn is missing (open, omission). Used: Multiturn comes
+ * first, as the more significant part.
  */
 typedef struct lika_amm5_ssi_frame {
     uint16_t multiturn; /**< Number of revolutions. Unit: revolutions. */

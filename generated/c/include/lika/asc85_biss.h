@@ -90,8 +90,9 @@ extern "C" {
  * catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum: The supply digit is explained for the BiSS models only (open, omission).
- * Erratum: The manual does not say which of BG and GG is Gray code (open, wrong data): Used: BG is
+ * Erratum: The supply digit is explained for the BiSS models only (open, omission). Used: 1 and 2
+ * have the same meaning after BG and GG. Any other digit is accepted as unlisted.
+ * Erratum: The manual does not say which of BG and GG is Gray code (open, wrong data). Used: BG is
  * binary, GG is Gray.
  */
 
@@ -153,7 +154,7 @@ static CW_CONST uint8_t lika_asc85_biss_crc_biss_6_entries[256] = {
 /**
  * Constant 0 bit between position and error bit of a BiSS frame [6.2.1 p.20].
  * Choose the answer for your encoder. No known source settles it, and there is no default.
- * Erratum: The table of the frame has one bit more than the printed length (open, wrong data):
+ * Erratum: The table of the frame has one bit more than the printed length (open, wrong data).
  * Used: Either layout is possible. The user must choose, and there is no default: position_bits + 9
  * bits with the 0 bit between position and error bit, or position_bits + 8 bits without it. If the
  * CRC of every frame fails, the other layout is likely.
@@ -197,7 +198,8 @@ typedef enum lika_asc85_biss_report {
  * Control data: Each frame carries one bit of control data, which is used to read and write the
  * registers. The manual describes the main fields and refers to the BiSS C protocol description for
  * the complete structure.
- * Erratum: The rule for the BiSS time-out is missing (open, omission).
+ * Erratum: The rule for the BiSS time-out is missing (open, omission). Used: Only this value is
+ * used.
  */
 #define LIKA_ASC85_BISS_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 10 MHz [6.5 p.32]. */
 #define LIKA_ASC85_BISS_CLOCK_MAX_HZ 10000000U /**< highest clock in Hz */
@@ -296,15 +298,17 @@ typedef enum lika_asc85_biss_report {
  *   bit 6                          warning
  *   bits 5:0                       crc       CRC: CRC of the transmission, sent inverted. CRC
  *                                            biss_6 over everything before it.
- * Erratum: The table of the frame has one bit more than the printed length (open, wrong data):
+ * Erratum: The table of the frame has one bit more than the printed length (open, wrong data).
  * Used: Either layout is possible. The user must choose, and there is no default: position_bits + 9
  * bits with the 0 bit between position and error bit, or position_bits + 8 bits without it. If the
  * CRC of every frame fails, the other layout is likely.
- * Erratum: One profile ID is given for models with different data lengths (open, wrong data): Used:
+ * Erratum: One profile ID is given for models with different data lengths (open, wrong data). Used:
  * The profile ID is 281Ah for all models, as printed. It does not indicate the resolution or the
  * zero bit of the frame.
- * Erratum: The manual does not say which errors cause a warning (open, omission).
- * Erratum: How errors and warnings affect the position is not described (open, omission).
+ * Erratum: The manual does not say which errors cause a warning (open, omission). Used: No bit of
+ * the error register is interpreted as a warning.
+ * Erratum: How errors and warnings affect the position is not described (open, omission). Used:
+ * Error bit active: the position is not usable.
  */
 typedef struct lika_asc85_biss_frame {
     /** Position: Position within one revolution, most significant bit first. Unit: counts. */
@@ -341,7 +345,8 @@ static inline uint32_t lika_asc85_biss_bits(
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
  * order (most significant bit first) and the range (everything from the position to the warning
  * bit, with the constant 0 where it is sent) come from public BiSS documents.
- * Erratum: The start value of the BiSS CRCs is missing (open, omission).
+ * Erratum: The start value of the BiSS CRCs is missing (open, omission). Used: The start value is
+ * 0.
  * How it folds: the remainder of x^6 is x + 1. By squaring, the remainder of x^12 is x^2 + 1, and
  * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done
  * with the shifts 12 and 2, then 6 and 1, until 6 bits are left.

@@ -49,7 +49,8 @@ typedef struct lika_asc85_biss_request_position_read {
 /**
  * Request new position data and read them [6.4 p.26].
  * Result: The position register contains the requested position.
- * Erratum: Two kinds of reading the position could reset the errors (open, omission).
+ * Erratum: Two kinds of reading the position could reset the errors (open, omission). Used: Reading
+ * the position register resets the messages.
  * Request new position data and read them, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
  */
@@ -106,6 +107,7 @@ typedef struct lika_asc85_biss_save_configuration_read {
  * Result: The configuration registers and a new checksum are in the EEPROM.
  * The configuration registers, 00h to 2Dh, are reserved for the manufacturer.
  * Erratum: Internal data bus busy is bit 3 in one place and bit 2 in another (settled, wrong data).
+ * Used: Internal data bus busy is bit 2.
  * Save the configuration, over BiSS C-mode. The transport needs read_registers, write_registers and
  * wait_us.
  */
@@ -159,8 +161,10 @@ typedef struct lika_asc85_biss_read_absolute_data_read {
  * The manual does not say how long the read takes, or whether "Absolute data valid" goes to 0
  * first. After a failed read, the bit does not become 1. Stop after a while and read the error
  * register.
- * Erratum: A singleturn encoder has a cycle counter without explanation (open, omission).
+ * Erratum: A singleturn encoder has a cycle counter without explanation (open, omission). Used: The
+ * command and the error are described as printed.
  * Erratum: Absolute data valid is bit 2 in one place and bit 1 in another (settled, wrong data).
+ * Used: Absolute data valid is bit 1.
  * Read absolute data again, over BiSS C-mode. The transport needs read_registers, write_registers
  * and wait_us.
  */
@@ -272,6 +276,7 @@ typedef struct lika_asc85_biss_verify_configuration_read {
  * Verify the CRC of the configuration [6.4 p.27].
  * Result: Configuration error shows whether the configuration registers match their checksum.
  * Erratum: Internal data bus busy is bit 3 in one place and bit 2 in another (settled, wrong data).
+ * Used: Internal data bus busy is bit 2.
  * Verify the CRC of the configuration, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
  */
@@ -424,7 +429,8 @@ typedef struct lika_asc85_biss_reset_errors_read {
 /**
  * Read and reset errors and warnings [6.4 p.29].
  * Result: The messages are reset. Messages with a persistent cause appear again.
- * Erratum: Two kinds of reading the position could reset the errors (open, omission).
+ * Erratum: Two kinds of reading the position could reset the errors (open, omission). Used: Reading
+ * the position register resets the messages.
  * Read and reset errors and warnings, over BiSS C-mode. The transport needs read_registers.
  */
 CW_NODISCARD
@@ -492,7 +498,7 @@ typedef struct lika_asc85_biss_identify_read {
  * Identify the encoder [6.4 p.22].
  * Result: The encoder is an ASC85 with BiSS. As printed, the IDs are the same for all resolutions
  * and supplies. Only the label shows the rest of the order code.
- * Erratum: All models share one device ID (open, omission).
+ * Erratum: All models share one device ID (open, omission). Used: The device ID is used as printed.
  * Identify the encoder, over BiSS C-mode. The transport needs read_registers.
  */
 CW_NODISCARD

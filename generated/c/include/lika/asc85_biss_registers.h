@@ -44,11 +44,11 @@ extern "C" {
  * The manual prints one value for all models, although the data length fits only the model with 25
  * bits. The length is therefore not used to identify the encoder. For the variant, the manual
  * refers to the standard encoder profile, data format.
- * Erratum: The table of the frame has one bit more than the printed length (open, wrong data):
+ * Erratum: The table of the frame has one bit more than the printed length (open, wrong data).
  * Used: Either layout is possible. The user must choose, and there is no default: position_bits + 9
  * bits with the 0 bit between position and error bit, or position_bits + 8 bits without it. If the
  * CRC of every frame fails, the other layout is likely.
- * Erratum: One profile ID is given for models with different data lengths (open, wrong data): Used:
+ * Erratum: One profile ID is given for models with different data lengths (open, wrong data). Used:
  * The profile ID is 281Ah for all models, as printed. It does not indicate the resolution or the
  * zero bit of the frame.
  */
@@ -136,7 +136,8 @@ static inline cw_result lika_asc85_biss_read_profile_id(
  * Serial number, registers 44h to 47h, read only, over BiSS C-mode [6.4 p.23].
  * Serial number of the device, assigned in ascending order.
  * Byte order: high byte first, at 44h.
- * Erratum: The meaning of the digits of the serial number is not given (open, omission).
+ * Erratum: The meaning of the digits of the serial number is not given (open, omission). Used: The
+ * serial number is a single number.
  *   bits 31:0  serial
  */
 typedef struct lika_asc85_biss_reg_serial_number {
@@ -341,7 +342,8 @@ static inline cw_result lika_asc85_biss_read_diagnostic_data(
  * Command & status, Command mode, register 60h, write only, over BiSS C-mode [6.4 p.25, 6.4 p.26].
  * Command register, the write side of Command & status.
  * Reading the same address accesses Command & status, Status mode instead.
- * Erratum: A singleturn encoder has a cycle counter without explanation (open, omission).
+ * Erratum: A singleturn encoder has a cycle counter without explanation (open, omission). Used: The
+ * command and the error are described as printed.
  * Function.
  */
 #define LIKA_ASC85_BISS_REG_COMMAND_ADDRESS 0x60U
@@ -441,9 +443,13 @@ static inline cw_result lika_asc85_biss_write_command(
  * the position register, wait until "Position data valid" is 1, as in the procedure
  * request_position.
  * Erratum: Absolute data valid is bit 2 in one place and bit 1 in another (settled, wrong data).
+ * Used: Absolute data valid is bit 1.
  * Erratum: Internal data bus busy is bit 3 in one place and bit 2 in another (settled, wrong data).
- * Erratum: The manual does not say which errors cause a warning (open, omission).
- * Erratum: The registers of the EDS are not listed (open, omission).
+ * Used: Internal data bus busy is bit 2.
+ * Erratum: The manual does not say which errors cause a warning (open, omission). Used: No bit of
+ * the error register is interpreted as a warning.
+ * Erratum: The registers of the EDS are not listed (open, omission). Used: The generated files have
+ * no EDS.
  */
 typedef struct lika_asc85_biss_reg_status {
     /**
@@ -562,14 +568,15 @@ static inline cw_result lika_asc85_biss_read_status(
  * their content. If the resolution is 25 bits, the 26 bits are interpreted as the position and, in
  * bit 6, the constant 0 bit of the BiSS frame. At a lower resolution, the position is also
  * interpreted as left-aligned. The low byte comes first, unlike in the other multi-byte registers.
- * Erratum: The table of the frame has one bit more than the printed length (open, wrong data):
+ * Erratum: The table of the frame has one bit more than the printed length (open, wrong data).
  * Used: Either layout is possible. The user must choose, and there is no default: position_bits + 9
  * bits with the 0 bit between position and error bit, or position_bits + 8 bits without it. If the
  * CRC of every frame fails, the other layout is likely.
- * Erratum: The position register is described for one resolution only (open, wrong data): Used: The
+ * Erratum: The position register is described for one resolution only (open, wrong data). Used: The
  * exponents are the bit numbers of the register. The position is left-aligned at bit 31 and
  * position_bits wide. The bits below it are unspecified.
- * Erratum: Two kinds of reading the position could reset the errors (open, omission).
+ * Erratum: Two kinds of reading the position could reset the errors (open, omission). Used: Reading
+ * the position register resets the messages.
  *   starting at bit 32 - position_bits  position  position_bits bits.
  */
 typedef struct lika_asc85_biss_reg_position {
@@ -659,9 +666,12 @@ static inline cw_result lika_asc85_biss_read_position(
  * Currently active error and warning messages.
  * Bits 2 and 7 are not used. A fault also sets the status "Warning message" or "Error message", or
  * both. Reading the position clears a message. The message appears again while its cause persists.
- * Erratum: A singleturn encoder has a cycle counter without explanation (open, omission).
- * Erratum: The manual does not say which errors cause a warning (open, omission).
- * Erratum: Two kinds of reading the position could reset the errors (open, omission).
+ * Erratum: A singleturn encoder has a cycle counter without explanation (open, omission). Used: The
+ * command and the error are described as printed.
+ * Erratum: The manual does not say which errors cause a warning (open, omission). Used: No bit of
+ * the error register is interpreted as a warning.
+ * Erratum: Two kinds of reading the position could reset the errors (open, omission). Used: Reading
+ * the position register resets the messages.
  */
 typedef struct lika_asc85_biss_reg_error_register {
     /**
@@ -768,7 +778,7 @@ static inline cw_result lika_asc85_biss_read_error_register(
  * Byte order: high byte first, at 78h.
  * The revision table of the manual lists hardware 0 and software 1, which are the two characters of
  * the release.
- * Erratum: All models share one device ID (open, omission).
+ * Erratum: All models share one device ID (open, omission). Used: The device ID is used as printed.
  *   bits 47:16  name
  *   bits 15:0   release
  */

@@ -73,7 +73,8 @@ static inline const cw_report_text *lika_asc85_biss_report_text(uint32_t reports
  * Stays active until it is reset.
  * Remedy: Reading the position clears the message. It appears again while its cause persists.
  * Cleared by: reset_errors.
- * Erratum: A singleturn encoder has a cycle counter without explanation (open, omission).
+ * Erratum: A singleturn encoder has a cycle counter without explanation (open, omission). Used: The
+ * command and the error are described as printed.
  */
 #define LIKA_ASC85_BISS_ALARM_SYNCHRONIZATION_ERROR_MASK 0x08U
 

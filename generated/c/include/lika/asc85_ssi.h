@@ -81,8 +81,9 @@ extern "C" {
  * catalogue.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum: The supply digit is explained for the BiSS models only (open, omission).
- * Erratum: The manual does not say which of BG and GG is Gray code (open, wrong data): Used: BG is
+ * Erratum: The supply digit is explained for the BiSS models only (open, omission). Used: 1 and 2
+ * have the same meaning after BG and GG. Any other digit is accepted as unlisted.
+ * Erratum: The manual does not say which of BG and GG is Gray code (open, wrong data). Used: BG is
  * binary, GG is Gray.
  */
 
@@ -134,9 +135,12 @@ static CW_CONST lika_asc85_ssi LIKA_ASC85_SSI_25_GG2 = { 25U, 1U }; /**< ASC8525
  * Alignment: left: the most significant bit comes with the first clock, and zeros follow the word
  * [5.2 p.16].
  * Code: binary or Gray, by order code [5.2 p.16].
- * Erratum: The clock for cables under 400 m is below the allowed range (open, wrong limit).
- * Erratum: The table of cable lengths has no cable for 400 kHz to 4 MHz (open, wrong limit).
+ * Erratum: The clock for cables under 400 m is below the allowed range (open, wrong limit). Used:
+ * Both limits are listed as printed.
+ * Erratum: The table of cable lengths has no cable for 400 kHz to 4 MHz (open, wrong limit). Used:
+ * Both limits are listed as printed.
  * Erratum: The SSI pause is "at least" 12 us in words and above it in signs (open, wrong limit).
+ * Used: The minimum is 12 us.
  */
 #define LIKA_ASC85_SSI_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 4 MHz [5.3 p.17]. */
 #define LIKA_ASC85_SSI_CLOCK_MAX_HZ 4000000U /**< highest clock in Hz */
@@ -233,10 +237,12 @@ static inline uint32_t lika_asc85_ssi_clock_limit_hz(uint32_t cable_m)
  * Further clock pulses read zeros after the word. There is no error bit, no warning bit and no CRC.
  * The constant 0 bit of the BiSS frame is also absent.
  *   starting at bit 0  position  position_bits bits.
- * Erratum: The manual does not say which of BG and GG is Gray code (open, wrong data): Used: BG is
+ * Erratum: The manual does not say which of BG and GG is Gray code (open, wrong data). Used: BG is
  * binary, GG is Gray.
- * Erratum: Two sections disagree on the number of SSI clocks (open, wrong limit).
- * Erratum: The bits of the SSI words are numbered from 1 instead of 0 (settled, wrong data).
+ * Erratum: Two sections disagree on the number of SSI clocks (open, wrong limit). Used: The
+ * generated files do not enforce either rule. n + 1 clocks satisfy both.
+ * Erratum: The bits of the SSI words are numbered from 1 instead of 0 (settled, wrong data). Used:
+ * The bits are 19:0 to 24:0, with bit 0 as the LSB.
  */
 typedef struct lika_asc85_ssi_frame {
     uint32_t position; /**< Position within one revolution. Unit: counts. */

@@ -90,12 +90,13 @@ extern "C" {
  * catalogue. The order code of the tape is in its data sheet.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum: The manual refers to an order code key that it does not contain (open, omission).
- * Erratum: Bits that should be 0 carry data with an offset (open, wrong data): Used: While an
+ * Erratum: The manual refers to an order code key that it does not contain (open, omission). Used:
+ * BG is binary and GG is Gray.
+ * Erratum: Bits that should be 0 carry data with an offset (open, wrong data). Used: While an
  * offset is selected in the Configuration register, 6.4 applies: the position takes up the whole
  * field of 24 or 25 bits. Otherwise 6.2 applies: the bits above the position are zero, and a frame
  * with a nonzero bit there is rejected.
- * Erratum: The data lengths in the profile IDs count different bits (open, wrong data): Used: Each
+ * Erratum: The data lengths in the profile IDs count different bits (open, wrong data). Used: Each
  * is used as printed.
  */
 
@@ -228,9 +229,10 @@ typedef enum lika_sma21_biss_report {
  * Control data: Each frame carries one bit of control data, which is used to read and write the
  * registers. The manual describes the main fields and refers to the document "Protocol description
  * C-mode" for the complete structure.
- * Erratum: The data lengths in the profile IDs count different bits (open, wrong data): Used: Each
+ * Erratum: The data lengths in the profile IDs count different bits (open, wrong data). Used: Each
  * is used as printed.
- * Erratum: The rule for the BiSS time-out is missing (open, omission).
+ * Erratum: The rule for the BiSS time-out is missing (open, omission). Used: The time-out is at
+ * most 16 us.
  */
 #define LIKA_SMA21_BISS_CLOCK_MIN_HZ 200000U /**< Clock: 200 kHz to 10 MHz [6.5 p.34]. */
 #define LIKA_SMA21_BISS_CLOCK_MAX_HZ 10000000U /**< highest clock in Hz */
@@ -312,15 +314,20 @@ typedef enum lika_sma21_biss_report {
  *   bit 6                               warning
  *   bits 5:0                            crc       CRC: CRC of the transmission, sent inverted. CRC
  *                                                 biss_6 over everything before it.
- * Erratum: The manual does not say which bits are in Gray code (open, omission).
- * Erratum: The frame is one bit longer than printed at 1 um (settled, wrong data).
- * Erratum: Bits that should be 0 carry data with an offset (open, wrong data): Used: While an
+ * Erratum: The manual does not say which bits are in Gray code (open, omission). Used: Only the
+ * position is coded.
+ * Erratum: The frame is one bit longer than printed at 1 um (settled, wrong data). Used: The frame
+ * has 32 bits at resolutions of 50 um to 2 um and 33 bits at 1 um.
+ * Erratum: Bits that should be 0 carry data with an offset (open, wrong data). Used: While an
  * offset is selected in the Configuration register, 6.4 applies: the position takes up the whole
  * field of 24 or 25 bits. Otherwise 6.2 applies: the bits above the position are zero, and a frame
  * with a nonzero bit there is rejected.
- * Erratum: The values of positions below zero are not given (open, omission).
- * Erratum: The level of an active warning is not given (open, omission).
- * Erratum: How single alarms affect the position is not described (open, omission).
+ * Erratum: The values of positions below zero are not given (open, omission). Used: Over SSI and
+ * BiSS, the position wraps around after 2^position_bits counts.
+ * Erratum: The level of an active warning is not given (open, omission). Used: 0 means a warning,
+ * as with the error bit.
+ * Erratum: How single alarms affect the position is not described (open, omission). Used: The
+ * position is not usable if any of these is active: nE, ea1 or an alarm that is part of ea1.
  */
 typedef struct lika_sma21_biss_frame {
     /**
@@ -359,7 +366,8 @@ static inline uint32_t lika_sma21_biss_bits(lika_sma21_biss variant)
  * The manual prints the polynomial and says that the output is inverted. The start value 0, the bit
  * order (most significant bit first) and the range (position, error and warning bit) come from
  * public BiSS documents.
- * Erratum: The start value of the BiSS CRCs is missing (open, omission).
+ * Erratum: The start value of the BiSS CRCs is missing (open, omission). Used: The start value is
+ * 0.
  * How it folds: the remainder of x^6 is x + 1. By squaring, the remainder of x^12 is x^2 + 1, and
  * of x^24 is x^4 + 1. With h = v >> 24, v becomes (v mod 2^24) ^ h ^ (h << 4). The same is done
  * with the shifts 12 and 2, then 6 and 1, until 6 bits are left.
@@ -518,7 +526,10 @@ static inline uint32_t lika_sma21_biss_reports(
 
 /* -- positions --------------------------------------------------------------------------------- */
 
-/** Erratum: The values of positions below zero are not given (open, omission). */
+/**
+ * Erratum: The values of positions below zero are not given (open, omission). Used: Over SSI and
+ * BiSS, the position wraps around after 2^position_bits counts.
+ */
 
 /**
  * Return the number of counts after which the position wraps around to 0 [5.2 p.20, 6.2 p.25, 6.4

@@ -245,11 +245,11 @@ static inline cw_result lika_sma21_biss_set_offset_steps(
  * Result: The transmitted positions are shifted by the offset. Once the offset is selected, the
  * position takes up the whole field of the single cycle data, so a decoder must know the content of
  * the Configuration register.
- * Erratum: Bits that should be 0 carry data with an offset (open, wrong data): Used: While an
+ * Erratum: Bits that should be 0 carry data with an offset (open, wrong data). Used: While an
  * offset is selected in the Configuration register, 6.4 applies: the position takes up the whole
  * field of 24 or 25 bits. Otherwise 6.2 applies: the bits above the position are zero, and a frame
  * with a nonzero bit there is rejected.
- * Erratum: The offset is described as a preset and as a shift (open, wrong data): Used: All
+ * Erratum: The offset is described as a preset and as a shift (open, wrong data). Used: All
  * transmitted values are shifted by the offset.
  * Select, set, save and activate an offset, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
@@ -378,7 +378,7 @@ typedef struct lika_sma21_biss_identify_read {
 /**
  * Identify the device [6.4 p.28].
  * Result: Manufacturer, device, resolution and serial number are known. The supply is not.
- * Erratum: All models share one device ID (open, omission).
+ * Erratum: All models share one device ID (open, omission). Used: The device ID is used as printed.
  * Identify the device, over BiSS C-mode. The transport needs read_registers.
  */
 CW_NODISCARD

@@ -38,7 +38,7 @@ extern "C" {
  * Byte order: high byte first, at 42h.
  * The profile is the standard encoder profile. Its data format is Variant 0-24 for 50 um to 2 um
  * and Variant 0-24+++ for 1 um.
- * Erratum: The data lengths in the profile IDs count different bits (open, wrong data): Used: Each
+ * Erratum: The data lengths in the profile IDs count different bits (open, wrong data). Used: Each
  * is used as printed.
  *   bits 15:0  profile_id
  */
@@ -125,7 +125,8 @@ static inline cw_result lika_sma21_biss_read_profile_id(
  * p.29].
  * Year and week of production and a serial number, in hexadecimal.
  * Byte order: high byte first, at 44h.
- * Erratum: The coding of year, week and serial number is not given (open, omission).
+ * Erratum: The coding of year, week and serial number is not given (open, omission). Used: The
+ * values are three binary numbers: one byte, one byte, and two bytes with the high byte first.
  */
 typedef struct lika_sma21_biss_reg_serial_number {
     uint8_t year; /**< Year of production. */
@@ -307,7 +308,8 @@ typedef enum lika_sma21_biss_select_preset_offset {
  * Preset or offset, output code and counting direction.
  * Save the parameters after a write, or the encoder loses the value at power-off.
  * A new setting is active immediately after its transmission. Save it with the Command register.
- * Erratum: The example calls Counting direction bit 8 instead of bit 6 (settled, wrong data).
+ * Erratum: The example calls Counting direction bit 8 instead of bit 6 (settled, wrong data). Used:
+ * Counting direction is bit 6.
  *   bit 7     unused_7              Non utilizzato: Not used. Always 0.
  *   bit 6     counting_direction
  *   bit 5     output_code
@@ -495,13 +497,14 @@ static inline uint32_t lika_sma21_biss_reg_preset_offset_offset_max(lika_sma21_b
  * at 5 um, 00 FF FF FFh at 2 um and 01 FF FF FFh at 1 um. The highest offset is the number of
  * positions of the 24-bit or 25-bit field minus the number of positions at that resolution: F0 00
  * 00h at 50 um, C0 00 00h at 10 um, 80 00 00h at 5 um, 0 at 2 um and 1 um.
- * Erratum: Bits that should be 0 carry data with an offset (open, wrong data): Used: While an
+ * Erratum: Bits that should be 0 carry data with an offset (open, wrong data). Used: While an
  * offset is selected in the Configuration register, 6.4 applies: the position takes up the whole
  * field of 24 or 25 bits. Otherwise 6.2 applies: the bits above the position are zero, and a frame
  * with a nonzero bit there is rejected.
- * Erratum: The offset is described as a preset and as a shift (open, wrong data): Used: All
+ * Erratum: The offset is described as a preset and as a shift (open, wrong data). Used: All
  * transmitted values are shifted by the offset.
- * Erratum: The highest value with an offset is one too high (settled, wrong limit).
+ * Erratum: The highest value with an offset is one too high (settled, wrong limit). Used: The
+ * highest value is that sum minus 1.
  *   bits 31:0  preset_offset
  */
 typedef struct lika_sma21_biss_reg_preset_offset {
@@ -646,7 +649,7 @@ static inline cw_result lika_sma21_biss_read_sine_cosine_resolution(
  * Used with the warning bit for an automatic check of the position.
  * Reserved for the manufacturer.
  * Do not change the value. It is only for Lika's technicians.
- * Erratum: One default is missing in the list of defaults (open, omission).
+ * Erratum: One default is missing in the list of defaults (open, omission). Used: 00h.
  * Position check.
  */
 #define LIKA_SMA21_BISS_REG_POSITION_CHECK_ADDRESS 0x59U
@@ -682,7 +685,7 @@ static inline cw_result lika_sma21_biss_read_position_check(
  * Device ID (it: ID dispositivo), registers 78h to 7Dh, read only, over BiSS C-mode [6.4 p.34].
  * Name of the device and its hardware-software release.
  * Byte order: high byte first, at 78h.
- * Erratum: All models share one device ID (open, omission).
+ * Erratum: All models share one device ID (open, omission). Used: The device ID is used as printed.
  *   bits 47:16  name
  *   bits 15:0   release
  */

@@ -85,8 +85,10 @@ extern "C" {
  * catalogue. The order code of the tape is in its data sheet.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum: The manual refers to an order code key that it does not contain (open, omission).
- * Erratum: The width of the position over RS-485 is not given by model (open, omission).
+ * Erratum: The manual refers to an order code key that it does not contain (open, omission). Used:
+ * BG is binary and GG is Gray.
+ * Erratum: The width of the position over RS-485 is not given by model (open, omission). Used: The
+ * position has 20 bits at 50 um, 22 at 10 um, 23 at 5 um, and 24 at 2 um and 1 um.
  */
 
 /** An order code: the values that differ between the order codes of this interface. */
@@ -163,12 +165,19 @@ typedef enum lika_sma21_rs485_report {
  * from the master. A request is not valid if its sync code, data ID, parity, delimiter or length is
  * wrong.
  * Set all members of a request, because those that an initial value leaves out are 0.
- * Erratum: Zero setting over RS-485 is denied and described (open, wrong limit).
+ * Erratum: Zero setting over RS-485 is denied and described (open, wrong limit). Used: Data ID F is
+ * used as described in 7.3.1 and 7.3.3.2.
  * Erratum: The parity bit of the control field is printed as part of the ID (settled, omission).
- * Erratum: How single alarms affect the position is not described (open, omission).
- * Erratum: The interval between the ten reset requests is ambiguous (open, omission).
- * Erratum: The level of the error bit is given without its interface (settled, wrong data).
- * Erratum: The reply time over RS-485 is missing (open, omission).
+ * Used: cc0 to cc3 are the data ID, and cc4 is its even parity bit.
+ * Erratum: How single alarms affect the position is not described (open, omission). Used: The
+ * position is not usable if any of these is active: nE, ea1 or an alarm that is part of ea1.
+ * Erratum: The interval between the ten reset requests is ambiguous (open, omission). Used: No
+ * other request is sent in between.
+ * Erratum: The level of the error bit is given without its interface (settled, wrong data). Used:
+ * This applies to SSI and BiSS. Over RS-485, the error bit is high while there is an error, and it
+ * stays high until it is reset.
+ * Erratum: The reply time over RS-485 is missing (open, omission). Used: The generated files have
+ * no reply time and no time-out.
  * Before edition 1.1: differs. See the encoder's page.
  * Before edition 1.1: differs. See the encoder's page.
  * Before edition 1.1: differs. See the encoder's page.
@@ -288,10 +297,14 @@ static inline cw_result lika_sma21_rs485_data_request_encode(
  *   byte 5, bit 6     signal_strength_alarm
  *   byte 5, bit 7     temperature_alarm
  *   byte 6            crc                         CRC. CRC rs485_8 over everything before it.
- * Erratum: The values of positions below zero are not given (open, omission).
- * Erratum: The highest 24-bit position has one digit too many (settled, wrong limit).
- * Erratum: The width of the position over RS-485 is not given by model (open, omission).
- * Erratum: Arrows show the bytes of the position in the opposite order (settled, wrong data).
+ * Erratum: The values of positions below zero are not given (open, omission). Used: Over SSI and
+ * BiSS, the position wraps around after 2^position_bits counts.
+ * Erratum: The highest 24-bit position has one digit too many (settled, wrong limit). Used: The
+ * highest value is FFFFFFh.
+ * Erratum: The width of the position over RS-485 is not given by model (open, omission). Used: The
+ * position has 20 bits at 50 um, 22 at 10 um, 23 at 5 um, and 24 at 2 um and 1 um.
+ * Erratum: Arrows show the bytes of the position in the opposite order (settled, wrong data). Used:
+ * ABS0 is sent first.
  */
 typedef struct lika_sma21_rs485_position_reply {
     lika_sma21_rs485_data_id data_id; /**< cc0 ... cc3. */
@@ -497,12 +510,16 @@ static inline uint32_t lika_sma21_rs485_position_reply_reports(
  *                                   decoded, with the verdict usable_with_warning.
  *   bytes 2 to 7      position
  *   byte 8            crc           CRC. CRC rs485_8 over everything before it.
- * Erratum: The values of positions below zero are not given (open, omission).
- * Erratum: The highest 48-bit position lacks two digits (settled, wrong limit).
- * Erratum: High bits of the signed 48-bit position are said to be 0 (open, omission).
- * Erratum: The reply in the example sets an unused status bit (open, wrong data): Used: dd0 to dd3
+ * Erratum: The values of positions below zero are not given (open, omission). Used: Over SSI and
+ * BiSS, the position wraps around after 2^position_bits counts.
+ * Erratum: The highest 48-bit position lacks two digits (settled, wrong limit). Used: The highest
+ * value is 7FFFFFFFFFFFh.
+ * Erratum: High bits of the signed 48-bit position are said to be 0 (open, omission). Used: The
+ * position is signed and uses all 48 bits.
+ * Erratum: The reply in the example sets an unused status bit (open, wrong data). Used: dd0 to dd3
  * are unused and 0, as in 7.3.2. A reply with other values is decoded, and the bits are reported.
- * Erratum: Arrows show the bytes of the position in the opposite order (settled, wrong data).
+ * Erratum: Arrows show the bytes of the position in the opposite order (settled, wrong data). Used:
+ * ABS0 is sent first.
  */
 typedef struct lika_sma21_rs485_wide_position_reply {
     /**
@@ -660,9 +677,12 @@ static inline uint32_t lika_sma21_rs485_wide_position_reply_reports(
  *   byte 7, bit 6     signal_strength_alarm
  *   byte 7, bit 7     temperature_alarm
  *   byte 8            crc                         CRC. CRC rs485_8 over everything before it.
- * Erratum: The highest 24-bit position has one digit too many (settled, wrong limit).
- * Erratum: The width of the position over RS-485 is not given by model (open, omission).
- * Erratum: Arrows show the bytes of the position in the opposite order (settled, wrong data).
+ * Erratum: The highest 24-bit position has one digit too many (settled, wrong limit). Used: The
+ * highest value is FFFFFFh.
+ * Erratum: The width of the position over RS-485 is not given by model (open, omission). Used: The
+ * position has 20 bits at 50 um, 22 at 10 um, 23 at 5 um, and 24 at 2 um and 1 um.
+ * Erratum: Arrows show the bytes of the position in the opposite order (settled, wrong data). Used:
+ * ABS0 is sent first.
  */
 typedef struct lika_sma21_rs485_identification_reply {
     /**
@@ -911,7 +931,10 @@ static inline cw_result lika_sma21_rs485_reply_frame(
 
 /* -- positions --------------------------------------------------------------------------------- */
 
-/** Erratum: The values of positions below zero are not given (open, omission). */
+/**
+ * Erratum: The values of positions below zero are not given (open, omission). Used: Over SSI and
+ * BiSS, the position wraps around after 2^position_bits counts.
+ */
 
 /** Return the number of counts after which the position wraps around to 0 [4.10 p.18]. */
 CW_CONSTEXPR

@@ -40,8 +40,10 @@ static inline const cw_step *lika_sma21_rs485_reset_errors_steps(size_t *count)
  * Send no request until the initialization, which is the same as after power-on, is complete. The
  * manual does not say how long it takes. Reset an "Initialization error" only after the
  * initialization is complete and normal operation has started again.
- * Erratum: The interval between the ten reset requests is ambiguous (open, omission).
- * Erratum: The duration of a reset over RS-485 is missing (open, omission).
+ * Erratum: The interval between the ten reset requests is ambiguous (open, omission). Used: No
+ * other request is sent in between.
+ * Erratum: The duration of a reset over RS-485 is missing (open, omission). Used: The generated
+ * files specify no wait time.
  * Reset all errors, over RS-485. The transport needs wait_us and send_request.
  */
 CW_NODISCARD
@@ -76,9 +78,12 @@ static inline const cw_step *lika_sma21_rs485_reset_position_steps(size_t *count
  * The ten requests must follow one another directly. Stop polling the position during the reset. No
  * request is accepted during the reset, because the encoder is computing the absolute positions and
  * writing the EEPROM. The manual does not say how long it takes.
- * Erratum: Zero setting over RS-485 is denied and described (open, wrong limit).
- * Erratum: The interval between the ten reset requests is ambiguous (open, omission).
- * Erratum: The duration of a reset over RS-485 is missing (open, omission).
+ * Erratum: Zero setting over RS-485 is denied and described (open, wrong limit). Used: Data ID F is
+ * used as described in 7.3.1 and 7.3.3.2.
+ * Erratum: The interval between the ten reset requests is ambiguous (open, omission). Used: No
+ * other request is sent in between.
+ * Erratum: The duration of a reset over RS-485 is missing (open, omission). Used: The generated
+ * files specify no wait time.
  * Reset the position to 0, over RS-485. The transport needs wait_us and send_request.
  */
 CW_NODISCARD

@@ -86,7 +86,8 @@ extern "C" {
  * catalogue. The order code of the tape is in its data sheet.
  * An encoder whose order code ends in /Sxxx may differ from the standard encoder mechanically and
  * electrically. It may come with its own documentation for special connections (Technical Info).
- * Erratum: The manual refers to an order code key that it does not contain (open, omission).
+ * Erratum: The manual refers to an order code key that it does not contain (open, omission). Used:
+ * BG is binary and GG is Gray.
  */
 
 /** An order code: the values that differ between the order codes of this interface. */
@@ -154,9 +155,12 @@ typedef enum lika_sma21_ssi_report {
  * Alignment: left: the most significant bit comes with the first clock, and zeros follow the word
  * [5.2 p.20].
  * Code: binary or Gray, by order code [5.2 p.20].
- * Erratum: The clock for cables under 400 m is below the allowed range (open, wrong limit).
- * Erratum: The table of cable lengths has no cable for 400 kHz to 1 MHz (open, wrong limit).
+ * Erratum: The clock for cables under 400 m is below the allowed range (open, wrong limit). Used:
+ * Both limits are listed as printed.
+ * Erratum: The table of cable lengths has no cable for 400 kHz to 1 MHz (open, wrong limit). Used:
+ * Both limits are listed as printed.
  * Erratum: The SSI pause is "at least" 16 us in words and above it in signs (open, wrong limit).
+ * Used: The minimum is 16 us.
  */
 #define LIKA_SMA21_SSI_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 1 MHz [5.3 p.22]. */
 #define LIKA_SMA21_SSI_CLOCK_MAX_HZ 1000000U /**< highest clock in Hz */
@@ -267,9 +271,12 @@ static inline uint32_t lika_sma21_ssi_clock_limit_hz(uint32_t cable_m)
  * dell'informazione di posizione".
  *   starting at bit 1  position  position_bits bits.
  *   bit 0              error
- * Erratum: Two sections disagree on the number of SSI clocks (open, wrong limit).
- * Erratum: The manual does not say which bits are in Gray code (open, omission).
- * Erratum: How single alarms affect the position is not described (open, omission).
+ * Erratum: Two sections disagree on the number of SSI clocks (open, wrong limit). Used: The
+ * generated files do not enforce either rule.
+ * Erratum: The manual does not say which bits are in Gray code (open, omission). Used: Only the
+ * position is coded.
+ * Erratum: How single alarms affect the position is not described (open, omission). Used: The
+ * position is not usable if any of these is active: nE, ea1 or an alarm that is part of ea1.
  */
 typedef struct lika_sma21_ssi_frame {
     /** Position in counts. Multiplied by the resolution, it is a length. Unit: counts. */
@@ -410,7 +417,10 @@ static inline uint32_t lika_sma21_ssi_reports(
 
 /* -- positions --------------------------------------------------------------------------------- */
 
-/** Erratum: The values of positions below zero are not given (open, omission). */
+/**
+ * Erratum: The values of positions below zero are not given (open, omission). Used: Over SSI and
+ * BiSS, the position wraps around after 2^position_bits counts.
+ */
 
 /** Return the number of counts after which the position wraps around to 0 [5.2 p.20, 6.2 p.25]. */
 CW_CONSTEXPR

@@ -1,0 +1,353 @@
+"""One header for one order code: what reads a position, cut from the headers of its interface and of the runtime.
+
+Functions and types are those of the headers that are generated for this order code alone. All names begin with the
+order code, so that several such headers, and the others, can be included together. Only the results and verdicts are
+shared, under their own guard.
+"""
+
+from __future__ import annotations
+
+import re
+import textwrap
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
+from itertools import chain
+from typing import Annotated, TypedDict
+
+from ...model import Device, Manufacturer, Spi
+from ...order_codes.reduction import for_codes
+from .. import TargetError
+from .codec import StructCodec
+from .comments import COLUMNS, break_lines
+from .comments import comment as comment_of
+from .context import timing_macros
+from .declarations import Declaration, declarations_in, names_of, needed_by, without_settings
+from .device import DeviceView, views_of
+from .names import Passing, runtime_headers, runtime_version
+
+TEMPLATE = "single.h.jinja"
+#: The headers of the runtime that receive frames, in the order in which they include each other.
+_RECEIVING = ("bits.h", "receive.h", "receive_frame.h", "spi.h")
+#: The part of the runtime that all headers share.
+_SHARED = "result.h"
+#: Macros of the runtime that mark functions and constants. Every header defines them alike.
+_MARKS = ("CW_CONSTEXPR", "CW_CONST")
+#: The macros of an interface that only accesses to registers need.
+_FOR_REGISTERS = "_CONTROL_"
+#: Suffixes of the functions of a frame that are needed to read its position.
+_READING = ("bits", "decode", "verdict", "position", "read")
+#: Suffixes of the functions that collect the bytes of a reply over RS-485.
+_BYTE_BY_BYTE = ("ask", "take", "take_any", "resume", "late", "reason")
+#: Paragraphs that reading a position does not need, by what they begin with.
+_OTHER_PARAGRAPHS = (
+    *("Control data: ", "Description file: ", "For register access with ", "How it folds: ", "In the manual: "),
+    *("Network: ", "Profile: "),
+)
+#: Sentences of the same kind.
+_OTHER_SENTENCES = ("Steps: ", "With 0 in place of the CRC")
+_WORD = re.compile(r"\b[A-Za-z_]\w*\b")
+_SENTENCE_END = re.compile(r"(?<=[.:])\s(?=[A-Z])")
+#: Hints at other editions, which refer to a page.
+_EDITION = re.compile(r"^(Before|In) edition .*: (may differ|differs)\. See the encoder's page\.$")
+
+
+class SingleHeader(TypedDict):
+    maker: Annotated[Manufacturer, "the manufacturer"]
+    PREFIX: Annotated[str, "the prefix of its macros"]
+    d: Annotated[DeviceView, "the interface, narrowed to the order code"]
+    s: Annotated[SingleCode, "the parts of the header"]
+
+
+class SingleCode:
+    """The parts of the header for the only order code of a view. ``header`` is the text of the tree's header."""
+
+    def __init__(self, view: DeviceView, header: str) -> None:
+        self.view = view
+        self.order_code = view.device.variants[0].code
+        self.path = single_path(view.maker, self.order_code)
+        self.stem = self.path.removesuffix(".h")
+        self.STEM = self.stem.upper()
+        settings = {f"{view.maker.name.upper()}_CRC_{setting}" for setting in ("TABLE", "BITWISE")}
+        runtime = [declarations_in(runtime_headers()[name]) for name in _RECEIVING]
+        of_runtime = [declaration for declarations in runtime for declaration in declarations]
+        declarations = [*of_runtime, *declarations_in(without_settings(header, settings))]
+        needed = needed_by(self._roots(names_of(declarations)), declarations)
+        self.declarations = [declaration for declaration in needed if not declaration.is_title]
+        kept_names = names_of(self.declarations)
+        self._runtime_names = names_of(of_runtime) & kept_names
+        self._renamed = self._new_names(kept_names)
+        self._shared_names = names_of(declarations_in(runtime_headers()[_SHARED]))
+
+    @property
+    def shared(self) -> str:
+        """The declarations of the results and verdicts, which other headers share."""
+        declarations = declarations_in(runtime_headers()[_SHARED])
+        return "\n".join(_first_paragraph(declaration.comment) + declaration.code for declaration in declarations)
+
+    @property
+    def runtime_version(self) -> tuple[int, int]:
+        return runtime_version()
+
+    @property
+    def marks(self) -> str:
+        """The definitions of the macros that mark functions and constants."""
+        text = runtime_headers()["bits.h"]
+        start = text.index("/* With C++17")
+        lines = text[start : text.index("#endif\n", start)].splitlines(keepends=True)
+        return "".join(lines[1:]) + "#endif\n"
+
+    @property
+    def request(self) -> StructCodec | None:
+        """The frame of the request for the position, if it is a frame with members, or None."""
+        usage = self.view.usage
+        if usage is not None and usage.asking is not None:
+            return usage.asking.codec
+        exchanged = self.view.interface.exchanged.removeprefix(f"{self.view.PREFIX}_REQUEST_").lower()
+        requests = (codec for codec in self.view.interface.codecs if codec.struct.layout.name == exchanged)
+        return next(requests, None)
+
+    @property
+    def reply_bytes(self) -> int:
+        """Number of bytes in the reply with the position, 0 without one."""
+        usage = self.view.usage
+        if usage is None:
+            return 0
+        return -(-usage.frame.struct.layout.bits.value(self.view.device.variants[0].parameters) // 8)
+
+    @property
+    def replies_later(self) -> bool:
+        """True if a reply comes with the word after its request."""
+        interface = self.view.context.interface
+        return isinstance(interface, Spi) and interface.reply == "next_word"
+
+    @property
+    def body(self) -> str:
+        """The declarations, with their names in this header."""
+        texts: list[str] = []
+        follows_macro = False
+        for declaration in self.declarations:
+            text = self._text(declaration)
+            is_short_function = text.startswith("/** ") and declaration.is_function
+            if texts and not is_short_function and not (follows_macro and text.startswith("#define")):
+                texts.append("\n")
+            texts.append(text)
+            follows_macro = declaration.has_macro
+        return "".join(texts)
+
+    def named(self, text: str) -> str:
+        """Return text with the names of this header in place of those of the tree."""
+        return _WORD.sub(lambda word: self._renamed.get(word[0], word[0]), text)
+
+    def _is_helper(self, declaration: Declaration) -> bool:
+        """Return True if a declaration is one of the runtime."""
+        return not self._runtime_names.isdisjoint(declaration.names)
+
+    # -- what is needed
+
+    def _roots(self, known_names: Collection[str]) -> Iterator[str]:
+        view = self.view
+        times = chain.from_iterable(timing_macros(timing, view.PREFIX) for timing in view.context.interface.timings)
+        time_names = {macro.name for macro in times}
+        macros = (macro.name for macro in view.interface.macros if _FOR_REGISTERS not in macro.name)
+        yield from (name for name in macros if name not in time_names)
+        yield from (view.row.macro, f"{view.prefix}_counts_per_turn")
+        for codec in self._position_codecs():
+            yield from (f"{codec.name}_{suffix}" for suffix in _READING)
+        if view.reading.frame is None:
+            yield from (f"{codec.name}_receive" for codec in self._position_codecs())
+        yield from (name for name in known_names if name.startswith(view.reading.macro))
+        yield from (name for name in known_names if name.startswith(f"{view.row.macro}_"))
+        if view.usage is not None and view.usage.request:
+            yield view.usage.request
+        yield view.interface.exchanged
+        if view.usage is not None and (view.usage.request or view.usage.asking is not None):
+            yield from (f"cw_rs485_{action}" for action in _BYTE_BY_BYTE)
+        if self.request is not None:
+            yield from (f"{self.request.name}_encode", f"{self.request.name}_bits")
+            yield from (f"cw_spi_{action}" for action in ("store", "load") if self.view.interface.exchanged)
+
+    def _position_codecs(self) -> Iterator[StructCodec]:
+        frame = self.view.reading.frame
+        if frame is not None:
+            yield frame
+            return
+        device, interface = self.view.device, self.view.context.interface
+        codecs = self.view.interface.codecs
+        yield from (codec for codec in codecs if device.tells_position(interface.name, codec.struct.layout))
+
+    # -- names
+
+    def _new_names(self, kept_names: Iterable[str]) -> Mapping[str, str]:
+        renamed = {name: self._new_name(name) for name in kept_names}
+        twice = [name for name in renamed.values() if list(renamed.values()).count(name) > 1]
+        if twice:
+            raise TargetError(f"{self.order_code}: two parts of its header have the C name {twice[0]}")
+        return renamed
+
+    def _new_name(self, name: str) -> str:
+        if name in self._runtime_names:
+            return re.sub("^cw_", f"{self.stem}_", re.sub("^CW_", f"{self.STEM}_", name))
+        view = self.view
+        for old, new in ((view.row.macro, self.STEM), (view.PREFIX, self.STEM), (view.prefix, self.stem)):
+            if name == old or name.startswith(f"{old}_"):
+                return new + name.removeprefix(old)
+        return name
+
+    # -- texts
+
+    def _text(self, declaration: Declaration) -> str:
+        comment, code = declaration.comment, declaration.code
+        if self._is_helper(declaration):
+            comment = _first_paragraph(comment)
+        if declaration.has_macro:
+            comment, code = self._without_argument(comment, code)
+        clear_code = re.sub(r"^ +/\*\*\n.*?\*/\n", self._member_comment, code, flags=re.MULTILINE | re.DOTALL)
+        new_code = "".join(map(self._pasted, clear_code.splitlines(keepends=True)))
+        # The marks for Doxygen come back with those of the whole header.
+        unmarked_code = new_code.replace("/**< ", "/* ").replace("/**", "/*")
+        return self._in_comment(comment) + break_lines(_with_head_in_line(self.named(unmarked_code)))
+
+    def _without_argument(self, comment: str, code: str) -> tuple[str, str]:
+        """Return a macro that takes no order code, since there is only one."""
+        if "(code, " not in code:
+            return comment, code
+        constant = self.view.row.macro.removeprefix(f"{self.view.PREFIX}_")
+        bound = code.replace("(code, ", "(", 1).replace("##code", constant)
+        return comment, re.sub(rf"({self.view.row.macro})##(?=_\w)(?!_##)", r"\1", bound)
+
+    def _pasted(self, line: str) -> str:
+        """Return a line in which the first part of a name that is pasted together has its new name."""
+        pattern = rf"\b(?:{self.view.row.macro}|{self.view.PREFIX})_(?=\w*##)"
+        return re.sub(pattern, f"{self.STEM}_", line)
+
+    def _in_comment(self, comment: str) -> str:
+        """Return a comment without sentences about what the header lacks, and with its names."""
+        lines: list[str] = []
+        for paragraph in _paragraphs(_comment_lines(comment)):
+            if paragraph[0].startswith("@"):
+                break
+            lines += self._paragraph(paragraph)
+        return _as_comment(lines)
+
+    def _member_comment(self, comment: re.Match[str]) -> str:
+        """Return the comment on a member without sentences about what the header lacks."""
+        margin = " " * (len(comment[0]) - len(comment[0].lstrip()))
+        text = " ".join(_comment_lines(comment[0].strip())).strip()
+        sentences = _SENTENCE_END.split(text)
+        kept_sentences = [sentence for sentence in sentences if not self._is_about_absent(sentence)]
+        if len(kept_sentences) == len(sentences):
+            return comment[0]
+        return f"{comment_of(self.named(' '.join(kept_sentences)), len(margin))}\n"
+
+    def _paragraph(self, lines: list[str]) -> list[str]:
+        text = " ".join(lines)
+        if lines[0].startswith((" ", "@")) or not text:
+            return [self.named(line) for line in lines]
+        if _EDITION.match(text) or text.startswith(_OTHER_PARAGRAPHS):
+            return []
+        sentences = [sentence for sentence in _SENTENCE_END.split(text) if not self._is_about_absent(sentence)]
+        new_text = self.named(" ".join(sentences))
+        if new_text == text:
+            return lines
+        return _wrapped(new_text)
+
+    def _is_about_absent(self, sentence: str) -> bool:
+        """Return True if a sentence mentions another header, the argument of a macro, or something left out."""
+        if sentence.startswith(_OTHER_SENTENCES):
+            return True
+        is_elsewhere = re.search(r"\b\w+\.h\b|_reports\(\)|order code is named once|[Cc]ode can be ", sentence)
+        return is_elsewhere is not None or any(map(self._is_absent, _WORD.findall(sentence)))
+
+    def _is_absent(self, name: str) -> bool:
+        """Return True if a name is one of the tree that this header does not have."""
+        is_of_tree = name.startswith((f"{self.view.prefix}_", f"{self.view.PREFIX}_", "cw_"))
+        return is_of_tree and name not in self._renamed and name not in self._shared_names
+
+
+def identifier(order_code: str) -> str:
+    """Return an order code as part of a C name: ``amm5a21_65ksc1`` for ``AMM5A21/65KSC1``."""
+    return re.sub("[^a-z0-9]+", "_", order_code.lower()).strip("_")
+
+
+def single_path(maker: Manufacturer, order_code: str) -> str:
+    """Return the file name of the header for an order code."""
+    return f"{maker.name}_{identifier(order_code)}.h"
+
+
+def single_views(device: Device, passing: Passing) -> Iterator[DeviceView]:
+    """Yield a view of the device for each of its order codes."""
+    for variant in device.variants:
+        yield from views_of(for_codes(device, {variant.code}), passing)
+
+
+def single_header(view: DeviceView, render: Callable[[str, Mapping[str, object]], str], header: str) -> str:
+    """Return the header for the only order code of a view. ``header`` is that of the tree."""
+    single = SingleCode(view, header)
+    values: SingleHeader = {"maker": view.maker, "PREFIX": view.maker.name.upper(), "d": view, "s": single}
+    return render(TEMPLATE, values)
+
+
+def _with_head_in_line(code: str) -> str:
+    """Return a function with its parameters, and the macros that mark it, on the line of its name if they fit."""
+    function = re.match(r"((?:CW_[A-Z]+\n)*)(static inline [^{;]*\))\n\{", code)
+    if function is None:
+        return code
+    marks = function[1].replace("\n", " ")
+    head = re.sub(r"\n +", " ", function[2].replace("(\n    ", "("))
+    before_arguments = marks + head.partition("(")[0]
+    if len(before_arguments) >= COLUMNS:
+        return f"{marks.rstrip()}\n{head}{code[function.end(2) :]}"
+    return f"{marks}{head}{code[function.end(2) :]}"
+
+
+def _first_paragraph(comment: str) -> str:
+    """Return the first sentence of a comment of the runtime, and the picture that it announces."""
+    text, _, picture = "\n".join(_comment_lines(comment)).partition(":\n\n")
+    if picture and "cw_" in picture.partition("\n\n")[0]:
+        return _as_comment(_wrapped(text.replace("\n", " ") + "."))
+    if picture:
+        announced = picture.partition("\n\n")[0].splitlines()
+        return _as_comment([*_wrapped(text.replace("\n", " ") + ":"), "", *announced])
+    sentences = _SENTENCE_END.split(text.partition("\n\n")[0].partition("\n@")[0].replace("\n", " "))
+    return _as_comment(_wrapped(sentences[0]))
+
+
+def _wrapped(text: str) -> list[str]:
+    return textwrap.wrap(text, COLUMNS - 3, break_long_words=False, break_on_hyphens=False)
+
+
+def _comment_lines(comment: str) -> list[str]:
+    """Return the lines of a comment without its marks."""
+    if not comment:
+        return []
+    lines = comment.rstrip().removeprefix("/**").removesuffix("*/").strip("\n").splitlines()
+    return [line.strip().removeprefix("*").removeprefix(" ") for line in lines]
+
+
+def _paragraphs(lines: Iterable[str]) -> Iterator[list[str]]:
+    """Yield the lines of each paragraph. Lines that begin with a space or @ are paragraphs of their own.
+
+    A line ends a paragraph if the first word of the next line would have fit.
+    """
+    paragraph: list[str] = []
+    for line in lines:
+        first_word = line.partition(" ")[0]
+        goes_on = bool(paragraph) and len(paragraph[-1]) + 1 + len(first_word) > COLUMNS - 3
+        if paragraph and not (goes_on and first_word and not line.startswith("@")):
+            yield paragraph
+            paragraph = []
+        paragraph.append(line)
+        if line.startswith((" ", "@")) or not line:
+            yield paragraph
+            paragraph = []
+    if paragraph:
+        yield paragraph
+
+
+def _as_comment(lines: list[str]) -> str:
+    text = "\n".join(lines).strip("\n")
+    if not text:
+        return ""
+    if "\n" not in text and len(text) <= COLUMNS - 7:
+        return f"/** {text.strip()} */\n"
+    body = "\n".join(f" * {line}".rstrip() for line in text.splitlines())
+    return f"/**\n{body}\n */\n"

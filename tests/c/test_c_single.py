@@ -1,0 +1,222 @@
+"""One header for one order code: what a user does with it, what is in it, and that it is the same code as the tree."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+from itertools import permutations
+from pathlib import Path
+
+import pytest
+from c_harness import SANITIZED
+from codewheel.commands.cli import main
+from codewheel.loading.library import load_library
+from codewheel.model import Device
+from codewheel.targets import Library
+from codewheel.targets.c.files import generate
+from working_tools import require
+
+STRICT = "-Wall -Wextra -Wpedantic -Wconversion -Werror".split()
+COMPILERS = (
+    ("gcc", "-std=c99", "-xc"),
+    ("clang", "-std=c99", "-xc"),
+    ("g++", "-std=c++11", "-xc++"),
+    ("g++", "-std=c++17", "-xc++"),
+    ("clang++", "-std=c++17", "-xc++"),
+)
+#: Lines of a header, comments included.
+BOUNDS = {"biss": 520, "ssi": 420, "spi": 550, "rs485": 550}
+#: The layout of their BiSS frames depends on registers, which takes more functions and more words.
+BOUNDS_OF_FAMILIES = {"am36_biss": 540, "sma21_biss": 550}
+
+#: What a user writes: a buffer from DMA, and the position.
+PROGRAM = """\
+#include "lika_amm5a21_65ksc1.h"
+#include <stdio.h>
+
+static uint8_t rx[LIKA_AMM5A21_65KSC1_RX_BYTES];
+
+int main(void)
+{
+    uint64_t position = 0U;
+    while (fread(rx, 1U, sizeof rx, stdin) == sizeof rx) {
+        const cw_verdict verdict = LIKA_AMM5A21_65KSC1_READ(rx, &position);
+        printf("%d %lu\\n", (int)verdict, (unsigned long)position);
+    }
+    return 0;
+}
+"""
+
+
+def crc_6(bits: str) -> str:
+    """The remainder of x^6 + x + 1, sent inverted, bit by bit."""
+    register = 0
+    for bit in bits:
+        carry = (register >> 5) ^ int(bit)
+        register = ((register << 1) & 0x3F) ^ (0x03 if carry else 0)
+    return f"{register ^ 0x3F:06b}"
+
+
+def buffer(position: int, error: int = 1, warning: int = 1, flipped: int = 0) -> bytes:
+    """Two bits of rest, three of acknowledge, start, CDS, 16 + 21 bits of position, nE, nW, CRC, stop, in 12 bytes."""
+    data = f"{position:037b}{error}{warning}"
+    word = data + crc_6(data)
+    bits = "11000" + "10" + f"{int(word, 2) ^ flipped:045b}" + "0"
+    return int(bits.ljust(96, "1"), 2).to_bytes(12, "big")
+
+
+def own_name(device: Device, code: str) -> str:
+    """What the names of the header begin with."""
+    return f"{device.manufacturer.name}_{re.sub('[^a-z0-9]+', '_', code.lower())}"
+
+
+def single(device: Device, code: str) -> str:
+    # The name of an order code can also be that of its family.
+    return generate(Library((device,)), {"only": code, "form": "single"})[f"c/{own_name(device, code)}.h"]
+
+
+def codes_of(device: Device) -> list[tuple[str, str]]:
+    """The first and the last order code of each interface."""
+    ends = []
+    for interface in device.interfaces:
+        codes = [variant.code for variant in device.variants_over(interface.name)]
+        ends += [(interface.name, code) for code in dict.fromkeys((codes[0], codes[-1]))]
+    return ends
+
+
+@pytest.fixture(scope="module")
+def packaged() -> tuple[Device, ...]:
+    return load_library()[0]
+
+
+@pytest.mark.slow
+def test_a_user_reads_a_position_with_one_header(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["--packaged", "AMM5A21/65KSC1", "--target", "c", "--option", "c.form=single", "-o", str(tmp_path)]
+    assert main(["generate", *arguments]) == 0
+    assert [path.name for path in (tmp_path / "c").glob("[!.]*")] == ["lika_amm5a21_65ksc1.h"]
+    (tmp_path / "c" / "main.c").write_text(PROGRAM, encoding="ascii")
+    command = ["gcc", "-std=c99", *STRICT, *SANITIZED, "main.c", "-o", "main"]
+    require(command[:1])
+    compiled = subprocess.run(command, cwd=tmp_path / "c", capture_output=True, text=True)
+    assert compiled.returncode == 0, compiled.stderr
+    position = (1234 << 21) | 1_000_503
+    frames = buffer(position) + buffer(7, warning=0) + buffer(7, error=0) + buffer(7, flipped=1 << 20) + bytes(12)
+    printed = subprocess.run([tmp_path / "c" / "main"], input=frames, capture_output=True, check=True).stdout
+    # Usable, then two that the flags and two that the line make unusable. These leave the position as it was.
+    assert printed.decode().splitlines() == [f"3 {position}", *[f"0 {position}"] * 4]
+    assert len([line for line in PROGRAM.splitlines() if line]) <= 15
+
+
+@pytest.mark.slow
+def test_it_is_short(packaged: tuple[Device, ...]) -> None:
+    for device in packaged:
+        for interface, code in codes_of(device):
+            bound = BOUNDS_OF_FAMILIES.get(f"{device.name}_{interface}", BOUNDS[interface])
+            assert single(device, code).count("\n") <= bound, code
+
+
+@pytest.mark.slow
+def test_it_has_nothing_of_other_order_codes_or_files(packaged: tuple[Device, ...]) -> None:
+    for device in packaged:
+        for interface, code in codes_of(device):
+            text = single(device, code)
+            own, of_tree = own_name(device, code), f"{device.manufacturer.name}_{device.name}_{interface}_"
+            assert of_tree.startswith(f"{own}_") or not re.search(rf"\b{of_tree}", text, re.IGNORECASE)
+            assert "encoder's page" not in text
+            assert re.findall(r"#include (\S+)", text) == ["<stdbool.h>", "<stddef.h>", "<stdint.h>"]
+            names = re.findall(r"^(?:[A-Z_]+ )*static inline \w+ (\w+)\(", text, re.MULTILINE)
+            assert names
+            assert all(name.startswith(f"{own}_") for name in names)
+            assert set(re.findall(r"\bcw_\w+", text)) <= {"cw_result", "cw_verdict"}
+            paragraphs = " ".join(line.strip().removeprefix("*") for line in text.splitlines())
+            errata = len(re.findall(r"\bErratum: ", paragraphs))
+            assert errata == len(re.findall(r"\((?:open|settled), [a-z ]+\)\. +Used: ", paragraphs)), code
+
+
+@pytest.mark.slow
+def test_its_functions_are_those_of_the_tree(packaged: tuple[Device, ...], tmp_path: Path) -> None:
+    for device in packaged:
+        for interface, code in codes_of(device):
+            include = write_headers(tmp_path / own_name(device, code), device, code)
+            maker, stem, own = device.manufacturer.name, f"{device.name}_{interface}", own_name(device, code)
+            headers = (f"{maker}/{stem}.h", "codewheel/receive.h")
+            (include / "tree.h").write_text("".join(f'#include "{header}"\n' for header in headers), encoding="ascii")
+            tree = functions_in(preprocessed(include / "tree.h", include))
+            renamed = {renamed_as(name, maker, stem, own): renamed_as(text, maker, stem, own) for name, text in tree}
+            (include / "single.h").write_text(single(device, code), encoding="ascii")
+            cut = dict(functions_in(preprocessed(include / "single.h", include)))
+            assert cut == {name: renamed.get(name) for name in cut}, code
+            assert any(name.endswith("_decode") for name in cut), code
+
+
+def write_headers(folder: Path, device: Device, only: str = "") -> Path:
+    """Write the headers of the tree, and return their include folder."""
+    for path, text in generate(Library((device,)), {"only": only}).items():
+        if path.startswith("c/include/"):
+            (folder / path).parent.mkdir(parents=True, exist_ok=True)
+            (folder / path).write_text(text, encoding="ascii")
+    return folder / "c" / "include"
+
+
+def preprocessed(header: Path, include: Path) -> str:
+    require(["gcc"])
+    command = ["gcc", "-std=c99", "-E", "-P", "-I", str(include), "-xc", str(header)]
+    return subprocess.run(command, capture_output=True, text=True, check=True).stdout
+
+
+def functions_in(text: str) -> list[tuple[str, str]]:
+    """The name and the text of each function, with one space between words."""
+    found = re.findall(r"^(?:__attribute__\S+ ?)?static inline \w+ (\w+)\((.*?\n)\}", text, re.MULTILINE | re.DOTALL)
+    return [(name, " ".join(re.findall(r"\w+|\S", code))) for name, code in found]
+
+
+def renamed_as(text: str, maker: str, stem: str, own: str) -> str:
+    """Names of the tree as those of a header for one order code."""
+    text = re.sub(rf"\b{maker}_{stem}(?=_|\b)", own, text)
+    text = re.sub(rf"\b{maker}_{stem}(?=_|\b)".upper().replace(r"\B", r"\b"), own.upper(), text)
+    return re.sub(r"\bcw_(?!result\b|verdict\b)", f"{own}_", text)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("compiler", COMPILERS, ids=lambda compiler: " ".join(compiler[:2]))
+def test_several_go_together_and_with_the_tree(
+    compiler: tuple[str, ...], packaged: tuple[Device, ...], tmp_path: Path
+) -> None:
+    by_name = {device.name: device for device in packaged}
+    include = write_headers(tmp_path, by_name["amm5"])
+    (tmp_path / "lika.h").write_text(single(by_name["amm5"], "AMM5A21/65KSC1"), encoding="ascii")
+    (tmp_path / "rls.h").write_text(single(by_name["aksim2"], by_name["aksim2"].variants[0].code), encoding="ascii")
+    require(compiler[:1])
+    for order in permutations(('"lika.h"', '"rls.h"', '"lika/amm5_biss.h"', '"codewheel/tracker.h"')):
+        program = "".join(f"#include {header}\n" for header in order) + USE
+        command = [*compiler, *STRICT, "-fsyntax-only", f"-I{tmp_path}", f"-I{include}", "-"]
+        compiled = subprocess.run(command, input=program, capture_output=True, text=True)
+        assert compiled.returncode == 0, (order, compiled.stderr)
+
+
+USE = """
+cw_verdict worst(const uint8_t *bytes, size_t length, uint64_t *position);
+cw_verdict worst(const uint8_t *bytes, size_t length, uint64_t *position)
+{
+    cw_verdict verdict = LIKA_AMM5A21_65KSC1_READ_BYTES(bytes, length, position);
+    if (verdict == CW_USABLE) {
+        verdict = LIKA_AMM5_BISS_READ_BYTES(A21_65KSC1, bytes, length, position);
+    }
+    return verdict;
+}
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("compiler", COMPILERS, ids=lambda compiler: " ".join(compiler[:2]))
+def test_each_compiles_without_a_warning(
+    compiler: tuple[str, ...], packaged: tuple[Device, ...], tmp_path: Path
+) -> None:
+    texts = [single(device, codes_of(device)[-1][1]) for device in packaged]
+    for index, text in enumerate(texts):
+        (tmp_path / f"{index}.h").write_text(text, encoding="ascii")
+    program = "".join(f'#include "{index}.h"\n' for index in range(len(texts))) + "int nothing;\n"
+    require(compiler[:1])
+    command = [*compiler, *STRICT, "-fsyntax-only", f"-I{tmp_path}", "-"]
+    compiled = subprocess.run(command, input=program, capture_output=True, text=True)
+    assert compiled.returncode == 0, compiled.stderr[:3000]
