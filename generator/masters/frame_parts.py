@@ -145,12 +145,16 @@ def parity_of_frame(placed_layout: PlacedLayout, parts: Sequence[Part]) -> str:
 
 
 def position_coding(placed_layout: PlacedLayout, measurement: Measurement, parts: Sequence[Part]) -> str:
-    """Return the code of the position, with ``gray_with_status`` if the code includes all status bits after it."""
+    """Return the code of the position.
+
+    It is ``gray_with_status`` if it includes all status bits after the position, and ``gray_excess`` if position 0 is
+    sent as another number.
+    """
     layout: Layout = placed_layout.layout
     if not layout.gray_of or (layout.gray_when and not placed_layout.gray):
         return "binary"
     if layout.gray_of == measurement.of:
-        return "gray"
+        return "gray_excess" if placed_layout.gray_excess else "gray"
     gray_names, position_names = set(layout.names_in(layout.gray_of)), set(layout.names_in(measurement.of))
     status_names = {part.name for part in parts if part.role == "status"}
     if gray_names == position_names | status_names:

@@ -21,7 +21,12 @@ from .sheet import Master, Refusal, Setting, Sheet
 
 VERSION = 1
 
-_CODINGS = {"binary": "binary", "gray": "Gray", "gray_with_status": "Gray, position and status bits as one number"}
+_CODINGS = {
+    "binary": "binary",
+    "gray": "Gray",
+    "gray_excess": "Gray excess",
+    "gray_with_status": "Gray, position and status bits as one number",
+}
 _MARKS = {"documented": "", "inferred": " *", "tried": " +"}
 
 

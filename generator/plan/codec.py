@@ -79,7 +79,8 @@ class Codec:
         places = (place for field in self.layout.fields for place in (field.low, field.width))
         highest = (check.highest for check in self.checks if isinstance(check, (NotAbove, IsBetween)))
         can_be_gray = self.gray is not None and bool(self.gray.when)
-        expressions = (self.layout.bits, *places, *highest)
+        excess = (self.gray.excess,) if self.gray is not None else ()
+        expressions = (self.layout.bits, *places, *highest, *excess)
         return can_be_gray or any(not answered.issuperset(expression.parameters) for expression in expressions)
 
     @property
@@ -185,7 +186,8 @@ def _gray(layout: Layout) -> Gray | None:
     if not layout.gray_of:
         return None
     fields = [layout.field(name) for name in layout.names_in(layout.gray_of)]
-    return Gray(fields[-1].low, sum((field.width for field in fields), Expression(0)), layout.gray_when)
+    width = sum((field.width for field in fields), Expression(0))
+    return Gray(fields[-1].low, width, layout.gray_when, layout.gray_excess or Expression(0))
 
 
 def _wholes(layout: Layout, by_word: bool) -> Iterator[Whole]:
