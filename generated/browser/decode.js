@@ -138,7 +138,7 @@
     const holds = (only) => !only || Boolean(parameters[only.parameter]) === Boolean(only.holds);
     return {
       family, layout, parameters, fields, name: layout.name, bits: at(layout.bits),
-      gray: gray && { low: at(gray.low), width: at(gray.width) },
+      gray: gray && { low: at(gray.low), width: at(gray.width), excess: value(gray.excess ?? 0, parameters) },
       joins: (layout.joins ?? []).map((join) => ({
         name: join.name,
         parts: join.fields.map(([part, low]) => ({ item: fields.find((one) => one.name === part), low: at(low) })),
@@ -191,9 +191,14 @@
 
   function fromGray(at, number) {
     if (!at.gray) return number;
-    const plain = plainOf(bits(number, at.gray.low, at.gray.width));
-    const mask = ones(at.gray.width) << BigInt(at.gray.low);
-    return (number & ~mask) | (plain << BigInt(at.gray.low));
+    const plain = plainOf(bits(number, at.gray.low, at.gray.width)) - at.gray.excess;
+    return withGray(at, number, plain);
+  }
+
+  /** The number with other bits in the place of those in Gray code. */
+  function withGray(at, number, changed) {
+    const { low, width } = at.gray;
+    return (number & ~(ones(width) << BigInt(low))) | (BigInt.asUintN(width, changed) << BigInt(low));
   }
 
   /** The number that a number in Gray code stands for. */
@@ -205,7 +210,8 @@
 
   function toGray(at, number) {
     if (!at.gray) return number;
-    return number ^ ((bits(number, at.gray.low, at.gray.width) >> ONE) << BigInt(at.gray.low));
+    const sum = BigInt.asUintN(at.gray.width, bits(number, at.gray.low, at.gray.width) + at.gray.excess);
+    return withGray(at, number, sum ^ (sum >> ONE));
   }
 
   /** A field in readable form with its runs of digits; ``raw`` is the transmitted value. */
@@ -1093,7 +1099,7 @@
       [early, early | ONE].find((one) => hasFixed(at, one)) ?? early,
       number >> ONE,
       at.gray ? null : others | (plainOf(sent) << BigInt(low)),
-      at.gray ? others | ((sent ^ (sent >> ONE)) << BigInt(low)) : null,
+      at.gray ? toGray(at, number) : null,
       at.bits % 8 ? null : numberOf("big", bytesOf("little", number, at.bits / 8)),
     ];
     return frames.flatMap((frame, place) => {

@@ -56,14 +56,16 @@ class Chunk:
         bit = self.byte(low // 8) & np.uint8(1 << low % 8)
         (np.not_equal if active else np.equal)(bit, 0, out=out)
 
-    def ungray(self, low: int, width: int) -> None:
-        """Convert bits from Gray code to binary."""
+    def ungray(self, low: int, width: int, excess: int) -> None:
+        """Convert bits from Gray code to binary, minus ``excess``."""
         mask = np.uint64(((1 << width) - 1) << low)
         gray = self.limbs[0] & mask
         binary, shift = gray, 1
         while shift < width:
             binary = binary ^ binary >> np.uint64(shift) & mask
             shift *= 2
+        if excess:
+            binary = binary - np.uint64(excess << low) & mask
         self.limbs = [self.limbs[0] ^ gray ^ binary]
         self._bytes.clear()
 

@@ -289,6 +289,8 @@ def _finish(limbs: list[Any], shape: Shape) -> None:
     """Apply Gray code and the CRC."""
     if shape.gray is not None:
         low, width = shape.gray
+        if shape.excess:  # No position and its excess together are wider than the bits.
+            limbs[0] += np.uint64(shape.excess << low)
         number = limbs[0] >> np.uint64(low) & np.uint64((1 << width) - 1)
         limbs[0] ^= number >> np.uint64(1) << np.uint64(low)
     if shape.crc is not None:

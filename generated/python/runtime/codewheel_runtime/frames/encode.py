@@ -48,7 +48,7 @@ def number_of(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
     for check in shape.parities:
         number |= check.parity(number) << check.low
     if shape.gray is not None:
-        number = to_gray(number, *shape.gray)
+        number = to_gray(number, *shape.gray, shape.excess)
     if shape.crc is not None:
         number |= crc_of(number, shape.crc) << shape.crc.low
     return number

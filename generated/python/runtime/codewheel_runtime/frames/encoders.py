@@ -109,6 +109,8 @@ class _FunctionText:
         self._add_checks(shape)
         if shape.gray is not None:
             low, width = shape.gray
+            if shape.excess:
+                self._statements.append(f"number += {shape.excess << low:#x}")
             self._statements.append(f"number ^= (number >> {low} & {(1 << width) - 1:#x}) >> 1 << {low}")
         self._add_result(shape)
 
