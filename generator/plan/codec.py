@@ -67,6 +67,13 @@ class Codec:
         return self.layout.in_bytes
 
     @cached_property
+    def parity_covers_gray(self) -> bool:
+        """True if a parity bit covers bits in Gray code. It is the parity of the bits as they are sent."""
+        gray_names = self.layout.names_in(self.layout.gray_of)
+        parities = (check for check in self.checks if isinstance(check, ParityIs))
+        return any(field.name in gray_names for parity in parities for field in parity.of)
+
+    @cached_property
     def constants(self) -> Mapping[str, int]:
         """Values of the fields that always have the same bits, by name, including the zeros that pad other fields."""
         constants = {check.field.name: check.value for check in self.checks if isinstance(check, AlwaysIs)}

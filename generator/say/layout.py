@@ -90,6 +90,13 @@ def has_excess(layout: Layout) -> bool:
     return layout.gray_excess is not None and layout.gray_excess != Expression(0)
 
 
+def _has_parity_over_gray(layout: Layout) -> bool:
+    """Return True if a parity bit covers bits that can be in Gray code."""
+    gray_names = set(layout.names_in(layout.gray_of))
+    parities = (field.kind for field in layout.fields if isinstance(field.kind, Parity))
+    return any(not gray_names.isdisjoint(parity.of) for parity in parities)
+
+
 def _excess_in_words(layout: Layout) -> str | Code:
     """Return the number that is added, or the parameter."""
     excess = layout.gray_excess or Expression(0)
@@ -110,6 +117,8 @@ def facts(interface: Interface, layout: Layout) -> Iterator[Statement]:
         yield statement(Code(layout.gray_of), " is in Gray excess: it is sent in Gray code after ", excess, " is added")
     elif layout.gray_of:
         yield statement(Code(layout.gray_of), " is in Gray code")
+    if _has_parity_over_gray(layout):
+        yield statement("A parity bit is that of the bits as they are sent, before Gray code is converted")
     if layout.gaps:
         yield statement(f"Bits without a field are {layout.gaps}")
     yield from joins(layout)

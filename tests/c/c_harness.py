@@ -51,6 +51,7 @@ MADE_UP = {
     "bits22": SPECS / "bits22.yaml",
     "gray": SPECS / "gray.yaml",
     "gray_excess": SPECS / "gray_excess.yaml",
+    "gray_parity": SPECS / "gray_parity.yaml",
     "long": SPECS / "long.yaml",
     "long_crc": SPECS / "long_crc.yaml",
     "ring_turns": SPECS / "ring_turns.yaml",

@@ -264,6 +264,7 @@ def test_decode_and_encode_are_inverse_for_every_order_code(machine: tuple[Devic
             "bits22": 1,
             "gray": 1,
             "gray_excess": 12,
+            "gray_parity": 6,
             "long": 2,
             "long_crc": 2,
             "ring_turns": 8,

@@ -155,8 +155,9 @@ def _constants(codec: Codec) -> Iterator[str]:
             yield f"{in_c(field.width)} > 0 && r_{field.name} != {field.kind.value}ULL"
         if isinstance(field.kind, Parity):
             covered, mask = map(codec.layout.field, field.kind.of), field.kind.mask
-            places = [(counted.name, bit) for counted in covered for bit in range(counted.widest)]
-            bits = [f"((r_{name} >> {bit}) & 1)" for name, bit in places if mask >> bit & 1]
+            places = [(counted, bit) for counted in covered for bit in range(counted.widest)]
+            values = [(f"received(word, {in_c(part.low)}, {in_c(part.width)})", bit) for part, bit in places]
+            bits = [f"(({value} >> {bit}) & 1)" for value, bit in values if mask >> bit & 1]
             yield f"r_{field.name} != ({' ^ '.join([*bits, *(['1'] if field.kind.odd else [])])})"
 
 
