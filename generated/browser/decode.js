@@ -367,11 +367,11 @@
   function encode(at, values) {
     const parities = at.fields.filter((item) => item.field.parity);
     let number = at.fields.reduce((sum, item) => sum | (rawOf(item, values) << BigInt(item.low)), 0n);
+    number = toGray(at, number);
     parities.forEach((item) => {
       const of = at.fields.filter((one) => item.field.parity.includes(one.name));
       number |= parityOf(number, of, item.field) << BigInt(item.low);
     });
-    number = toGray(at, number);
     if (at.layout.crc) number |= computedBy(at.family.crcs[at.layout.crc], at, number) << BigInt(crcField(at).low);
     for (const problem of decode(at, number).problems) throw new Refusal(problem.message);
     return number;

@@ -19,6 +19,8 @@ class Chunk:
 
     def __init__(self, limbs: list[Any], bits: int) -> None:
         self.limbs, self.bits = limbs, bits
+        #: The chunk with the bits as they were sent, before any Gray code is converted.
+        self.sent = self
         self._bytes: dict[int, Any] = {}
 
     def byte(self, place: int) -> Any:
@@ -66,6 +68,7 @@ class Chunk:
             shift *= 2
         if excess:
             binary = binary - np.uint64(excess << low) & mask
+        self.sent = Chunk(self.limbs, self.bits)
         self.limbs = [self.limbs[0] ^ gray ^ binary]
         self._bytes.clear()
 
@@ -123,9 +126,9 @@ def within(bits: Any, check: Check, limit: int) -> Any:
 
 
 def parity_bits(chunk: Chunk, check: Check) -> Any:
-    """Return the parity bit of each frame."""
+    """Return the parity bit of each frame, of the bits as they were sent."""
     # The parity of several fields is the parity of their XOR.
-    fields = [chunk.take(low, width) for low, width in check.parity_of]
+    fields = [chunk.sent.take(low, width) for low, width in check.parity_of]
     bits = fields[0]
     if len(fields) > 1:
         bits = np.bitwise_xor.reduce([field.astype(np.uint64) for field in fields])

@@ -313,6 +313,9 @@ def quick_checks(shape: Shape) -> QuickChecks:
     for check in shape.checks:
         if not check.width and not check.parity_of and holds(0, check):
             continue
+        if check.parity_of and shape.gray is not None:  # It is the parity of the bits before the conversion.
+            remaining.append(check)
+            continue
         places = _bytes_of(check)
         fitting_values = [value for value in check.values if not value >> check.width]
         if len(places) == 1:
