@@ -9,7 +9,7 @@ from dataclasses import dataclass
 WORDS: Mapping[str, tuple[str, ...]] = {
     "interface": ("biss", "ssi"),
     "movement": ("rotary", "linear"),
-    "coding": ("binary", "gray", "gray_with_status", "other"),
+    "coding": ("binary", "gray", "gray_with_status", "gray_excess", "other"),
     "status_active": ("low", "high", "mixed", "none"),
     "parity": ("none", "even", "odd"),
     "singleturn_codes": ("all", "some", "unknown", "none"),

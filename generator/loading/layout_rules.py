@@ -169,7 +169,6 @@ def _check_gray(layout: Layout, site: Site) -> None:
     if not switch_values <= {0, 1}:
         message = f"'{layout.gray_when}' can be {max(switch_values)}; it must be 1 for Gray code, or 0 for binary"
         site.report("gray-of", message, "gray", "when")
-    _check_parity_of_gray(layout, site)
     for above, below in pairwise(parts):
         if not _are_adjacent(above, below, site):
             message = (
@@ -184,20 +183,6 @@ def _are_adjacent(above: Field, below: Field, site: Site) -> bool:
     """Return True if a field begins where the other one ends, for every order code."""
     end_below = below.low + below.width
     return all(end_below.value(parameters) == above.low.value(parameters) for parameters in site.sets)
-
-
-def _check_parity_of_gray(layout: Layout, site: Site) -> None:
-    """Check that no parity bit covers a number in Gray code."""
-    for field in layout.fields:
-        if not isinstance(field.kind, Parity):
-            continue
-        for covered_name in field.kind.of:
-            if covered_name in layout.names_in(layout.gray_of):
-                message = (
-                    f"'{field.name}' covers '{covered_name}', which is sent in Gray code, of which decoders cannot"
-                    " check the parity; write 'bits: 1' instead of 'parity_of', and compare the bit in your program"
-                )
-                site.report("gray-of", message, "fields", field.name, "parity_of")
 
 
 def _is_above(upper: Field, lower: Field, site: Site) -> bool:

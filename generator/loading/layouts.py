@@ -96,6 +96,7 @@ def _layout(raw: Raw, site: Site, byte_order: str, bits: Expression, fields: Seq
         gaps=gaps,
         gray_of=gray.get("of", ""),
         gray_when=gray.get("when", ""),
+        gray_excess=site.context.expressions(gray, ("excess",))["excess"],
         combinations=build_combinations(raw),
         position_range=_position_range(raw, site.context),
     )

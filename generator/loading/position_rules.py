@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from itertools import pairwise
 
 from ..language.document import Path
@@ -82,38 +82,103 @@ def _check_scales(device: Device, report: DocumentReport) -> None:
 
 
 def _check_gray(device: Device, report: DocumentReport) -> None:
-    """Check that a position in Gray code has a power of two of counts per turn, for every order code.
-
-    Other numbers of counts are sent as Gray excess, whose codes begin above 0.
-    """
+    """Check that a position in Gray code has the excess that its counts per turn need, for every order code."""
     switched = _set_at_run_time(device)
     for interface in device.interfaces:
         measurement = device.measurement_of(interface.name)
-        if measurement is None or measurement.counts_per_turn is None:
-            continue
         for layout in interface.layouts:
-            if layout.sender != "encoder" or not _codes_position(layout, measurement):
-                continue
-            for variant in device.variants_over(interface.name):
-                counts = measurement.counts_per_turn.value(variant.parameters)
-                can_be_gray = layout.place(variant.parameters).gray or layout.gray_when in switched
-                if can_be_gray and counts > 0 and counts & (counts - 1):
-                    path: Path = ("interfaces", interface.name, "layouts", layout.name, "gray")
-                    report.add("gray-excess", path, _excess_message(layout, variant, counts), at_key=True)
-                    break
+            problem = _reason_against_excess(layout, measurement, switched)
+            if problem is None and measurement is not None and _codes_position(layout, measurement):
+                variants = _gray_variants(device, interface, layout, switched)
+                problem = _problem_of_counts(layout, measurement, variants)
+            if problem is not None:
+                key, message = problem
+                path: Path = ("interfaces", interface.name, "layouts", layout.name, "gray")
+                report.add("gray-excess", (*path, key) if key else path, message, at_key=not key)
+
+
+def _gray_variants(device: Device, interface: Interface, layout: Layout, switched: Collection[str]) -> list[Variant]:
+    """Return the order codes whose position is in Gray code, or can be."""
+    variants = device.variants_over(interface.name)
+    if layout.gray_when in switched:
+        return list(variants)
+    return [variant for variant in variants if layout.place(variant.parameters).gray]
 
 
 def _codes_position(layout: Layout, measurement: Measurement) -> bool:
     """Return True if Gray code covers the position within a turn."""
+    if layout.sender != "encoder" or measurement.counts_per_turn is None:
+        return False
     if not layout.gray_of or measurement.of not in layout.member_names:
         return False
     return layout.names_in(measurement.of)[-1] in layout.names_in(layout.gray_of)
 
 
-def _excess_message(layout: Layout, variant: Variant, counts: int) -> str:
-    problem = f"'{layout.gray_of}' has {counts} counts per turn for {variant.code}, not a power of two"
+def _is_position_alone(layout: Layout, measurement: Measurement) -> bool:
+    """Return True if the number in Gray code is one unsigned field, the position of one turn."""
+    names = layout.names_in(layout.gray_of)
+    if len(names) != 1 or names != layout.names_in(measurement.of) or measurement.turns != Expression(1):
+        return False
+    kind = layout.field(names[0]).kind
+    return isinstance(kind, Number) and not kind.signed and not kind.zero_means
+
+
+def _reason_against_excess(
+    layout: Layout, measurement: Measurement | None, switched: Collection[str]
+) -> tuple[str, str] | None:
+    """Return the key and the message if an excess cannot be checked, or None if it can or there is none."""
+    if layout.gray_excess is None:
+        return None
+    if measurement is None or not _codes_position(layout, measurement) or not _is_position_alone(layout, measurement):
+        problem = f"'excess' needs 'counts_per_turn' and 'turns: 1' of '{layout.gray_of}', as one unsigned field"
+        return "excess", f"{problem}; measure this field of a frame from the encoder, or leave 'excess' out"
+    if measurement.highest is not None or layout.position_range is not None:
+        problem = "'excess' is only for positions from 0 to 'counts_per_turn' - 1"
+        return "excess", f"{problem}; leave 'highest' and 'position_range' out, or leave 'excess' out"
+    counts = measurement.counts_per_turn
+    names = [*layout.gray_excess.parameters, *(counts.parameters if counts is not None else ())]
+    at_run_time = sorted({name for name in names if name in switched})
+    if at_run_time:
+        problem = f"'{at_run_time[0]}' depends on a register, but the excess of an order code is fixed"
+        return "excess", f"{problem}; leave 'gray' and 'measurement' out, and convert the position in your program"
+    return None
+
+
+def _problem_of_counts(layout: Layout, measurement: Measurement, variants: Sequence[Variant]) -> tuple[str, str] | None:
+    """Return the key and the message for the first order code without the excess that its counts per turn need."""
+    assert measurement.counts_per_turn is not None
+    counts_of = {variant.code: measurement.counts_per_turn.value(variant.parameters) for variant in variants}
+    for variant in variants:
+        counts = counts_of[variant.code]
+        bits = (counts - 1).bit_length()
+        excess = ((1 << bits) - counts) // 2
+        written = layout.gray_excess.value(variant.parameters) if layout.gray_excess is not None else 0
+        if counts < 1 or (written == excess and counts & 1 == 0):
+            continue
+        if counts & (counts - 1) and (counts & 1 or not _is_position_alone(layout, measurement)):
+            return "", _no_excess_message(layout, variant, counts)
+        formula = f"(2^{bits} - {counts}) / 2 = {excess}"
+        if layout.gray_excess is not None:
+            return "excess", f"'excess' is {written} for {variant.code}; for {counts} counts per turn, it is {formula}"
+        remedy = f"write 'excess: {excess}' in 'gray'"
+        if len(set(counts_of.values())) > 1:
+            remedy = (
+                f"write 'excess: PARAMETER' in 'gray', which is {excess} for this order code and 0 for a power of two"
+            )
+        return "", f"{_counts_text(layout, variant, counts)}, so it is sent in Gray excess, {formula}; {remedy}"
+    return None
+
+
+def _counts_text(layout: Layout, variant: Variant, counts: int) -> str:
+    return f"'{layout.gray_of}' has {counts} counts per turn for {variant.code}, not a power of two"
+
+
+def _no_excess_message(layout: Layout, variant: Variant, counts: int) -> str:
+    reason = "and Gray excess is only for the position within a turn, in one unsigned field"
+    if counts & 1:
+        reason = "and an odd number of counts cannot be sent in Gray excess"
     remedy = "leave 'gray' and 'measurement' out, call the field 'gray_code', and convert it in your program"
-    return f"{problem}, and Gray excess cannot be described yet; {remedy}"
+    return f"{_counts_text(layout, variant, counts)}, {reason}; {remedy}"
 
 
 def _set_at_run_time(device: Device) -> set[str]:

@@ -157,9 +157,10 @@ def parity_of_frame(placed_layout: PlacedLayout, parts: Sequence[Part]) -> str:
 
 
 def position_coding(placed_layout: PlacedLayout, measurement: Measurement, parts: Sequence[Part]) -> str:
-    """Return the code of the position, with ``gray_with_status`` if the code includes all status bits after it.
+    """Return the code of the position.
 
-    The code is ``other`` if the bits in Gray code are neither of these.
+    It is ``gray_with_status`` if it includes all status bits after the position, ``gray_excess`` if position 0 is
+    sent as another number, and ``other`` if other bits are in Gray code.
     """
     layout: Layout = placed_layout.layout
     if not layout.gray_of or (layout.gray_when and not placed_layout.gray):
@@ -167,7 +168,7 @@ def position_coding(placed_layout: PlacedLayout, measurement: Measurement, parts
     gray_names = {field.name for field in placed_layout.find_fields(layout.names_in(layout.gray_of))}
     position_names = {field.name for field in placed_layout.find_fields(layout.names_in(measurement.of))}
     if gray_names == position_names:
-        return "gray"
+        return "gray_excess" if placed_layout.gray_excess else "gray"
     status_names = {part.name for part in parts if part.role == "status"}
     if gray_names == position_names | status_names:
         return "gray_with_status"

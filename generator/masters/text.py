@@ -24,6 +24,7 @@ VERSION = 1
 _CODINGS = {
     "binary": "binary",
     "gray": "Gray",
+    "gray_excess": "Gray excess",
     "gray_with_status": "Gray, position and status bits as one number",
     "other": "Gray, over other bits than the position",
 }

@@ -29,7 +29,8 @@ class Layout:
     It is transmitted either ``in_bytes``, with the ``byte_order`` ``low_byte_first`` or ``high_byte_first``, or as
     bits, most significant first. ``fields`` are in transmission order for frames, and start at the most significant bit
     for registers. ``channel`` is the BiSS data channel if the encoder has several. ``position_range`` is the range of
-    its position, if it differs from that of the interface.
+    its position, if it differs from that of the interface. ``gray_excess`` is the number that is sent in Gray code for
+    position 0, if it is not 0.
     """
 
     name: str
@@ -48,6 +49,7 @@ class Layout:
     source: Sources
     gray_of: str = ""
     gray_when: str = ""
+    gray_excess: Expression | None = None
     channel: int | None = None
     combinations: tuple[Combination, ...] = ()
     position_range: LayoutRange | None = None
@@ -212,6 +214,12 @@ class PlacedLayout:
     @property
     def name(self) -> str:
         return self.layout.name
+
+    @property
+    def gray_excess(self) -> int:
+        """Number that is sent in Gray code for position 0."""
+        excess = self.layout.gray_excess
+        return excess.value(self.parameters) if self.gray and excess is not None else 0
 
     def field(self, name: str) -> PlacedField:
         """Return the field with this name, or raise a ``LookupError``."""

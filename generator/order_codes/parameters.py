@@ -99,6 +99,8 @@ def _of_layout(layout: Layout) -> Iterator[Expression]:
         yield field.width
         if isinstance(field.equals, Expression):
             yield field.equals
+    if layout.gray_excess is not None:
+        yield layout.gray_excess
 
 
 def _of_measurement(measurement: Measurement) -> Iterator[Expression]:

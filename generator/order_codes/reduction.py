@@ -336,7 +336,9 @@ def _with_fixed_code(layout: Layout, known_parameters: Mapping[str, int]) -> Lay
     """Return the layout with a fixed code, which is Gray or binary."""
     if layout.gray_when not in known_parameters:
         return layout
-    return replace(layout, gray_of=layout.gray_of if known_parameters[layout.gray_when] else "", gray_when="")
+    if known_parameters[layout.gray_when]:
+        return replace(layout, gray_when="")
+    return replace(layout, gray_of="", gray_when="", gray_excess=None)
 
 
 def _without_empty_fields(layout: Layout) -> Layout:

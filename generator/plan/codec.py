@@ -67,6 +67,13 @@ class Codec:
         return self.layout.in_bytes
 
     @cached_property
+    def parity_covers_gray(self) -> bool:
+        """True if a parity bit covers bits in Gray code. It is the parity of the bits as they are sent."""
+        gray_names = self.layout.names_in(self.layout.gray_of)
+        parities = (check for check in self.checks if isinstance(check, ParityIs))
+        return any(field.name in gray_names for parity in parities for field in parity.of)
+
+    @cached_property
     def constants(self) -> Mapping[str, int]:
         """Values of the fields that always have the same bits, by name, including the zeros that pad other fields."""
         constants = {check.field.name: check.value for check in self.checks if isinstance(check, AlwaysIs)}
@@ -79,7 +86,8 @@ class Codec:
         places = (place for field in self.layout.fields for place in (field.low, field.width))
         highest = (check.highest for check in self.checks if isinstance(check, (NotAbove, IsBetween)))
         can_be_gray = self.gray is not None and bool(self.gray.when)
-        expressions = (self.layout.bits, *places, *highest)
+        excess = (self.gray.excess,) if self.gray is not None else ()
+        expressions = (self.layout.bits, *places, *highest, *excess)
         return can_be_gray or any(not answered.issuperset(expression.parameters) for expression in expressions)
 
     @property
@@ -185,7 +193,8 @@ def _gray(layout: Layout) -> Gray | None:
     if not layout.gray_of:
         return None
     fields = [layout.field(name) for name in layout.names_in(layout.gray_of)]
-    return Gray(fields[-1].low, sum((field.width for field in fields), Expression(0)), layout.gray_when)
+    width = sum((field.width for field in fields), Expression(0))
+    return Gray(fields[-1].low, width, layout.gray_when, layout.gray_excess or Expression(0))
 
 
 def _wholes(layout: Layout, by_word: bool) -> Iterator[Whole]:

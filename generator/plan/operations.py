@@ -169,16 +169,25 @@ class FrameCrc:
 
 @dataclass(frozen=True, slots=True)
 class Gray:
-    """The bits are sent in Gray code if the parameter ``when`` is not 0, or always if ``when`` is empty."""
+    """The bits are sent in Gray code if the parameter ``when`` is not 0, or always if ``when`` is empty.
+
+    ``excess`` is added to the number before it is sent, modulo the numbers that fit into the bits.
+    """
 
     low: Expression
     width: Expression
     when: str
+    excess: Expression = Expression(0)
 
     @property
     def depends(self) -> bool:
         """True if the code, or the position of its bits, depends on the order code."""
-        return bool(self.when) or not (self.low.is_constant and self.width.is_constant)
+        return bool(self.when) or not all(number.is_constant for number in (self.low, self.width, self.excess))
+
+    @property
+    def has_excess(self) -> bool:
+        """True if the excess is not 0 for every order code."""
+        return self.excess != Expression(0)
 
 
 # -- parts of a frame

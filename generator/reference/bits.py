@@ -110,22 +110,24 @@ def binary_to_gray(binary: int) -> int:
 
 def from_gray(placed: PlacedLayout, number: int) -> int:
     """Return ``number`` with the part that is sent in Gray code, if any, converted to binary."""
-    return with_changed_part(placed, number, gray_to_binary)
+    return with_changed_part(placed, number, lambda sent: gray_to_binary(sent) - placed.gray_excess)
 
 
 def to_gray(placed: PlacedLayout, number: int) -> int:
     """Return ``number`` with the part that is sent in Gray code, if any, converted to Gray code."""
-    return with_changed_part(placed, number, binary_to_gray)
+    _, width = placed.place_of(placed.layout.gray_of)
+    mask = (1 << width) - 1
+    return with_changed_part(placed, number, lambda plain: binary_to_gray(plain + placed.gray_excess & mask))
 
 
 def with_changed_part(placed: PlacedLayout, number: int, change: Callable[[int], int]) -> int:
-    """Return ``number`` with the part that is sent in Gray code, if any, changed by a function."""
+    """Return ``number`` with the part that is sent in Gray code, if any, changed by a function. Excess bits are cut."""
     if not placed.gray:
         return number
     low, width = placed.place_of(placed.layout.gray_of)
     mask = (1 << width) - 1
     other_bits = number & ~(mask << low)
-    changed_part = change((number >> low) & mask)
+    changed_part = change((number >> low) & mask) & mask
     return other_bits | (changed_part << low)
 
 

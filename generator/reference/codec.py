@@ -304,10 +304,10 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     if placed.layout.unused:
         number |= _unused(placed, _number(remaining.pop(UNUSED, 0)))
     _check_names(placed, remaining)
+    number = to_gray(placed, number)
     for placed_field in placed.fields:
         if isinstance(placed_field.field.kind, Parity):
             number |= parity_bit(placed, placed_field.field.kind, number) << placed_field.low
-    number = to_gray(placed, number)
     for placed_field in placed.fields:
         if isinstance(placed_field.field.kind, CrcValue):
             number |= compute(device.crc(placed_field.field.kind.crc), placed, number) << placed_field.low

@@ -27,6 +27,7 @@ from ..model import (
     assert_never,
     choices,
 )
+from ..model.expressions import Expression
 from .errata import answer_names, deciding_alternatives, errata, erratum, needed_answers
 from .plain_text import counted
 from .report import conditions
@@ -84,14 +85,40 @@ def errata_of(device: Device, interface: Interface, frame: Layout) -> Iterator[S
     yield from map(erratum, errata(device, f"interfaces.{interface.name}.{frame.name}"))
 
 
+def has_excess(layout: Layout) -> bool:
+    """Return True if a number is added before the position is sent in Gray code."""
+    return layout.gray_excess is not None and layout.gray_excess != Expression(0)
+
+
+def _has_parity_over_gray(layout: Layout) -> bool:
+    """Return True if a parity bit covers bits that can be in Gray code."""
+    gray_names = set(layout.names_in(layout.gray_of))
+    parities = (field.kind for field in layout.fields if isinstance(field.kind, Parity))
+    return any(not gray_names.isdisjoint(parity.of) for parity in parities)
+
+
+def _excess_in_words(layout: Layout) -> str | Code:
+    """Return the number that is added, or the parameter."""
+    excess = layout.gray_excess or Expression(0)
+    return str(excess.constant) if excess.is_constant else Code(excess.render())
+
+
 def facts(interface: Interface, layout: Layout) -> Iterator[Statement]:
     """Yield its selector, its code, its gaps, its joined numbers and its combinations of values."""
     yield from carries(interface, layout)
     if layout.gray_when:
         number, parameter = Code(layout.gray_of), Code(layout.gray_when)
         yield statement(number, " is in Gray code while ", parameter, " is 1, and in binary while it is 0")
+        if has_excess(layout):
+            excess = _excess_in_words(layout)
+            yield statement("In Gray code, ", excess, " is added to it before it is sent (Gray excess)")
+    elif has_excess(layout):
+        excess = _excess_in_words(layout)
+        yield statement(Code(layout.gray_of), " is in Gray excess: it is sent in Gray code after ", excess, " is added")
     elif layout.gray_of:
         yield statement(Code(layout.gray_of), " is in Gray code")
+    if _has_parity_over_gray(layout):
+        yield statement("A parity bit is that of the bits as they are sent, before Gray code is converted")
     if layout.gaps:
         yield statement(f"Bits without a field are {layout.gaps}")
     yield from joins(layout)

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 
 from ..model import Device, PlacedLayout, Variant
 from ..reference import codec
-from ..reference.bits import binary_to_gray, gray_to_binary
+from ..reference.bits import gray_to_binary, to_gray
 from .tries import fixed_bits
 
 #: Text of each reading, in the order in which they are listed.
@@ -57,7 +57,7 @@ def _frames_without_mistake(placed: PlacedLayout, name: str, number: int) -> Ite
     without_position = number ^ position << low
     if placed.gray:
         yield None
-        yield without_position | binary_to_gray(position) << low
+        yield to_gray(placed, number)
     else:
         yield without_position | gray_to_binary(position) << low
         yield None

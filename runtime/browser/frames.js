@@ -13,7 +13,7 @@ function placed(family, layout, parameters) {
   const holds = (only) => !only || Boolean(parameters[only.parameter]) === Boolean(only.holds);
   return {
     family, layout, parameters, fields, name: layout.name, bits: at(layout.bits),
-    gray: gray && { low: at(gray.low), width: at(gray.width) },
+    gray: gray && { low: at(gray.low), width: at(gray.width), excess: value(gray.excess ?? 0, parameters) },
     joins: (layout.joins ?? []).map((join) => ({
       name: join.name,
       parts: join.fields.map(([part, low]) => ({ item: fields.find((one) => one.name === part), low: at(low) })),
@@ -66,9 +66,14 @@ function decodeBytes(at, bytes) {
 
 function fromGray(at, number) {
   if (!at.gray) return number;
-  const plain = plainOf(bits(number, at.gray.low, at.gray.width));
-  const mask = ones(at.gray.width) << BigInt(at.gray.low);
-  return (number & ~mask) | (plain << BigInt(at.gray.low));
+  const plain = plainOf(bits(number, at.gray.low, at.gray.width)) - at.gray.excess;
+  return withGray(at, number, plain);
+}
+
+/** The number with other bits in the place of those in Gray code. */
+function withGray(at, number, changed) {
+  const { low, width } = at.gray;
+  return (number & ~(ones(width) << BigInt(low))) | (BigInt.asUintN(width, changed) << BigInt(low));
 }
 
 /** The number that a number in Gray code stands for. */
@@ -80,7 +85,8 @@ function plainOf(gray) {
 
 function toGray(at, number) {
   if (!at.gray) return number;
-  return number ^ ((bits(number, at.gray.low, at.gray.width) >> ONE) << BigInt(at.gray.low));
+  const sum = BigInt.asUintN(at.gray.width, bits(number, at.gray.low, at.gray.width) + at.gray.excess);
+  return withGray(at, number, sum ^ (sum >> ONE));
 }
 
 /** A field in readable form with its runs of digits; ``raw`` is the transmitted value. */
@@ -242,11 +248,11 @@ class Refusal extends Error {}
 function encode(at, values) {
   const parities = at.fields.filter((item) => item.field.parity);
   let number = at.fields.reduce((sum, item) => sum | (rawOf(item, values) << BigInt(item.low)), 0n);
+  number = toGray(at, number);
   parities.forEach((item) => {
     const of = at.fields.filter((one) => item.field.parity.includes(one.name));
     number |= parityOf(number, of, item.field) << BigInt(item.low);
   });
-  number = toGray(at, number);
   if (at.layout.crc) number |= computedBy(at.family.crcs[at.layout.crc], at, number) << BigInt(crcField(at).low);
   for (const problem of decode(at, number).problems) throw new Refusal(problem.message);
   return number;

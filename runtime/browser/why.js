@@ -246,7 +246,7 @@ function otherPositions({ at, number, problems, crc, fields }, measure) {
     [early, early | ONE].find((one) => hasFixed(at, one)) ?? early,
     number >> ONE,
     at.gray ? null : others | (plainOf(sent) << BigInt(low)),
-    at.gray ? others | ((sent ^ (sent >> ONE)) << BigInt(low)) : null,
+    at.gray ? toGray(at, number) : null,
     at.bits % 8 ? null : numberOf("big", bytesOf("little", number, at.bits / 8)),
   ];
   return frames.flatMap((frame, place) => {

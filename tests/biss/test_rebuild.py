@@ -180,6 +180,7 @@ def _register(dump: Dump) -> Dump:
         "note": dump["note"],
         "gray_of": "",
         "gray_when": "",
+        "gray_excess": None,
         "position_range": None,
         "channel": None,
         "combinations": [],
@@ -293,7 +294,7 @@ def test_positions_come_back_for_every_order_code(rebuilt: dict[str, tuple[Devic
                         layout.place(original_state.parameters),
                         again.layout(layout.name).place(rebuilt_state.parameters),
                     )
-                    assert (mine.bits, mine.gray) == (its.bits, its.gray)
+                    assert (mine.bits, mine.gray, mine.gray_excess) == (its.bits, its.gray, its.gray_excess)
                     places = [(field.name, field.low, field.width) for field in mine.fields]
                     assert places == [(field.name, field.low, field.width) for field in its.fields]
 

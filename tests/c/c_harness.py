@@ -50,6 +50,8 @@ MADE_UP = {
     "banks": SPECS / "banks.yaml",
     "bits22": SPECS / "bits22.yaml",
     "gray": SPECS / "gray.yaml",
+    "gray_excess": SPECS / "gray_excess.yaml",
+    "gray_parity": SPECS / "gray_parity.yaml",
     "long": SPECS / "long.yaml",
     "long_crc": SPECS / "long_crc.yaml",
     "ring_turns": SPECS / "ring_turns.yaml",

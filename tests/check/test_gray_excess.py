@@ -1,4 +1,4 @@
-"""Gray code with counts per turn that are not a power of two is sent with an excess, which a spec cannot describe."""
+"""Gray code with counts per turn that are not a power of two is sent with an excess."""
 
 from __future__ import annotations
 
@@ -27,8 +27,33 @@ def _rules(folder: Path) -> list[str]:
     return [problem.rule for problem in report.problems]
 
 
-def test_the_way_out_exists(tmp_path: Path) -> None:
-    """The message tells to leave 'gray' and 'measurement' out, and to call the field 'gray_code'."""
+#: The excess of both order codes, as the message asks for it.
+EXCESS = (
+    ("  ssi_gray: {meaning: 1 for Gray code}", "  ssi_gray: {meaning: 1 for Gray code}\n  first: {meaning: Code of 0}"),
+    ('"512": {sets: {counts: 512}}', '"512": {sets: {counts: 512, first: 0}}'),
+    ('"360": {sets: {counts: 360}}', '"360": {sets: {counts: 360, first: 76}}'),
+    ("when: ssi_gray}", "when: ssi_gray, excess: first}"),
+)
+
+
+def test_the_excess_that_the_message_asks_for(tmp_path: Path) -> None:
+    assert _rules(_write(tmp_path, *EXCESS)) == []
+
+
+@pytest.mark.parametrize("wrong", [0, 75, 77, 152, 436])
+def test_another_excess_is_refused(tmp_path: Path, wrong: int) -> None:
+    changes = [(old, new.replace("first: 76", f"first: {wrong}")) for old, new in EXCESS]
+    assert _rules(_write(tmp_path, *changes)) == ["gray-excess"]
+
+
+def test_the_excess_of_order_codes_in_binary_does_not_matter(tmp_path: Path) -> None:
+    changes = [(old, new.replace("first: 0", "first: 5")) for old, new in EXCESS]
+    without_gray = ("sets: {ssi_gray: 1}", "sets: {ssi_gray: 0}")
+    assert _rules(_write(tmp_path, *changes, without_gray)) == []
+
+
+def test_a_way_out_exists(tmp_path: Path) -> None:
+    """Without an excess, leave 'gray' and 'measurement' out, and call the field 'gray_code', as the message says."""
     raw = _write(
         tmp_path,
         ("        gray: {of: position, when: ssi_gray}\n", ""),
@@ -61,13 +86,17 @@ def test_a_power_of_two_may_be_in_gray_code(tmp_path: Path) -> None:
     assert _rules(_write(tmp_path, ('        "360": {sets: {counts: 360}}\n', ""))) == []
 
 
-def test_no_master_gets_settings_for_it(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """Omron's manual W524, page 7-46, has a remainder for it, which a spec cannot give."""
-    specs = str(_write(tmp_path))
-    assert main(["master", "EXC360G", "--specs", specs, "--master", "omron_nx"]) != 0
-    captured = capsys.readouterr()
-    assert "Encoder Resolution" not in captured.out
-    assert "gray-excess" in captured.out + captured.err
+def test_only_masters_with_remainder_code_get_settings(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Omron's manual W524, page 7-46: Encoder Resolution is the counts per turn, and the code is Gray code."""
+    specs = str(_write(tmp_path, *EXCESS))
+    assert main(["master", "EXC360G", "--specs", specs, "--master", "omron_nx"]) == 0
+    lines = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert ["Encoder", "Resolution", "360"] in lines
+    assert ["Coding", "Method", "gray", "code"] in lines
+    for master in ("siemens_posinput", "galil_ssi", "beckhoff_el5042", "keb_f6", "synapticon", "linuxcnc_hostmot2"):
+        assert main(["master", "EXC360G", "--specs", specs, "--master", master]) != 0
+        assert "gray_excess" in capsys.readouterr().out or master == "keb_f6"
+    assert main(["master", "EXC512G", "--specs", specs, "--master", "galil_ssi"]) == 0
 
 
 def test_no_master_gets_settings_for_the_way_out(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

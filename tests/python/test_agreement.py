@@ -54,7 +54,21 @@ FAMILIES = sorted(path.name.removesuffix(".second.yaml") for path in SPECS.glob(
 #: Specs with features that no device has.
 MADE_UP = {"words": TESTS / "specs", "odd_shapes": TESTS / "python" / "specs", "shapes": TESTS / "c" / "specs"}
 MADE_UP |= dict.fromkeys(
-    ("banks", "gray", "lowfirst", "ring", "ring_turns", "scale", "signs", "switched", "wide", "long", "long_crc"),
+    (
+        "banks",
+        "gray",
+        "gray_excess",
+        "gray_parity",
+        "lowfirst",
+        "ring",
+        "ring_turns",
+        "scale",
+        "signs",
+        "switched",
+        "wide",
+        "long",
+        "long_crc",
+    ),
     TESTS / "specs",
 )
 MADE_UP |= {"as5047p": TESTS.parent / "specs" / "ams"}

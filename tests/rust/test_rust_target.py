@@ -30,7 +30,7 @@ def sources() -> list[Path]:
 def test_it_is_small_and_codewheel_knows_nothing_of_it() -> None:
     ours = [path for path in sources() if not {"build", "__pycache__"} & set(path.parts)]
     assert len(ours) == 9
-    assert sum(len(path.read_text(encoding="utf-8").splitlines()) for path in ours) <= 1060
+    assert sum(len(path.read_text(encoding="utf-8").splitlines()) for path in ours) <= 1063
     for folder in ("generator", "templates", "runtime"):
         for path in (ROOT / folder).rglob("*.*"):
             assert path.suffix == ".pyc" or not re.search(rb"(?i)\brust\b", path.read_bytes()), path
@@ -128,6 +128,14 @@ def test_a_layout_that_is_too_wide_has_its_place(codewheel: Run, tmp_path: Path)
         "rust-size: 'wide' has 80 bits, and fields that move with the order code. Rust allows at most 64"
     ]
     assert problem_lines[0].startswith(f"{place}:")
+
+
+def test_a_parity_bit_over_gray_code_is_refused(codewheel: Run, tmp_path: Path) -> None:
+    specs = [ROOT / "tests" / "specs" / name for name in ("gray_parity.yaml", "manufacturer.yaml")]
+    code, _, output = codewheel("generate", *specs, "-o", tmp_path, "--target", "rust")
+    assert code == 1
+    message = "rust-parity: 'word' has a parity bit over Gray code, which this target does not compute"
+    assert message in output
 
 
 # -- hostile names and texts

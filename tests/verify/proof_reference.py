@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from codewheel.model import Constant, Crc, Field, Join, Parity, Unused
+from codewheel.model.expressions import Expression
 from proof import in_c
 from proof_layout import CONSTANT, CRC, LENGTH, RANGE, Codec
 
@@ -111,8 +112,19 @@ def _out_of_gray(codec: Codec) -> Iterator[str]:
         )
         yield f"            if (i >= {in_c(lowest)} && i < {in_c(lowest + codec.join_width(join))}) {{"
         yield "                sum ^= (word >> i) & 1;"
-        yield from ("                word = (word & ~((number)1 << i)) | (sum << i);", "            }", "    }")
+        yield from ("                word = (word & ~((number)1 << i)) | (sum << i);", "            }")
+        if layout.gray_excess is not None:
+            yield from _less_excess(layout.gray_excess, lowest, codec.join_width(join))
+        yield "    }"
     yield from ("    return word;", "}")
+
+
+def _less_excess(excess: Expression, low: Expression, width: Expression) -> Iterator[str]:
+    """Yield the subtraction of the excess from the number in the word, modulo the numbers that fit."""
+    place, count = in_c(low), in_c(width)
+    yield f"        number part = received(word, {place}, {count}) + ((number)1 << {count}) - {in_c(excess)};"
+    yield f"        part = received(part, 0, {count});"
+    yield f"        word = (word & ~(received(~(number)0, 0, {count}) << {place})) | (part << {place});"
 
 
 def _crc_of(codec: Codec, crc: Crc) -> Iterator[str]:
@@ -143,8 +155,9 @@ def _constants(codec: Codec) -> Iterator[str]:
             yield f"{in_c(field.width)} > 0 && r_{field.name} != {field.kind.value}ULL"
         if isinstance(field.kind, Parity):
             covered, mask = map(codec.layout.field, field.kind.of), field.kind.mask
-            places = [(counted.name, bit) for counted in covered for bit in range(counted.widest)]
-            bits = [f"((r_{name} >> {bit}) & 1)" for name, bit in places if mask >> bit & 1]
+            places = [(counted, bit) for counted in covered for bit in range(counted.widest)]
+            values = [(f"received(word, {in_c(part.low)}, {in_c(part.width)})", bit) for part, bit in places]
+            bits = [f"(({value} >> {bit}) & 1)" for value, bit in values if mask >> bit & 1]
             yield f"r_{field.name} != ({' ^ '.join([*bits, *(['1'] if field.kind.odd else [])])})"
 
 

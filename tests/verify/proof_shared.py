@@ -12,6 +12,7 @@ from proof_reference import shift_in, shifted_out
 
 #: Functions of bits.h that are proved here, with arguments that obey their comments.
 FUNCTIONS = ("mask", "field", "signed", "fits_signed", "from_gray", "to_gray", "parity", "difference")
+FUNCTIONS += ("with_field", "from_gray_excess", "to_gray_excess")
 #: The longest run of bytes over which a CRC is proved.
 BYTES = 12
 #: Number of powers of two in one proof of a difference.
@@ -43,6 +44,18 @@ void from_gray(void)
     __CPROVER_assume(low + bits <= 64);
     __CPROVER_assert(in_gray(cw_from_gray(word, low, bits), low, bits) == word,
         "the number of which this is the Gray code");
+}
+/* The excess is added to and subtracted from the field alone, modulo the numbers that fit into it. */
+void gray_excess(void)
+{
+    unsigned long long word = nondet_word(), excess = nondet_word();
+    unsigned low = nondet_byte(), bits = nondet_byte();
+    __CPROVER_assume(low + bits <= 64 && bits >= 1);
+    unsigned long long ones = (unsigned long long)(((wide)1 << bits) - 1);
+    unsigned long long plain = cw_from_gray(word, low, bits), less = cw_from_gray_excess(word, low, bits, excess);
+    __CPROVER_assert((less & ~(ones << low)) == (word & ~(ones << low)), "other bits are as they were");
+    __CPROVER_assert((((less >> low) + excess) & ones) == ((plain >> low) & ones), "the number less the excess");
+    __CPROVER_assert(cw_to_gray_excess(less, low, bits, excess) == word, "the inverse");
 }
 void numbers(void)
 {
@@ -100,6 +113,7 @@ def shared_proofs() -> Iterable[Proof]:
     for function in (
         "to_gray",
         "from_gray",
+        "gray_excess",
         "numbers",
         "parity",
         "difference_without_modulus",

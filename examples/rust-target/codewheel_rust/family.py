@@ -139,6 +139,9 @@ class Family:
         struct = Struct(layout, codec_of(self.device, layout), function_of(self.device, layout), types)
         for problem in struct.width_problems():
             self._wide.append(TargetProblem(self.device, "rust-size", place, f"{problem}. Rust allows at most {WORD}"))
+        if struct.codec.parity_covers_gray:
+            problem = f"'{layout.name}' has a parity bit over Gray code, which this target does not compute"
+            self._wide.append(TargetProblem(self.device, "rust-parity", place, problem))
         return struct
 
 

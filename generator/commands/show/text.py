@@ -285,6 +285,8 @@ def _code_of_position(device: Device, placed: PlacedLayout) -> str:
     layout = placed.layout
     code = "Gray code" if placed.gray else "binary"
     text = f"{layout.gray_of} is in {code}"
+    if placed.gray_excess:
+        text += f" with an excess of {placed.gray_excess}"
     deciding_names = device.needed_parameters([layout.gray_when]) if layout.gray_when else ()
     deciding = [parameter for parameter in device.run_time_parameters if parameter.name in deciding_names]
     if not deciding:

@@ -137,14 +137,13 @@ def plain_bits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     for fields in field_lists(spec):
         if not _is_received(fields):
             continue
-        is_in_gray = "gray" in fields.owner
         for path, field in fields:
             name = str(field.get("name", ""))
             is_plain_bit = _bits(field) == 1 and _PLAIN.issuperset(field)
             if not is_plain_bit or _is_fixed(fields, name):
                 continue
             problem = f"{quoted(name)} is a plain number, so decoders ignore it"
-            if _PARITY.fullmatch(name) and not is_in_gray:  # No decoder checks a parity over Gray code.
+            if _PARITY.fullmatch(name):
                 remedy = "write 'parity_of: [FIELDS]' instead of 'bits: 1', or add a 'note' that it is not a parity bit"
                 report.add("plain-bit", path, f"{problem}; {remedy}")
             elif _FLAG.fullmatch(name):

@@ -113,7 +113,7 @@ def _expressions_of_fields(fields: Fields, groups: Mapping[str, Spec]) -> Iterat
     for path, field in expanded(fields, groups):
         yield from _of_field(path, field)
     yield from _of_limits(fields.path, fields.owner)
-    yield from _expressions_under((*fields.path, "gray"), mapping(fields.owner, "gray"), ("when",))
+    yield from _expressions_under((*fields.path, "gray"), mapping(fields.owner, "gray"), ("when", "excess"))
 
 
 def _expressions_under(path: Path, spec: Spec, keys: Iterable[str]) -> Iterator[tuple[Path, int | str]]:

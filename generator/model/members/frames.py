@@ -367,6 +367,13 @@ FRAMES = (
             refers_to="parameter",
         ),
         Member(
+            "gray_excess",
+            "expression?",
+            "For Gray excess: number that is sent in Gray code for position 0. null if it is 0.",
+            "frame-order",
+            "sent in Gray code for position 0",
+        ),
+        Member(
             "channel",
             "integer?",
             "BiSS data channel that carries it, if the encoder has several.",

@@ -263,7 +263,8 @@ def _code(device: Device, layout: Layout) -> str:
     if not layout.gray_of:
         return "binary"
     if not layout.gray_when:
-        return f"{layout.gray_of} in Gray code"
+        excess = f" with an excess of {layout.gray_excess.render()}" if layout.gray_excess is not None else ""
+        return f"{layout.gray_of} in Gray code{excess}"
     needed = device.needed_parameters([layout.gray_when])
     deciding = (parameter for parameter in device.run_time_parameters if parameter.name in needed)
     register_fields = [field_at(device, parameter.read_from) for parameter in deciding]

@@ -206,7 +206,8 @@ def _layout_data(device: Device, codec: Codec, description: Description) -> Data
 def _parameters_in_registers(device: Device, layout: Layout, codec: Codec) -> list[str]:
     """Return those parameters of the layout that registers hold."""
     places = (place for field in layout.fields for place in (field.low, field.width))
-    names = {name for expression in (layout.bits, *places) for name in expression.parameters}
+    excess = (layout.gray_excess,) if layout.gray_excess is not None else ()
+    names = {name for expression in (layout.bits, *places, *excess) for name in expression.parameters}
     names |= {codec.gray.when} if codec.gray is not None and codec.gray.when else set()
     needed = device.needed_parameters(names)
     return [parameter.name for parameter in device.run_time_parameters if parameter.name in needed]

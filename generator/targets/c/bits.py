@@ -6,6 +6,7 @@ In bytes, each bit keeps its place in its byte, so that only whole bytes are shi
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 
 from ...model import Digits, Field, Piece, first_of
 from ...model.record import dataclass
@@ -54,11 +55,12 @@ class Reader:
 
     plan: Codec
     scope: Scope
+    as_sent: bool = False
 
     @property
     def word(self) -> Expr:
-        """The word, with any Gray code in it converted."""
-        return Name("plain" if self.plan.gray is not None else "word")
+        """The word, with any Gray code in it converted unless the reader is for the bits ``as_sent``."""
+        return Name("plain" if self.plan.gray is not None and not self.as_sent else "word")
 
     def value(self, bits: Bits) -> tuple[str, Expr]:
         """Return the type and the bits of a field, with its padding if that is read as well."""
@@ -111,6 +113,14 @@ class Reader:
         for field in lower_fields:
             number = Operation("|", (shifted_left(number, self.scope.of(field.width)), name_of(field)))
         return Cast(kind, number) if lower_fields and size_of(whole.widest) < 32 else number
+
+    def sent(self, field: Field) -> Expr:
+        """Return the bits of a field before any Gray code in the word is converted."""
+        return replace(self, as_sent=True).value(self.plan.bits_of(field.name))[1]
+
+    def parity_as_sent(self, fields: Sequence[Field], mask: int) -> Expr:
+        """Return the parity of fields before any Gray code in the word is converted."""
+        return self.parity([(self.sent(field), field.widest) for field in fields], mask)
 
     def parity(self, parts: Sequence[tuple[Expr, int]], mask: int) -> Expr:
         """Return the common parity of these numbers, 1 for an odd number of ones. Each comes with its largest width.

@@ -84,9 +84,18 @@ class Encoder:
 
     @property
     def word(self) -> tuple[Expr, ...]:
-        terms = (term for term in self.plan.terms if not isinstance(term.value, ReservedBits))
+        terms = [term for term in self.plan.terms if not isinstance(term.value, ReservedBits)]
+        if self.plan.parity_covers_gray:
+            terms = [term for term in terms if not isinstance(term.value, ParityOf)]
         variable_terms = (term for term in terms if not self._is_always_zero(term))
         return (*map(self._term, variable_terms), *self.struct.unused.in_word)
+
+    @property
+    def parities_of_sent_bits(self) -> tuple[Expr, ...]:
+        """Terms that are added to the word once its number in Gray code is converted."""
+        if not self.plan.parity_covers_gray:
+            return ()
+        return tuple(self._term(term) for term in self.plan.terms if isinstance(term.value, ParityOf))
 
     def _term(self, op: Term) -> Expr:
         value = self._value(op)
@@ -98,6 +107,9 @@ class Encoder:
         match op.value:
             case Fixed(number):
                 return Number(number, hexadecimal=op.field.name not in self._parities)
+            case ParityOf(covered_fields, odd, mask) if self.plan.parity_covers_gray:
+                ones = self.reader.parity_as_sent(covered_fields, mask)
+                return Operation("^", (ones, Number(1))) if odd else ones
             case ParityOf(covered_fields, odd, mask):
                 parts = [(self._bits_of_member(field), field.widest) for field in covered_fields]
                 if len(parts) == 1 and parts[0][1] <= 32:

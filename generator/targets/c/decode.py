@@ -106,6 +106,10 @@ class Decoder:
         """Return the type and the bits of a field."""
         return self.reader.value(self.plan.bits_of(field.name))
 
+    def bits_as_sent(self, field: Field) -> Expr:
+        """Return the bits of a field before any Gray code is converted."""
+        return self.reader.sent(field)
+
     # -- errors
 
     @property
@@ -154,6 +158,8 @@ class Decoder:
         return Operation("!=", (bits, Number(value, hexadecimal=True)))
 
     def parity(self, fields: Sequence[Field], mask: int) -> Expr:
+        if self.plan.parity_covers_gray:
+            return self.reader.parity_as_sent(fields, mask)
         return self.reader.parity([(self.local(field), field.widest) for field in fields], mask)
 
     # -- members

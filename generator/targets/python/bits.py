@@ -101,6 +101,12 @@ class Reader:
         self.scope, self.codec, self._byte = scope, codec, byte
         self.source = "number" if codec.in_bytes else "word"
 
+    def as_sent(self) -> Reader:
+        """Return the reader of the bits before any Gray code is converted. They are in ``sent``."""
+        reader = Reader(self.scope, self.codec, self._byte)
+        reader.source = "sent" if self.codec.parity_covers_gray else self.source
+        return reader
+
     def bits(self, bits: Bits) -> Expr:
         if not self.codec.by_word:
             return self.of_bytes(bits.pieces)

@@ -360,6 +360,7 @@ class Shape:
         if described.gray is not None:
             bits = literal(self._shown((described.gray.low, described.gray.width)))
             yield "gray", Code(f"{bits} if variant.{coder.gray_when} else None" if coder.gray_when else str(bits))
+            yield "excess", self._shown(described.gray.excess)
         terms = [f"{value:#x} << {coder.number(place.low)}" for place, value in described.fixed]
         if len(terms) > 1:
             terms = [f"({term})" for term in terms]

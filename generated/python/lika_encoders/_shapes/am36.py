@@ -53,6 +53,7 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
             BitField("singleturn", 0, variant.singleturn_bits),
         ),
         gray=(0, variant.multiturn_bits + variant.singleturn_bits) if variant.ssi_gray else None,
+        excess=0,
         position="position",
         otherwise=Verdict.UNKNOWN,
     )
@@ -96,6 +97,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             steps=(Fold(24, 0xFFFFFF, 4), Fold(12, 0xFFF, 2), Fold(6, 0x3F, 1), Fold(6, 0x3F, 1)),
         ),
         gray=(8, variant.used_multiturn_bits + variant.used_singleturn_bits) if variant.biss_gray else None,
+        excess=0,
         position="position",
         otherwise=Verdict.UNKNOWN,
     )

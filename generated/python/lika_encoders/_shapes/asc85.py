@@ -44,6 +44,7 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
             BitField("position", 0, variant.position_bits),
         ),
         gray=(0, variant.position_bits) if variant.ssi_gray else None,
+        excess=0,
         position="position",
         otherwise=Verdict.UNKNOWN,
     )

@@ -61,6 +61,7 @@ def shape_of_ssi_word(variant: SsiEncoder) -> Shape:
             BitField("error", 0, 1),
         ),
         gray=(1, variant.position_bits) if variant.ssi_gray else None,
+        excess=0,
         position="position",
         otherwise=Verdict.USABLE,
     )
@@ -111,6 +112,7 @@ def shape_of_single_cycle_data(variant: BissEncoder) -> Shape:
             steps=(Fold(12, 0xFFF, 2), Fold(12, 0xFFF, 2), Fold(6, 0x3F, 1), Fold(6, 0x3F, 1)),
         ),
         gray=(8, variant.scd_value_bits) if variant.biss_gray else None,
+        excess=0,
         position="position",
         otherwise=Verdict.USABLE,
     )

@@ -267,20 +267,20 @@ def zero_for(field: str, value: SupportsIndex, zero_means: int, bits: int) -> in
     return 0 if number == zero_means else check_width(field, number, bits)
 
 
-def from_gray(number: int, low: int, width: int) -> int:
-    """Convert the ``width`` bits of ``number`` that start at bit ``low`` from Gray code to binary."""
+def from_gray(number: int, low: int, width: int, excess: int = 0) -> int:
+    """Convert the ``width`` bits of ``number`` that start at bit ``low`` from Gray code to binary, minus ``excess``."""
     mask = (1 << width) - 1
     gray = number >> low & mask
     binary = gray
     while gray := gray >> 1:
         binary ^= gray
-    return number & ~(mask << low) | binary << low
+    return number & ~(mask << low) | (binary - excess & mask) << low
 
 
-def to_gray(number: int, low: int, width: int) -> int:
-    """Convert the ``width`` bits of ``number`` that start at bit ``low`` from binary to Gray code."""
+def to_gray(number: int, low: int, width: int, excess: int = 0) -> int:
+    """Convert the ``width`` bits of ``number`` that start at bit ``low``, plus ``excess``, from binary to Gray code."""
     mask = (1 << width) - 1
-    binary = number >> low & mask
+    binary = (number >> low) + excess & mask
     return number & ~(mask << low) | (binary ^ binary >> 1) << low
 
 

@@ -142,9 +142,6 @@ def _encoded(arrays: Mapping[str, Any], shape: Shape, first_error: FirstError) -
         if join.name in arrays:
             _insert_join(limbs, arrays, shape, join, first_error)
     _insert_unused(limbs, arrays, shape, first_error)
-    chunk = Chunk(limbs, shape.bits)
-    for check in shape.parities:
-        _insert(limbs, check.low, check.width, parity_bits(chunk, check).astype(np.uint64))
     _check_values(limbs, arrays, shape, first_error)
     _finish(limbs, shape)
     return limbs
@@ -288,11 +285,16 @@ def _check_values(limbs: list[Any], arrays: Mapping[str, Any], shape: Shape, fir
 
 
 def _finish(limbs: list[Any], shape: Shape) -> None:
-    """Apply Gray code and the CRC."""
+    """Apply Gray code, the parity bits and the CRC."""
     if shape.gray is not None:
         low, width = shape.gray
+        if shape.excess:  # No position and its excess together are wider than the bits.
+            limbs[0] += np.uint64(shape.excess << low)
         number = limbs[0] >> np.uint64(low) & np.uint64((1 << width) - 1)
         limbs[0] ^= number >> np.uint64(1) << np.uint64(low)
+    chunk = Chunk(limbs, shape.bits)
+    for check in shape.parities:
+        _insert(limbs, check.low, check.width, parity_bits(chunk, check).astype(np.uint64))
     if shape.crc is not None:
         crc_bits = crc_difference(Chunk(limbs, shape.bits), shape.crc).astype(np.uint64)
         _insert(limbs, shape.crc.low, shape.crc.width, crc_bits)

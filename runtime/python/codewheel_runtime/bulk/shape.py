@@ -162,6 +162,7 @@ class Tells(NamedTuple):
 class Shape(NamedTuple):
     """Description of a frame or register. ``length`` is its length in bytes, or 0 for a ``bits``-bit number.
 
+    ``gray`` are lowest bit and width of the number that is sent in Gray code, and ``excess`` is added to it before.
     ``fixed`` contains the bits that are 1 in every such frame. ``position`` is the column of the position, if there is
     one, and ``otherwise`` the verdict if no condition applies. ``fields`` are all fields in the order of the manual.
     ``others`` is the mask of the bits of a register that belong to no field, if they are kept. ``limited`` is the name
@@ -178,6 +179,7 @@ class Shape(NamedTuple):
     checks: tuple[Check, ...] = ()
     crc: CrcOf | None = None
     gray: tuple[int, int] | None = None
+    excess: int = 0
     fixed: int = 0
     parities: tuple[Check, ...] = ()
     position: str = ""
@@ -310,6 +312,9 @@ def quick_checks(shape: Shape) -> QuickChecks:
     by_byte: dict[int, list[Check]] = {}
     for check in shape.checks:
         if not check.width and not check.parity_of and holds(0, check):
+            continue
+        if check.parity_of and shape.gray is not None:  # It is the parity of the bits before the conversion.
+            remaining.append(check)
             continue
         places = _bytes_of(check)
         fitting_values = [value for value in check.values if not value >> check.width]

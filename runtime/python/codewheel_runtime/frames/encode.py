@@ -46,10 +46,10 @@ def number_of(fields: Any, shape: Shape, arguments: tuple[Any, ...]) -> int:
         number |= _unused_bits(fields.unused, shape.unused)
     if shape.limited is not None:
         check_limits(shape.limited[0], getattr(fields, shape.limited[1]), fields.limits(*arguments))
+    if shape.gray is not None:
+        number = to_gray(number, *shape.gray, shape.excess)
     for check in shape.parities:
         number |= check.parity(number) << check.low
-    if shape.gray is not None:
-        number = to_gray(number, *shape.gray)
     if shape.crc is not None:
         number |= crc_of(number, shape.crc) << shape.crc.low
     return number

@@ -106,10 +106,13 @@ class _FunctionText:
         for column in shape.columns:
             self._add_column(column)
         self._add_unused(shape)
-        self._add_checks(shape)
+        self._add_limits(shape)
         if shape.gray is not None:
             low, width = shape.gray
+            if shape.excess:
+                self._statements.append(f"number += {shape.excess << low:#x}")
             self._statements.append(f"number ^= (number >> {low} & {(1 << width) - 1:#x}) >> 1 << {low}")
+        self._add_parities(shape)
         self._add_result(shape)
 
     def _add_column(self, column: Column) -> None:
@@ -134,12 +137,15 @@ class _FunctionText:
         self._conditions.append(f"type({name}) is int and {name} == 0")
         self._terms += [f"{unused.value << unused.low:#x}" for unused in shape.unused if unused.value]
 
-    def _add_checks(self, shape: Shape) -> None:
+    def _add_limits(self, shape: Shape) -> None:
         for index, check in enumerate(shape.checks):
             if check.limit is not None:
                 self.names[f"is_within_{index}"] = check.is_within
                 bits = f"number >> {check.low} & {(1 << check.width) - 1:#x}"
                 self._statements.append(f"if not is_within_{index}({bits}): return encode_any(frame)")
+
+    def _add_parities(self, shape: Shape) -> None:
+        """Add the parity bits, which are those of the bits as they are sent."""
         for index, check in enumerate(shape.parities):
             self.names[f"parity_{index}"] = check.parity
             self._statements.append(f"number |= parity_{index}(number) << {check.low}")

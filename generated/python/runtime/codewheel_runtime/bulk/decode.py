@@ -154,7 +154,7 @@ def _decode(source: Any, shape: Shape, out: Mapping[str, Any], fault: Any) -> No
     if shape.crc is not None:
         doubts.append(crc_difference(chunk, shape.crc))
     if shape.gray is not None:
-        chunk.ungray(*shape.gray)
+        chunk.ungray(*shape.gray, shape.excess)
     doubts += _doubts(chunk, shape)
     doubtful = [doubt for doubt in doubts if doubt.any()]
     _write(chunk, shape, out)
@@ -191,7 +191,7 @@ def _faults(source: Any, limbs: list[Any], shape: Shape) -> Any:
     chunk = Chunk(limbs, shape.bits)
     errors = [(ErrorKind.CRC, crc_difference(chunk, shape.crc) != 0)] if shape.crc is not None else []
     if shape.gray is not None:
-        chunk.ungray(*shape.gray)
+        chunk.ungray(*shape.gray, shape.excess)
     errors += [(check.fault, np.logical_not(_holds(chunk, check))) for check in shape.checks]
     if not shape.length and shape.bits < 64:
         errors.append((ErrorKind.LENGTH, source >> np.uint64(shape.bits) != 0))
