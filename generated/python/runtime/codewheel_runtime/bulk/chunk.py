@@ -19,6 +19,8 @@ class Chunk:
 
     def __init__(self, limbs: list[Any], bits: int) -> None:
         self.limbs, self.bits = limbs, bits
+        #: The chunk with the bits as they were sent, before any Gray code is converted.
+        self.sent = self
         self._bytes: dict[int, Any] = {}
 
     def byte(self, place: int) -> Any:
@@ -59,14 +61,17 @@ class Chunk:
         bit = self.byte(low // 8) & np.uint8(1 << low % 8)
         (np.not_equal if active else np.equal)(bit, 0, out=out)
 
-    def ungray(self, low: int, width: int) -> None:
-        """Convert bits from Gray code to binary."""
+    def ungray(self, low: int, width: int, excess: int) -> None:
+        """Convert bits from Gray code to binary, minus ``excess``."""
         mask = np.uint64(((1 << width) - 1) << low)
         gray = self.limbs[0] & mask
         binary, shift = gray, 1
         while shift < width:
             binary = binary ^ binary >> np.uint64(shift) & mask
             shift *= 2
+        if excess:
+            binary = binary - np.uint64(excess << low) & mask
+        self.sent = Chunk(self.limbs, self.bits)
         self.limbs = [self.limbs[0] ^ gray ^ binary]
         self._bytes.clear()
 
@@ -124,11 +129,11 @@ def within(bits: Any, check: Check, limit: int) -> Any:
 
 
 def parity_bits(chunk: Chunk, check: Check) -> Any:
-    """Return the parity bit of each frame, or 0 if the encoder does not send it."""
+    """Return the parity bit of each frame, of the bits as they were sent, or 0 if the encoder does not send it."""
     if not check.width:
         return np.zeros(len(chunk.limbs[0]), np.uint8)
     # The parity of several fields is the parity of their XOR.
-    fields = [chunk.take(low, width) for low, width in check.parity_of]
+    fields = [chunk.sent.take(low, width) for low, width in check.parity_of]
     bits = fields[0]
     if len(fields) > 1:
         bits = np.bitwise_xor.reduce([field.astype(np.uint64) for field in fields])
