@@ -21,6 +21,8 @@ from pathlib import Path
 from api_pages import api_pages
 from encoder_pages import LISTS, encoder_pages, with_page_links
 from front_cards import cards
+from question_pages import PAGES as QUESTION_PAGES
+from question_pages import with_example_box
 from sphinx.application import Sphinx
 from sphinx.util.console import nocolor
 
@@ -84,6 +86,8 @@ def stage(root: Path, source: Path) -> None:
     for path in (source / name for name in LISTS):
         if path.exists():
             _write(path, with_page_links(path.read_text(encoding="utf-8")))
+    for path in source.glob(QUESTION_PAGES) if (root / DECODER).exists() else ():
+        _write(path, with_example_box(path.read_text(encoding="utf-8")))
     if (root / DECODER).exists():
         name = f"{DECODER_PAGE}.md"
         _write(source / name, _own_page(name))

@@ -170,6 +170,16 @@ class Encoders(Domain):
         """Yield the pages of order codes, and the codes that each describes."""
         yield from self._code_pages.items()
 
+    def families_by_manufacturer(self) -> dict[str, list[str]]:
+        """Return the names of the families of each manufacturer, by the words of its name, in lower case."""
+        families: dict[str, list[str]] = {}
+        for device in self._families:
+            title = device.manufacturer.title.lower()
+            words = [re.sub(r"[^a-z0-9]", "", word) for word in title.split()]
+            for word in dict.fromkeys([device.manufacturer.name, words[0]]):
+                families.setdefault(word, []).append(device.name)
+        return families
+
     def interfaces_of(self, family: str) -> list[str]:
         """Return the names of the interfaces of a family."""
         return [interface.name for device in self._families if device.name == family for interface in device.interfaces]
