@@ -1,4 +1,4 @@
-"""The pages of questions are the first hits for the words that people type, and begin with a box filled with an example."""
+"""The pages of questions are the first hits for the words that people type, and begin with a filled box."""
 
 from __future__ import annotations
 
