@@ -143,7 +143,9 @@ def _span(placed: PlacedLayout, field: PlacedField) -> str:
     kind = "flag" if is_flag else "position"
     if field.field == placed.layout.crc_field:
         kind = "crc"
-    label = _letter(field) if _is_narrow(placed, field) else f"{escape(words(field.name))}<br>{_places(field)}"
+    label = f"{escape(words(field.name))}<br>{_places(field)}"
+    if _is_narrow(placed, field):
+        kind, label = f"{kind} narrow", _letter(field)
     title = f"{words(field.name)}, {_places(field)}"
     return f'<span class="{kind}" style="flex-grow: {size}" title="{escape(title)}">{label}</span>'
 

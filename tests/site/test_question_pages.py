@@ -79,6 +79,8 @@ def test_it_begins_with_a_filled_box_and_has_two_screens(site: Path, browser: Br
     assert shown in browser.run('document.querySelector(".codewheel-decode").textContent')
     before = browser.run('[...document.querySelectorAll("article section > *")].map((item) => item.className)')
     assert before[:3] == ["", "try", "codewheel-decode example"]
+    link = browser.run('document.querySelector(".codewheel-decode-link a").getAttribute("href")')
+    assert link.startswith("../decode.html#code=")
     assert browser.run("document.documentElement.scrollHeight") <= 2 * 800
     assert browser.complaints == []
 
