@@ -91,6 +91,7 @@ def test_a_sitemap_is_written_for_an_address(tmp_path: Path) -> None:
     subprocess.run([sys.executable, "-c", command, *folders], cwd=ROOT / "docs" / "site", env=environment, check=True)
     tree = ElementTree.parse(tmp_path / "site" / "sitemap.xml")
     places = [place.text for place in tree.iter("{http://www.sitemaps.org/schemas/sitemap/0.9}loc")]
-    assert places == ["https://example.org/encoders/README.html", "https://example.org/encoders/index.html"]
+    pages = ["README", "api/c", "api/python", "api/runtime", "index"]
+    assert places == [f"https://example.org/encoders/{page}.html" for page in pages]
     robots = (tmp_path / "site" / "robots.txt").read_text(encoding="utf-8")
     assert robots == "Sitemap: https://example.org/encoders/sitemap.xml\n"
