@@ -97,9 +97,10 @@ check: .venv/.installed
 rules-page: .venv/.installed
 	@$(PY) docs/site/rules_page.py
 
-# The pages as a static site in build/site, to be opened as files or put on any server.
+# The pages as a static site in build/site, to be opened as files or put on any server. With the address of the server,
+# it also has a sitemap: make site BASE=https://…
 site: .venv/.tested
-	@$(PY) docs/site/build_site.py
+	@SITE_BASE='$(BASE)' $(PY) docs/site/build_site.py
 
 # Wheels, sdists and archives of a release in build/release, each of them checked. Publishes nothing.
 release: .venv/.tested

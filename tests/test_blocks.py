@@ -70,9 +70,6 @@ ELSEWHERE = {
         "c: ": "tests/docs/test_overlays_page.py::test_the_comment_is_that_of_the_header",
         "text: ": "tests/docs/test_overlays_page.py::test_the_wait_that_is_forgotten_is_told",
     },
-    "docs/questions-all-ones.md": {": $ codewheel": _START_PAGES},
-    "docs/questions-crc-always-wrong.md": {": $ codewheel": _START_PAGES},
-    "docs/questions-factor-of-two.md": {": $ codewheel": _START_PAGES},
     "docs/which-specs.md": dict.fromkeys(
         ("toml: ", "yaml: "), "tests/generator/test_which_specs.py::test_the_settings_of_the_page"
     ),

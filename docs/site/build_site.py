@@ -3,7 +3,7 @@
     python docs/site/build_site.py [build/site]
 
 Pages keep the paths that they have in the repository, so links in Markdown work as on a code host. Linked files that
-are not pages are copied next to them. A folder without a README gets a page that lists its files.
+are not pages are copied next to them. Folders without a README have no page.
 """
 
 from __future__ import annotations
@@ -21,6 +21,9 @@ from pathlib import Path
 from api_pages import api_pages
 from encoder_pages import LISTS, encoder_pages, with_page_links
 from front_cards import cards
+from left_out import leave_out
+from question_pages import PAGES as QUESTION_PAGES
+from question_pages import with_example_box
 from settings_data import script as settings_script
 from sphinx.application import Sphinx
 from sphinx.util.console import nocolor
@@ -90,6 +93,8 @@ def stage(root: Path, source: Path) -> None:
     for path in (source / name for name in LISTS):
         if path.exists():
             _write(path, with_page_links(path.read_text(encoding="utf-8")))
+    for path in source.glob(QUESTION_PAGES) if (root / DECODER).exists() else ():
+        _write(path, with_example_box(path.read_text(encoding="utf-8")))
     if (root / DECODER).exists():
         name = f"{DECODER_PAGE}.md"
         _write(source / name, _own_page(name))
@@ -98,8 +103,7 @@ def stage(root: Path, source: Path) -> None:
         _write(source / name, _own_page(name))
     for name, text in api_pages(root):
         _write(source / name, text)
-    for folder in sorted(set(_linked_folders(root, source))):
-        _write(source / folder / "index.md", _listing(root, folder))
+    leave_out(root, source)
     _write(source / "index.md", _start_page(source))
 
 
@@ -132,17 +136,6 @@ def linked(source: Path) -> Iterator[Path]:
         for target in _LINK.findall(page.read_text(encoding="utf-8")):
             if ":" not in target:
                 yield Path(os.path.normpath(page.parent.relative_to(source) / target))
-
-
-def _linked_folders(root: Path, source: Path) -> Iterator[Path]:
-    for path in linked(source):
-        if (root / path).is_dir() and not (source / path / "README.md").exists():
-            yield path
-
-
-def _listing(root: Path, folder: Path) -> str:
-    names = sorted(path.name for path in (root / folder).iterdir() if path.is_file())
-    return f"# {folder.as_posix()}\n\n" + "".join(f"- [`{name}`]({name})\n" for name in names)
 
 
 def copy_linked(root: Path, source: Path, target: Path) -> None:

@@ -2,48 +2,102 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from html import escape
 from pathlib import Path
 
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Flag, Layout, PlacedField, PlacedLayout, Variant, choices
+from codewheel.say.evidence import GRADES
 from codewheel.say.names_and_places import words
-from codewheel.say.plain_text import counted
 
-#: Fields with fewer bits have room for a letter only, which the caption explains.
-_TEXT = 3
+#: Fields with fewer bits, or with a smaller part of the frame, have room for a letter only, which the caption explains.
+_TEXT, _PART = 3, 9
 
 
 def cards(source: Path) -> list[str]:
     """Return the HTML of the cards of those families that have a page among the pages of ``source``."""
     families, _ = load_library()
     devices = [device for device in families if (source / "generated" / "docs" / f"{device.name}.md").exists()]
-    return ['<div class="cards">\n', *(line for device in devices for line in _card(device)), "</div>\n"]
+    devices.sort(key=lambda device: (GRADES.index(device.evidence.grade), device.manufacturer.title, device.name))
+    families_html = [line for device in devices for line in _card(device)]
+    return [*_filters(devices), '<div class="cards gallery">\n', *families_html, "</div>\n"]
+
+
+def _filters(devices: Sequence[Device]) -> Iterator[str]:
+    """Yield the inputs that filter the cards. They are hidden without a script."""
+    manufacturers = sorted({device.manufacturer.title for device in devices}, key=str.lower)
+    interfaces = dict.fromkeys(interface.title for device in devices for interface in device.interfaces)
+    yield '<form class="filters" aria-label="Filter the encoders" hidden>\n'
+    yield '<label>Words <input type="text" name="words" placeholder="linear, Gray, 4096" autocomplete="off"></label>\n'
+    yield from _menu("Manufacturer", "manufacturer", manufacturers)
+    yield from _menu("Interface", "interface", interfaces)
+    yield f'<output aria-live="polite">{len(devices)} families</output>\n</form>\n'
+
+
+def _menu(title: str, name: str, choices_of: Iterable[str]) -> Iterator[str]:
+    options = "".join(f"<option>{escape(choice)}</option>" for choice in choices_of)
+    yield f'<label>{title} <select name="{name}"><option value="">all</option>{options}</select></label>\n'
 
 
 def _card(device: Device) -> Iterator[str]:
-    """Yield the card of a family. It has no row of bits if all frames are bytes."""
-    interfaces = ", ".join(interface.title for interface in device.interfaces)
-    yield f'<div class="card"><h3><a href="generated/docs/{device.name}.md">{escape(device.title)}</a></h3>\n'
+    """Yield the card of a family with the picture of a frame, and the words by which it is filtered."""
     manufacturer = escape(device.manufacturer.title)
-    order_codes = counted(len(device.variants), "order code")
+    interfaces = [escape(interface.title) for interface in device.interfaces]
+    data = f'data-manufacturer="{manufacturer}" data-interface="{"|".join(interfaces)}"'
+    yield f'<div class="card" {data} data-words="{escape(_words_of(device))}">\n'
+    yield f'<h3><a href="generated/docs/{device.name}.md">{escape(device.title)}</a></h3>\n'
     grade = escape(device.evidence.grade)
-    yield f'<p class="facts">{manufacturer}. {escape(interfaces)}. {order_codes}. Evidence: {grade}.</p>\n'
+    badges = "".join(f'<span class="tag">{interface}</span> ' for interface in interfaces)
+    yield f'<p class="facts"><b>{manufacturer}</b> {badges}<span class="tag grade">{grade}</span></p>\n'
     frames = _frames_of_bits(device)
     if frames:
         yield from _picture(device, *max(frames, key=_rank))
+    else:
+        yield from _picture_of_bytes(device)
     yield "</div>\n"
+
+
+def _words_of(device: Device) -> str:
+    """Return the words of a family other than its title: its order codes, kind of movement and code."""
+    codes = [variant.code for variant in device.variants]
+    is_gray = any(layout.gray_of for _, layout in device.layouts())
+    return " ".join([device.name, device.movement, *(["Gray"] if is_gray else []), *codes])
+
+
+def _picture_of_bytes(device: Device) -> Iterator[str]:
+    """Yield the longest reply of an encoder that sends bytes, as a row of its fields."""
+    replies = [
+        (variant, layout.place(variant.parameters))
+        for variant in device.variants
+        for layout in device.interface(variant.interface).layouts
+        if layout.in_bytes and not layout.channel and layout.sender == "encoder"
+    ]
+    if replies:
+        variant, placed = max(replies, key=_rank)
+        yield f"{_bits(placed)}\n"
+        title = device.interface(variant.interface).title
+        about = f"Reply of {variant.code} over {title}: {placed.bits // 8} bytes.{_legend(placed)}"
+        yield f'<p class="facts">{escape(about)}</p>\n'
 
 
 def _picture(device: Device, variant: Variant, placed: PlacedLayout) -> Iterator[str]:
     """Yield a frame as a row of bits, and the text below it."""
     yield f"{_bits(placed)}\n"
     title = device.interface(variant.interface).title
-    letters = [f"{_letter(field)} {words(field.name)}" for field in _left_to_right(placed) if _size(field) < _TEXT]
-    legend = f" {', '.join(letters)}." if letters else ""
     frame = escape(f"Frame of {variant.code} over {title}: ")
-    yield f'<p class="facts">{frame}{_size_of(device, variant, placed)}.{escape(legend)}</p>\n'
+    yield f'<p class="facts">{frame}{_size_of(device, variant, placed)}.{escape(_legend(placed))}</p>\n'
+
+
+def _legend(placed: PlacedLayout) -> str:
+    """Return the names of the fields that are drawn with a letter."""
+    lettered = [field for field in _left_to_right(placed) if _is_narrow(placed, field)]
+    letters = [f"{_letter(field)} {words(field.name)}" for field in lettered]
+    return f" {', '.join(letters)}." if letters else ""
+
+
+def _is_narrow(placed: PlacedLayout, field: PlacedField) -> bool:
+    return _size(field) < _TEXT or _size(field) * _PART < placed.bits
 
 
 def _size_of(device: Device, variant: Variant, placed: PlacedLayout) -> str:
@@ -89,13 +143,17 @@ def _span(placed: PlacedLayout, field: PlacedField) -> str:
     kind = "flag" if is_flag else "position"
     if field.field == placed.layout.crc_field:
         kind = "crc"
-    label = _letter(field) if size < _TEXT else f"{escape(words(field.name))}<br>{_places(field)}"
+    label = f"{escape(words(field.name))}<br>{_places(field)}"
+    if _is_narrow(placed, field):
+        kind, label = f"{kind} narrow", _letter(field)
     title = f"{words(field.name)}, {_places(field)}"
     return f'<span class="{kind}" style="flex-grow: {size}" title="{escape(title)}">{label}</span>'
 
 
 def _left_to_right(placed: PlacedLayout) -> list[PlacedField]:
-    return sorted((field for field in placed.fields if field.high >= field.low), key=lambda field: -field.high)
+    """Return the fields in the order in which they are sent. Fields of bytes are described in this order."""
+    fields = [field for field in placed.fields if field.high >= field.low]
+    return fields if placed.layout.in_bytes else sorted(fields, key=lambda field: -field.high)
 
 
 def _size(field: PlacedField) -> int:

@@ -119,7 +119,8 @@ def _context(app: Sphinx, page: str, _template: str, context: dict[str, Any], _d
     context["family"] = encoders.family_of(page)  # type: ignore[attr-defined]
     if DECODER_PAGE in app.env.found_docs:
         context["order_code"] = encoders.code_of(page)  # type: ignore[attr-defined]
-        context["decodes"] = context["order_code"] or page == DECODER_PAGE
+        has_box = 'class="codewheel-decode' in context.get("body", "")
+        context["decodes"] = context["order_code"] or has_box
     # Without this function, the theme does not add the tree of all pages to every page.
     toctree = context.pop("toctree")
     tree = toctree(collapse=True, includehidden=True, titles_only=True, maxdepth=5)

@@ -13,7 +13,7 @@ from functools import cached_property
 from typing import Any, ClassVar, Protocol
 
 from codewheel.loading.library import load_library
-from codewheel.model import Device, Field, Layout
+from codewheel.model import Device, Field, Layout, Variant
 from codewheel.say.evidence import GRADES
 from codewheel.say.names_and_places import addresses, hexadecimal, title, words
 from codewheel.targets.docs.order_code_page import OrderCodes
@@ -166,9 +166,29 @@ class Encoders(Domain):
         start = f"{_PAGES}/"
         return next((name for name in names if re.match(rf"{start}{name}\b", page)), "")
 
+    def device_of(self, page: str) -> Device | None:
+        """Return the family that a page describes, if any."""
+        return next((device for device in self._families if device.name == self.family_of(page)), None)
+
+    def variant_of(self, page: str) -> Variant | None:
+        """Return the first order code described by a page, if any."""
+        device = self.device_of(page)
+        variants = device.variants if device is not None else ()
+        return next((variant for variant in variants if variant.code == self.code_of(page)), None)
+
     def code_pages(self) -> Iterator[tuple[str, tuple[str, ...]]]:
         """Yield the pages of order codes, and the codes that each describes."""
         yield from self._code_pages.items()
+
+    def families_by_manufacturer(self) -> dict[str, list[str]]:
+        """Return the names of the families of each manufacturer, by the words of its name, in lower case."""
+        families: dict[str, list[str]] = {}
+        for device in self._families:
+            title = device.manufacturer.title.lower()
+            words = [re.sub(r"[^a-z0-9]", "", word) for word in title.split()]
+            for word in dict.fromkeys([device.manufacturer.name, words[0]]):
+                families.setdefault(word, []).append(device.name)
+        return families
 
     def interfaces_of(self, family: str) -> list[str]:
         """Return the names of the interfaces of a family."""

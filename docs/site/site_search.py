@@ -95,9 +95,12 @@ class Index:
 
     def __init__(self) -> None:
         self._found: dict[str, tuple[str, list[Section]]] = {}
+        self._asked: dict[str, list[str]] = {}
 
-    def add(self, page: str, title: str, doctree: nodes.document) -> None:
+    def add(self, page: str, title: str, doctree: nodes.document, asked: list[str]) -> None:
+        """Add a page with the words that people type to find it, as its front matter lists them."""
         self._found[page] = (title, [section for section in sections(doctree) if section.title])
+        self._asked[page] = asked
 
     def data(self, encoders: Any) -> dict[str, Any]:
         """Return the index with the names, addresses and order codes of ``encoders``, the domain."""
@@ -119,6 +122,8 @@ class Index:
                 family, _, name = qualified_name.partition(".")
                 entries.append([name or qualified_name, description, places[page], anchor, family.lower(), priority])
         return {
+            "asked": {page: words for page in ranked_pages if (words := self._asked.get(page))},
+            "manufacturers": encoders.families_by_manufacturer(),
             "pages": [
                 [page, self._found[page][0], *self._kind(page, encoders), int(encoders.rank_of(page) > 0)]
                 for page in places
@@ -150,7 +155,8 @@ class Index:
 def _add(app: Sphinx, page: str, _template: str, context: dict[str, Any], doctree: nodes.document | None) -> None:
     if doctree is not None and page != app.config.root_doc:
         index: Index = app.search_index  # type: ignore[attr-defined]
-        index.add(page, _TAG.sub("", context["title"]), doctree)
+        asked = json.loads(str(app.env.metadata[page].get("asked", "[]")))
+        index.add(page, _TAG.sub("", context["title"]), doctree, asked)
 
 
 def _write(app: Sphinx, error: Exception | None) -> None:

@@ -1624,7 +1624,8 @@
   const option = (name, text = "") => element("option", { value: name }, text);
 
   /**
-   * A box in an element: ``data-code`` fills in an order code, ``data-link`` follows the address of the page.
+   * A box in an element: ``data-code`` fills in an order code and ``data-frame`` frames. ``data-link`` follows the address
+   * of the page. ``data-page`` is the address of a page with such a box, which the box links to.
    * ``data-evidence-above`` says that the page around the box states the evidence.
    */
   function box(root) {
@@ -1634,8 +1635,9 @@
     code.value = root.dataset.code ?? "";
     const what = element("select");
     const text = element("textarea", { rows: "3", spellcheck: "false", autocomplete: "off" });
+    text.value = root.dataset.frame ?? "";
     const [asks, form, result] = ["asks", "form", "result"].map((name) => part("div", name));
-    const link = element("a", {}, "Link to this");
+    const link = element("a", {}, root.dataset.page ? "All about this frame, and a link to it" : "Link to this");
     result.setAttribute("role", "status");
     let isSetUp = false;
     const state = { found: null, what: "encoder", answers: named(), held: named(), asked: "", fill: null };
@@ -1726,7 +1728,7 @@
 
     /** Puts the inputs into the address of the page, so that a link to it carries them. */
     function follow() {
-      link.href = linkTo(code.value, text.value, state);
+      link.href = (root.dataset.page ?? "") + linkTo(code.value, text.value, state);
       link.hidden = !text.value.trim();
       if (!root.hasAttribute("data-link") || !isSetUp) return;
       const isEmpty = !code.value.trim() && !text.value.trim();

@@ -69,12 +69,15 @@ def test_it_has_commands(page: Path) -> None:
 
 
 @pytest.mark.parametrize("page", QUESTIONS, ids=lambda page: page.stem)
-def test_an_answer_fits_on_a_screen(page: Path) -> None:
-    """And the page of questions lists it under its title."""
-    text = page.read_text(encoding="utf-8")
+def test_an_answer_is_short_and_begins_with_an_example(page: Path) -> None:
+    """And the page of questions lists it under its title. No page begins with a command line."""
+    _, front_matter, text = page.read_text(encoding="utf-8").split("---\n", 2)
+    assert front_matter.startswith("asked:\n")
+    title, _, example = text.splitlines()[:3]
     assert len(text.splitlines()) <= 40
-    title = text.splitlines()[0].removeprefix("# ")
-    assert f"- [{title}]({page.name})\n" in (ROOT / "docs" / "questions.md").read_text(encoding="utf-8")
+    assert re.fullmatch(r"\[[^\]]+\]\(\.\./generated/browser/decode\.html#code=[^&]+&frame=\S+\)\.", example)
+    listed = f"- [{title.removeprefix('# ')}]({page.name})\n"
+    assert listed in (ROOT / "docs" / "questions.md").read_text(encoding="utf-8")
 
 
 def test_the_warning_about_hardware_is_given_once() -> None:

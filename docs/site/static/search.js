@@ -39,7 +39,7 @@
 
   /** Words of a question that say nothing about its subject. */
   const FILLERS = new Set(("a an the is are do does did can could should must i my me it its of on in at for with and or how what which "
-    + "where when why not no never always there this that many much need get have has says say max maximum min minimum").split(" "));
+    + "where when why not no never always there this that many much need get have has says say max maximum min minimum encoder encoders").split(" "));
 
   const superscripts = "⁰¹²³⁴⁵⁶⁷⁸⁹";
 
@@ -93,6 +93,34 @@
     titleWords: new Set(wordsOf(title)),
   }));
 
+  // --------------------------------------------------------------------------------------------- questions
+
+  /** Words of which a query has one: exact ones by their stems, and beginnings, which end with an asterisk. */
+  function alternativesIn(text) {
+    const words = plain(text).split(/\s+/).filter(Boolean);
+    const beginnings = words.filter((word) => word.endsWith("*")).map((word) => word.slice(0, -1));
+    const stems = new Set(words.filter((word) => !word.endsWith("*")).map(stem));
+    return (word) => stems.has(word) || beginnings.some((one) => word.startsWith(one));
+  }
+
+  /** What people type to find a page: one word of each part between slashes. */
+  const asked = pages.flatMap((page) => (INDEX.asked[page.path] ?? []).map((text) => (
+    { page, parts: text.split("/").map(alternativesIn) })));
+
+  /** The pages that answer a query without a label, best first: those that account for most of its words. */
+  function answersTo(typed) {
+    const words = [...new Set(wordsOf(typed))];
+    const accounted = new Map();
+    for (const { page, parts } of asked) {
+      if (!parts.every((isOne) => words.some(isOne))) continue;
+      const { covered, most } = accounted.get(page) ?? { covered: new Set(), most: 0 };
+      words.filter((word) => parts.some((isOne) => isOne(word))).forEach((word) => covered.add(word));
+      accounted.set(page, { covered, most: Math.max(most, parts.length) });
+    }
+    const score = ({ covered, most }) => covered.size + most / 2;
+    return [...accounted].sort(([, one], [, other]) => score(other) - score(one)).map(([page]) => page);
+  }
+
   // ------------------------------------------------------------------------------------------------ labels
 
   /** The order code that a text is a label of, in any spelling, or null. */
@@ -128,7 +156,7 @@
   /** What was typed: a label or the beginning of one, a family, and the words besides. */
   function read(text) {
     const pieces = text.trim().split(/\s+/).filter(Boolean);
-    const asked = { label: null, wrong: "", family: "", words: pieces, text: text.trim() };
+    const asked = { label: null, wrong: "", family: "", manufacturer: "", words: pieces, text: text.trim() };
     for (let size = Math.min(4, pieces.length); size > 0; size -= 1) {
       for (let at = 0; at + size <= pieces.length; at += 1) {
         const tried = pieces.slice(at, at + size);
@@ -136,11 +164,14 @@
         if (label) return { ...asked, label, words: [...pieces.slice(0, at), ...pieces.slice(at + size)] };
       }
     }
-    const family = pieces.find((piece) => families().some((one) => one.name === piece.toLowerCase()));
+    // A name is also typed as it is printed: AksIM-2 is the family aksim2.
+    const family = pieces.find((piece) => families().some((one) => one.name === nameOf(piece)));
     const others = pieces.filter((piece) => piece !== family);
     const wrong = family ? undefined : others.find(isLikeCode);
-    const words = others.filter((one) => one !== wrong);
-    return { ...asked, family: family?.toLowerCase() ?? "", wrong: wrong ?? "", words };
+    const manufacturer = others.find((piece) => nameOf(piece) in INDEX.manufacturers) ?? "";
+    const subject = others.filter((one) => one !== wrong && one !== manufacturer);
+    const words = subject.length || family ? subject : others;
+    return { ...asked, family: family ? nameOf(family) : "", wrong: wrong ?? "", words, manufacturer: nameOf(manufacturer) };
   }
 
   const nameOf = (text) => text.toLowerCase().replace(/[^a-z0-9]/g, "");
@@ -251,9 +282,10 @@
   const WEIGHTS = { question: 0.9, code: 1, interface: 1, family: 0.95, general: 0.8, aside: 0.35, masters: 0.4, project: 0.2 };
 
   /** The sections that answer the words, best first; pages of other order codes are left out. */
-  function found(words, page, typed) {
+  function found(words, page, typed, ofManufacturer) {
     if (!words.length) return [];
-    const searched = sections.filter((one) => one.page.kind !== "code" || one.page === page);
+    const searched = sections.filter((one) => (one.page.kind !== "code" || one.page === page)
+      && (!ofManufacturer || ofManufacturer.includes(one.page.family)));
     const phrase = typed.includes(" ") ? plain(typed) : "";
     const bonus = (section) => {
       if (!phrase) return 1;
@@ -335,6 +367,12 @@
   const sectionHit = ({ section }, words) => hit(section.page, section.anchor, section.title,
     section.title === section.page.title ? "" : section.page.title, snippet(section.text, words));
 
+  /** A page as a whole, with a part of its text. */
+  function answerHit(page, words) {
+    const first = sections.find((one) => one.page === page);
+    return hit(page, "", page.title, "", first ? snippet(first.text, words) : "");
+  }
+
   const group = (title, items) => (items.length ? [element("h2", {}, title), element("ol", {}, items)] : []);
 
   /** The hits of a label alone: its page, and the sections there. */
@@ -396,7 +434,11 @@
     const names = whole ? namesFor(whole, context) : [];
     const nameHits = names.slice(0, 6).map((one) => hit(one.page, one.anchor, one.name,
       `${one.family.toUpperCase()} ${one.what}`));
-    const hits = found(words, context.page, whole);
+    const ofManufacturer = asked.label || asked.family ? undefined : INDEX.manufacturers[asked.manufacturer];
+    const answers = answersTo(whole);
+    const hits = found(words, context.page, whole, ofManufacturer).filter(({ section }) => !answers.includes(section.page));
+    const questions = group("Questions and guides", answers.slice(0, 5).map((page) => answerHit(page, words)));
+    if (!context.family) made.push(...questions);
     // The page of a label comes first, even if it says nothing about the other words.
     if (asked.label && context.page && !hits.some((one) => one.section.page === context.page)) {
       made.push(...group(context.page.title, labelHits(asked.label, context.page)));
@@ -422,6 +464,7 @@
       const page = pages.find((one) => one.path === `generated/docs/${asked.family}`);
       if (page) made.push(...group(page.title, [hit(page, "", page.title, "")]));
     }
+    if (context.family) made.push(...questions);
     if (context.over) made.push(...group(`${title}, this interface`, take(isOf.over, 6)));
     if (context.family) made.push(...group(title, take(isOf.family, 6)));
     if (!isOwn && context.family) made.push(...group("Names and addresses", nameHits));

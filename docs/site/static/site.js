@@ -30,7 +30,30 @@
     target.scrollIntoView();
   }
 
+  /** Shows the cards of the encoders that have all typed words, and the chosen manufacturer and interface. */
+  function filterCards() {
+    const form = document.querySelector(".filters");
+    if (!form) return;
+    const cards = [...all(".gallery > .card")].map((card) => ({
+      card, text: `${card.textContent} ${card.dataset.words}`.toLowerCase(), ...card.dataset }));
+    const { words, manufacturer, interface: interfaces } = form.elements;
+    const count = form.querySelector("output");
+    function follow() {
+      const typed = words.value.toLowerCase().split(/\s+/).filter(Boolean);
+      const shown = cards.filter((one) => typed.every((word) => one.text.includes(word))
+        && (!manufacturer.value || one.manufacturer === manufacturer.value)
+        && (!interfaces.value || one.interface.split("|").includes(interfaces.value)));
+      cards.forEach((one) => { one.card.hidden = !shown.includes(one); });
+      count.textContent = shown.length === 1 ? "1 family" : `${shown.length} families`;
+    }
+    form.hidden = false;
+    form.addEventListener("input", follow);
+    form.addEventListener("submit", (event) => event.preventDefault());
+    follow();
+  }
+
   function setUp() {
+    filterCards();
     const drawer = document.getElementById("__navigation");
     const sections = document.querySelector(".sections");
     if (sections && sections.querySelectorAll("li").length > 24) sections.classList.add("long");
