@@ -306,7 +306,8 @@ def _start_note(bound: str, record: Record) -> str:
     """Return why a clock is only a value to start with."""
     if bound != START_WITH:
         return ""
-    return f"The highest clock of the encoder is not known. {clocks_in_use(record.used_hz)}."
+    used_text = f" {clocks_in_use(record.used_hz)}." if record.used_hz else ""
+    return f"The highest clock of the encoder is not known.{used_text}"
 
 
 def _cable_note(rule: Raw, value: int | bool | str | None, record: Record) -> str:
