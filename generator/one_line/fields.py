@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from typing import Literal
 
 from ..language.problems import quoted, suggestion
-from .line import IN_TURN, POSITION, TURNS, Crc, Filler, Flag, LineField, LineProblem, Number, Parity
+from .line import IN_TURN, POSITION, TURNS, Crc, Filler, Flag, LineField, Number, Parity
 
 #: Verdict of an active flag, by the word for it in the line.
-VERDICTS = {"error": "not_usable", "warning": "usable_with_warning", "status": ""}
+VERDICTS = {"error": "not_usable", "warning": "usable_with_warning", "status": "usable"}
 #: Widest field and widest CRC in bits.
-_WIDEST, _WIDEST_CRC = 64, 32
+WIDEST, _WIDEST_CRC = 64, 32
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
 _DIGITS = re.compile(r"0[xX][0-9A-Fa-f]{1,17}|0[bB][01]{1,65}|0|[1-9][0-9]{0,19}")
 #: Names of fields that need no width or level, with an example of how to write them.
@@ -64,7 +64,7 @@ def _spec_name(name: str) -> str:
     return "_".join(word for word in name.lower().split("_") if word)
 
 
-def _bits(name: str, text: str, widest: int = _WIDEST) -> int:
+def _bits(name: str, text: str, widest: int = WIDEST) -> int:
     bits = number_in(text)
     if bits is None or not 0 < bits <= widest:
         raise FieldError(f"{quoted(text)} is not a width of '{name}'; write 1 to {widest}", len(name) + 1)
@@ -146,36 +146,3 @@ def _crc(values: Sequence[str], column: int, interface: str) -> Crc:
         place += len(numbers[0]) + 1
         raise FieldError(f"{quoted(numbers[1])} is not a start value; write at most {top_bit - 1:#x}", place)
     return Crc("crc", bits, column, poly & (top_bit - 1), init, is_inverted)
-
-
-def check_fields(fields: Sequence[LineField], interface: str) -> list[LineProblem]:
-    """Return the problems of fields that are valid by themselves, but not together."""
-    problems: list[LineProblem] = []
-    names: set[str] = set()
-    for field in fields:
-        if not isinstance(field, Filler) and field.name in names:
-            problems.append(LineProblem(field.column, f"a second field has the name '{field.name}'; rename one"))
-        names.add(field.name)
-        if isinstance(field, Crc) and field is not fields[-1]:
-            problems.append(LineProblem(field.column, "the CRC must be the last field; move it to the end"))
-        if field.name == POSITION and {TURNS, IN_TURN} & {other.name for other in fields}:
-            message = "'position' is the whole position; write either it, or multiturn and singleturn"
-            problems.append(LineProblem(field.column, message))
-        if field.name == TURNS and not any(other.name == IN_TURN for other in fields):
-            problems.append(LineProblem(field.column, "'multiturn' needs 'singleturn'; add singleturn=BITS"))
-    return problems + _length_problems(fields, interface)
-
-
-def _length_problems(fields: Sequence[LineField], interface: str) -> list[LineProblem]:
-    bits = sum(field.bits for field in fields)
-    if not fields:
-        return []
-    column = fields[0].column
-    if interface == "rs485":
-        if bits % 8:
-            return [LineProblem(column, f"the fields have {bits} bits; over RS-485, write whole bytes")]
-        return [LineProblem(column, f"the fields have {bits} bits; write at most 1024")] if bits > 1024 else []
-    fewest = 8 if interface == "spi" else 1
-    if not fewest <= bits <= _WIDEST:
-        return [LineProblem(column, f"the fields have {bits} bits; write {fewest} to {_WIDEST}")]
-    return []

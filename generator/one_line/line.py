@@ -39,12 +39,12 @@ class Number:
 
 @dataclass(frozen=True, slots=True)
 class Flag:
-    """A bit with an active level. ``verdict`` is the effect on the position while it is active, if there is one."""
+    """A bit with an active level. ``verdict`` is that on the position while the flag is active."""
 
     name: str
     column: int
     level: Literal["low", "high"]
-    verdict: str = ""
+    verdict: str
     bits: int = 1
 
 

@@ -71,8 +71,9 @@ def with_option(options: Options, text: str, interface: str) -> Options:
     name, value_text = name.strip(), value_text.strip()
     is_word = name in _WORDS
     if not is_word and name not in _SETTINGS:
-        hint = suggestion(name, [*_WORDS, *_SETTINGS]) or f"; write {listed([*_WORDS, *_SETTINGS], 'or')}"
-        raise FieldError(f"{quoted(name)} is not an option{hint}, or put it after the colon if it is a field")
+        known_names = [*_WORDS, *_SETTINGS]
+        hint = suggestion(name, known_names) or f"; write {listed(known_names, 'or')}"
+        raise FieldError(f"{quoted(name)} is not an option{hint} (a field belongs after the colon)")
     interfaces = _WORDS[name][0] if is_word else _SETTINGS[name][0]
     if interface and interface not in interfaces:
         raise FieldError(f"'{name}' is not an option of {interface}, only of {listed(interfaces)}; remove it")

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 from ..language.problems import quoted, suggestion
-from .fields import FieldError, check_fields, read_field
-from .line import IN_TURN, POSITION, Filler, Line, LineError, LineField, LineProblem, Number, Options, Parity
+from .checks import problems_of_fields, problems_of_options
+from .fields import FieldError, read_field
+from .line import POSITION, Line, LineError, LineField, LineProblem, Options
 from .options import with_option
 
 INTERFACES = ("biss", "ssi", "spi", "rs485")
@@ -38,11 +39,13 @@ def parse_line(text: str) -> Line:
         raise LineError(text, [LineProblem(allowed.end() + 1, message)])
     problems: list[LineProblem] = []
     interface, head_end = _interface(text, problems)
-    options = _options(text[:head_end], interface, problems) if head_end else Options()
+    options, option_columns = _options(text[:head_end], interface, problems)
     fields_start = head_end + 1 if head_end else 0
-    fields = _fields(text[fields_start:], fields_start + 1, interface, problems)
-    problems += check_fields(fields, interface)
-    problems += _problems_of_options(options, fields, interface)
+    has_fields = fields_start <= len(text)
+    fields = _fields(text[fields_start:], fields_start + 1, interface, problems) if has_fields else []
+    if fields:
+        problems += problems_of_fields(fields, interface)
+        problems += problems_of_options(options, option_columns, fields, interface)
     if problems:
         raise LineError(text, problems)
     return Line(text, interface, options, tuple(fields))
@@ -63,13 +66,13 @@ def _interface(text: str, problems: list[LineProblem]) -> tuple[str, int]:
         if not colon:
             message = f"there is no colon after '{interface}' and its options; write {_EXAMPLE}"
             problems.append(LineProblem(len(text) + 1, message))
-        return interface, len(head) if colon else 0
+        return interface, len(head)
     if "=" in word or word.lower() in ("error", "warning", POSITION) or not colon:
         message = "the line does not begin with its interface; write biss:, ssi:, spi: or rs485: in front of it"
         problems.append(LineProblem(1, message))
         return "biss", 0
-    hint = suggestion(interface, INTERFACES)
-    problems.append(LineProblem(1, f"{quoted(word)} is not an interface{hint or '; write biss, ssi, spi or rs485'}"))
+    hint = suggestion(interface, INTERFACES, "write one of")
+    problems.append(LineProblem(1, f"{quoted(word)} is not an interface{hint}"))
     return "biss", len(head)
 
 
@@ -81,14 +84,17 @@ def _pieces(text: str, column: int) -> Iterator[tuple[int, str]]:
         column += len(piece) + 1
 
 
-def _options(head: str, interface: str, problems: list[LineProblem]) -> Options:
+def _options(head: str, interface: str, problems: list[LineProblem]) -> tuple[Options, dict[str, int]]:
+    """Return the options, and the column of each by its name."""
     options = Options()
+    columns: dict[str, int] = {}
     for column, piece in list(_pieces(head, 1))[1:]:
         try:
             options = with_option(options, piece, interface)
+            columns[piece.partition("=")[0].strip()] = column
         except FieldError as error:
             problems.append(LineProblem(column + error.offset, str(error)))
-    return options
+    return options, columns
 
 
 def _fields(text: str, column: int, interface: str, problems: list[LineProblem]) -> list[LineField]:
@@ -105,36 +111,3 @@ def _fields(text: str, column: int, interface: str, problems: list[LineProblem])
         except FieldError as error:
             problems.append(LineProblem(piece_column + error.offset, str(error)))
     return fields
-
-
-def _problems_of_options(options: Options, fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
-    """Yield the problems of options that do not fit the fields."""
-    position = [field for field in fields if field.name in (POSITION, IN_TURN)]
-    if options.is_gray and not position:
-        yield LineProblem(1, "'gray' needs a position; add position=BITS, or remove gray")
-    if options.is_gray:
-        for field in fields:
-            if isinstance(field, Parity):
-                message = "the parity over a Gray code is not supported; write its bit as unused=1"
-                yield LineProblem(field.column, message)
-    for name, value in (("counts", options.counts), ("turns", options.turns)):
-        if value and not any(field.name == POSITION for field in position):
-            yield LineProblem(1, f"'{name}' needs a field 'position'; singleturn and multiturn already give it")
-    if options.turns and not options.counts:
-        yield LineProblem(1, "'turns' needs 'counts', the counts per revolution; add counts=NUMBER")
-    yield from _problems_of_byte_order(options, fields, interface)
-
-
-def _problems_of_byte_order(options: Options, fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
-    """Yield the numbers of several bytes whose byte order is not known, or that do not begin with a byte."""
-    place = 0
-    for field in fields:
-        is_wide = field.bits > 8 and not isinstance(field, Filler)
-        if interface == "rs485" and is_wide and not options.byte_order:
-            message = f"the byte order of '{field.name}' is not known; write rs485,low_byte_first: or high_byte_first"
-            yield LineProblem(field.column, message)
-        is_split = interface == "spi" and options.byte_order == "low_byte_first" and isinstance(field, Number)
-        if is_split and field.bits > 8 and (place % 8 or field.bits % 8):
-            message = f"'{field.name}' is not whole bytes, so low_byte_first cannot apply; add zero or unused bits"
-            yield LineProblem(field.column, message)
-        place += field.bits

@@ -10,20 +10,25 @@ from .line import IN_TURN, POSITION, TURNS, Crc, Filler, Flag, Line, LineField, 
 #: Source of the facts that the line states, and of those that it does not.
 _LINE, _NOT_STATED = '"line: fields"', "TODO not stated"
 _LAYOUTS = {"biss": "single_cycle_data", "ssi": "ssi_word", "spi": "position_word", "rs485": "reply"}
+_CRC_NAME = "line_crc"
 #: Units and meanings of fields.
 _NUMBERS = {
     POSITION: ("counts", "Position"),
     IN_TURN: ("counts", "Position within one revolution"),
     TURNS: ("revolutions", "Number of revolutions"),
 }
-_MEANINGS = {"not_usable": "an error is active", "usable_with_warning": "a warning is active", "": "the bit is active"}
+_MEANINGS = {
+    "not_usable": "an error is active",
+    "usable_with_warning": "a warning is active",
+    "usable": "the bit is active",
+}
 #: Text that stands for the schema of devices until the place of the spec is known.
 SCHEMA = "device.schema.json"
 
 
 def spec_text(line: Line, name: str, manufacturer: str, schema: str = SCHEMA) -> str:
     """Return the text of a spec of the family ``name``, which ``check`` accepts."""
-    return "\n".join([*_head(line, name, manufacturer, schema), *_crcs(line), *_interface(line), ""])
+    return "\n".join([*_head(line, name, manufacturer, schema), *_crcs(line), *_interface(line), *_errata(line), ""])
 
 
 def order_code(line: Line, name: str) -> str:
@@ -95,7 +100,7 @@ def _crcs(line: Line) -> Iterator[str]:
             numbers = f"width: {field.bits}, poly: {field.poly:#x}, init: {field.init:#x}"
             yield "crcs:"
             order = "refin: false, refout: false"
-            yield f"  - {{name: line_crc, {numbers}, {order}, xorout: {xorout:#x}, source: {_LINE}}}"
+            yield f"  - {{name: {_CRC_NAME}, {numbers}, {order}, xorout: {xorout:#x}, source: {_LINE}}}"
             yield ""
 
 
@@ -166,7 +171,7 @@ def _layout(line: Line) -> Iterator[str]:
     yield f"        source: {_LINE}"
     if line.interface == "rs485":
         yield f"        byte_order: {line.options.byte_order or 'high_byte_first'}"
-    elif line.options.byte_order == "low_byte_first":
+    elif any(_byte_names(field, line) for field in line.fields):
         yield "        byte_order: low_byte_first"
     joins = list(_joins(line))
     if joins:
@@ -224,6 +229,45 @@ def _joins(line: Line) -> Iterator[str]:
         yield f"          {POSITION}: [{', '.join([*parts[TURNS], *parts[IN_TURN]])}]"
 
 
+def _errata(line: Line) -> Iterator[str]:
+    """Yield an erratum for a frame that differs from those of BiSS, so that ``check`` accepts it."""
+    places = list(_places_unlike_biss(line)) if line.interface == "biss" else []
+    if not places:
+        return
+    yield ""
+    yield "errata:"
+    yield "  - name: unlike_biss"
+    yield "    title: The line describes a frame that is unusual for BiSS"
+    yield f"    source: {_LINE}"
+    yield "    printed: A frame of BiSS has the position, the active-low error and warning bits, and an inverted CRC."
+    yield "    used: The frame of the line."
+    yield "    why: The manual or the encoder must decide."
+    yield "    status: open"
+    yield "    severity: wrong_data"
+    yield f"    affects: [{', '.join(places)}]"
+
+
+def _places_unlike_biss(line: Line) -> Iterator[str]:
+    """Yield the paths of what differs from BiSS in a frame with an error or warning bit."""
+    frame = f"interfaces.biss.{_LAYOUTS['biss']}"
+    names = [field.name for field in line.fields]
+    flag_names = [name for name in names if name in ("error", "warning")]
+    if not flag_names:
+        return
+    for field in line.fields:
+        if isinstance(field, Flag) and field.name in flag_names and field.level == "high":
+            yield f"{frame}.{field.name}"
+        if isinstance(field, Crc) and not field.is_inverted:
+            yield f"crcs.{_CRC_NAME}.xorout"
+    if flag_names == ["warning", "error"]:
+        yield f"{frame}.warning"
+    late_names = [name for name in names[names.index(flag_names[0]) :] if name in _NUMBERS]
+    if late_names:
+        yield f"{frame}.{late_names[0]}"
+    if "crc" not in names:
+        yield f"{frame}.fields"
+
+
 def _entries(field: LineField, name: str, line: Line, parity_fields: Sequence[str]) -> Iterator[str]:
     """Yield a field as a spec writes it, or the bytes of a number that is split."""
     byte_names = _byte_names(field, line)
@@ -231,20 +275,22 @@ def _entries(field: LineField, name: str, line: Line, parity_fields: Sequence[st
         for byte_name in byte_names:
             yield f"name: {byte_name}, bits: 8"
         return
+    has_position = line.has(POSITION) or line.has(IN_TURN)
     match field:
         case Number():
             yield _number(field)
         case Flag():
-            effect = f", makes_position: {field.verdict}" if field.verdict else ""
+            effect = f", makes_position: {field.verdict}" if has_position else ""
             yield f"name: {name}, active: {field.level}{effect}, when_active: {_MEANINGS[field.verdict]}"
         case Filler(name="zero"):
             yield f"name: {name}, bits: {field.bits}, constant: 0"
         case Filler():
-            yield f"name: {name}, bits: {field.bits}, unused: 0, makes_position: usable"
+            effect = ", makes_position: usable" if has_position else ""
+            yield f"name: {name}, bits: {field.bits}, unused: 0{effect}"
         case Parity():
             yield f"name: {name}, parity_of: [{', '.join(parity_fields)}], parity: {field.kind}"
         case Crc():
-            yield f"name: {name}, crc: line_crc"
+            yield f"name: {name}, crc: {_CRC_NAME}"
 
 
 def _number(field: Number) -> str:
