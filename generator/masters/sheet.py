@@ -306,8 +306,7 @@ def _start_note(bound: str, record: Record) -> str:
     """Return why a clock is only a value to start with."""
     if bound != START_WITH:
         return ""
-    used_text = f" {clocks_in_use(record.used_hz)}." if record.used_hz else ""
-    return f"The highest clock of the encoder is not known.{used_text}"
+    return f"The highest clock of the encoder is not known. {clocks_in_use(record.used_hz)}."
 
 
 def _cable_note(rule: Raw, value: int | bool | str | None, record: Record) -> str:
