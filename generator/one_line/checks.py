@@ -22,10 +22,16 @@ def problems_of_fields(fields: Sequence[LineField], interface: str) -> Iterator[
             yield LineProblem(field.column, "the CRC must be the last field; move it to the end")
         if isinstance(field, Crc) and interface == "rs485" and field.bits % 8:
             yield LineProblem(field.column, f"the CRC has {field.bits} bits; over RS-485, write whole bytes")
-        if isinstance(field, Parity) and all(isinstance(other, Parity | Crc) for other in fields):
-            yield LineProblem(field.column, "a parity bit needs other fields; add them")
+        if isinstance(field, Parity) and not any(map(_changes, fields)):
+            yield LineProblem(field.column, "a parity bit needs other fields that change; add them")
     yield from _problems_of_position(fields, interface)
     yield from _problems_of_length(fields, interface)
+
+
+def _changes(field: LineField) -> bool:
+    """Return True if a field is not a check or a constant."""
+    is_constant = (isinstance(field, Number) and field.value is not None) or field.name == "zero"
+    return not is_constant and not isinstance(field, Parity | Crc)
 
 
 def _problems_of_position(fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
@@ -77,7 +83,11 @@ def _problems_of_gray(
     for field in fields:
         if isinstance(field, Parity):
             yield LineProblem(field.column, "a parity over Gray code is not supported; write its bit as unused=1")
-    has_turns = any(field.name == TURNS for field in fields)
+    names = [field.name for field in fields]
+    has_turns = TURNS in names
+    if has_turns and IN_TURN in names and names.index(IN_TURN) > names.index(TURNS) + 1:
+        message = "with gray, 'singleturn' must follow 'multiturn' directly; move the fields between them"
+        yield LineProblem(fields[names.index(IN_TURN)].column, message)
     for field in positions:
         if field.bits == 1 and not has_turns:
             yield LineProblem(field.column, f"'{field.name}' has one bit, which is the same in Gray code; remove gray")

@@ -278,15 +278,16 @@ def _entries(field: LineField, name: str, line: Line, parity_fields: Sequence[st
     has_position = line.has(POSITION) or line.has(IN_TURN)
     match field:
         case Number():
-            yield _number(field)
+            has_counts = field.name == POSITION and line.options.counts
+            yield _number(field) + (", note: The line states its bits and its counts." if has_counts else "")
         case Flag():
             effect = f", makes_position: {field.verdict}" if has_position else ""
             yield f"name: {name}, active: {field.level}{effect}, when_active: {_MEANINGS[field.verdict]}"
         case Filler(name="zero"):
             yield f"name: {name}, bits: {field.bits}, constant: 0"
         case Filler():
-            effect = ", makes_position: usable" if has_position else ""
-            yield f"name: {name}, bits: {field.bits}, unused: 0{effect}"
+            unused = ", unused: 0, makes_position: usable" if has_position else ""
+            yield f"name: {name}, bits: {field.bits}{unused}"
         case Parity():
             yield f"name: {name}, parity_of: [{', '.join(parity_fields)}], parity: {field.kind}"
         case Crc():

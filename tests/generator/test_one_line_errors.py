@@ -41,7 +41,7 @@ WRONG = {
     "ssi:position=12,ocf=low:alarm": [(25, "'alarm' is not an effect of a flag; write error, warning or status")],
     "ssi:position=12,zero": [(17, "'zero' needs a width and nothing else; write zero=2 for two bits")],
     "ssi:position=12,parity": [(17, "a parity bit is even or odd; write parity=even or parity=odd")],
-    "ssi:parity=even": [(5, "a parity bit needs other fields; add them")],
+    "ssi:parity=even,zero=1,head=2:3": [(5, "a parity bit needs other fields that change; add them")],
     "biss:position=12,crc=6": [(18, "a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6")],
     "biss:position=12,crc=6:0x44": [
         (24, "'0x44' is not a polynomial of 6 bits; write an odd number of at most 0x7f, with or without its top bit")
@@ -73,6 +73,9 @@ WRONG = {
     "rs485,request=1:position=8": [(15, "'1' is not a value of 'request'; write it like request=1A")],
     "ssi,gray:temperature=12": [(5, "'gray' needs a position; add position=BITS, or remove gray")],
     "ssi,gray:position=12,parity=even": [(22, "a parity over Gray code is not supported; write its bit as unused=1")],
+    "ssi,gray:multiturn=4,x=1,singleturn=4": [
+        (26, "with gray, 'singleturn' must follow 'multiturn' directly; move the fields between them")
+    ],
     "ssi,gray:position=1": [(10, "'position' has one bit, which is the same in Gray code; remove gray")],
     "ssi,gray:position=9:signed": [(10, "'position' is signed, and Gray code is not; remove one of the two")],
     "ssi,gray,counts=360:position=9": [(10, "Gray code with 360 counts (Gray excess) is not supported; remove gray")],
