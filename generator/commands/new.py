@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 EXAMPLES = (
     "codewheel new my_encoder",
     "codewheel new my_encoder -o specs/my_encoder.yaml",
-    "codewheel new my_encoder --line biss:position=32,error,warning,crc=6:0x43",
+    "codewheel new bench_encoder --line biss:position=32,error,warning,crc=6:0x43",
 )
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 _LONGEST_NAME = 40
@@ -44,14 +44,13 @@ def add_arguments(parser: Parser) -> None:
         metavar="FILE",
         help="output file, or - to print it (default: NAME.yaml in this folder)",
     )
-    contents = parser.add_mutually_exclusive_group()
-    contents.add_argument(
+    parser.add_argument(
         "--line",
         metavar="LINE",
         help="write the encoder that this line describes, such as biss:position=32,error,warning,crc=6:0x43, and mark "
         "what it does not state",
     )
-    contents.add_argument(
+    parser.add_argument(
         "--like",
         choices=LIKE,
         default="",
@@ -66,6 +65,8 @@ def run(chosen: argparse.Namespace) -> int:
     Raises:
         Stop: The name is not valid (exit code 2), or a file exists or cannot be written (exit code 1).
     """
+    if chosen.line is not None and chosen.like:
+        raise Stop("--line and --like describe two encoders; leave one of them out", 2)
     text_of = partial(device_text, like=chosen.like) if chosen.line is None else _text_of_line(chosen.line)
     try:
         if chosen.output == Path("-"):

@@ -126,6 +126,11 @@ def test_every_command_ends_with_2(command: str, capsys: pytest.CaptureFixture[s
     assert "line" in capsys.readouterr().err
 
 
+def test_a_line_and_an_example(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["new", "my_encoder", "--line", "ssi:position=13", "--like", "ssi", "-o", "-"]) == 2
+    assert "--line and --like describe two encoders; leave one of them out" in capsys.readouterr().err
+
+
 def test_what_is_a_line() -> None:
     assert all(map(is_line, ("biss:position=3", "position=3", " SPI,gray:x", "ssi:")))
     assert not any(map(is_line, ("AMM5A21/65KSC1", "amm5", "KCD-BC03B-1617", "spi", "SSI-13", "ssi13")))
