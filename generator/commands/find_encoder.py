@@ -21,6 +21,7 @@ from ..language.schema_files import is_second
 from ..loading.stored import store_device, stored_device
 from ..say.plain_text import counted, first_of
 from .arguments import bytes_by_address
+from .line_encoder import encoder_in_line, is_line, refuse_line
 from .terminal import Stop, problems
 
 if TYPE_CHECKING:
@@ -240,6 +241,7 @@ def find_requested(chosen: argparse.Namespace, specs: Specs, cache: Cache) -> tu
     register_bytes = bytes_by_address(chosen.register)
     if chosen.edition is None:
         return device, match, register_bytes
+    refuse_line(chosen.order_code, "has no editions")
     from .encoder_options import in_requested_edition
 
     device, match_in_edition, register_bytes = in_requested_edition(
@@ -259,6 +261,8 @@ def find_family_or_code(specs: Specs, text: str, cache: Cache) -> Located:
 
 def _find(specs: Specs, text: str, cache: Cache, is_name: bool) -> Located:
     """Return the family or order code of the first group that has it, and report that a later group also has it."""
+    if is_line(text):
+        return *encoder_in_line(text), ()
     skipped: list[Report] = []
     for index, paths in enumerate(specs.groups):
         family_and_code = _find_in_group(paths, text, cache, is_name, skipped)

@@ -16,6 +16,7 @@ from .arguments import (
     add_specs_option,
     cache_for,
 )
+from .line_encoder import OR_A_LINE
 from .terminal import Stop, print_json, problems, refuse_missing
 
 if TYPE_CHECKING:
@@ -31,7 +32,10 @@ def add_arguments(parser: Parser) -> None:
     """Add the arguments of the command."""
     parser.description = "Show the settings that a BiSS or SSI master needs for an encoder."
     parser.add_argument(
-        "order_code", nargs="?", metavar="ORDER-CODE", help="the code on the label (default: list the masters)"
+        "order_code",
+        nargs="?",
+        metavar="ORDER-CODE",
+        help=f"the code on the label{OR_A_LINE} (default: list the masters)",
     )
     parser.add_argument(
         "--master", metavar="NAME", help="show only this master, and exit 1 if it does not support the encoder"

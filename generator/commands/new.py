@@ -1,10 +1,11 @@
-"""``codewheel new``: write a commented spec that passes ``check``, to be filled in from a manual."""
+"""``codewheel new``: write a spec that passes ``check``, to be filled in from a manual: an example, or a line."""
 
 from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from importlib import resources
 from keyword import iskeyword
 from pathlib import Path
@@ -16,11 +17,17 @@ from .terminal import Stop
 if TYPE_CHECKING:
     import argparse
 
-EXAMPLES = ("codewheel new my_encoder", "codewheel new my_encoder -o specs/my_encoder.yaml")
+EXAMPLES = (
+    "codewheel new my_encoder",
+    "codewheel new my_encoder -o specs/my_encoder.yaml",
+    "codewheel new bench_encoder --line biss:position=32,error,warning,crc=6:0x43",
+)
 _NAME = re.compile(r"[a-z][a-z0-9]*(_[a-z0-9]+)*")
 _LONGEST_NAME = 40
 #: Encoders to start from. The rotary ones count revolutions, except over SPI.
 LIKE = ("biss", "ssi", "rs485", "rs485-exchanges", "spi", "linear")
+#: Function that returns the text of a spec for a family, its manufacturer, and the path of the schema.
+DeviceText = Callable[[str, str, str], str]
 #: Manufacturer and schema in the templates.
 _MANUFACTURER = "example"
 _SCHEMA_IN_TEMPLATES = "../../generator/language/{}.schema.json"
@@ -31,7 +38,17 @@ def add_arguments(parser: Parser) -> None:
     parser.description = "Write a commented spec that passes check, to be filled in from a manual."
     parser.add_argument("name", metavar="NAME", help="name of the family: lowercase letters, digits and underscores")
     parser.add_argument(
-        "-o", dest="output", type=a_path, metavar="FILE", help="output file (default: NAME.yaml in this folder)"
+        "-o",
+        dest="output",
+        type=a_path,
+        metavar="FILE",
+        help="output file, or - to print it (default: NAME.yaml in this folder)",
+    )
+    parser.add_argument(
+        "--line",
+        metavar="LINE",
+        help="write the encoder that this line describes, such as biss:position=32,error,warning,crc=6:0x43, and mark "
+        "what it does not state",
     )
     parser.add_argument(
         "--like",
@@ -48,14 +65,33 @@ def run(chosen: argparse.Namespace) -> int:
     Raises:
         Stop: The name is not valid (exit code 2), or a file exists or cannot be written (exit code 1).
     """
+    if chosen.line is not None and chosen.like:
+        raise Stop("--line and --like describe two encoders; leave one of them out", 2)
+    text_of = partial(device_text, like=chosen.like) if chosen.line is None else _text_of_line(chosen.line)
     try:
-        for path in write_spec(chosen.name, chosen.output, chosen.like):
+        if chosen.output == Path("-"):
+            _refuse_name(chosen.name)
+            print(text_of(chosen.name, _MANUFACTURER, "device.schema.json"), end="")
+            return 0
+        for path in write_spec(chosen.name, chosen.output, text_of=text_of):
             print(f"written    {path.as_posix()}")
     except NameRefused as error:
         raise Stop(str(error), 2) from None
     except NotWritten as error:
         raise Stop(str(error), 1) from None
     return 0
+
+
+def _text_of_line(line_text: str) -> DeviceText:
+    """Return the function that writes the encoder in a line as a spec.
+
+    Raises:
+        Stop: The line has problems. The exit code is 2.
+    """
+    from ..one_line.spec import spec_text
+    from .line_encoder import checked_line
+
+    return partial(spec_text, checked_line(line_text))
 
 
 class NameRefused(ValueError):
@@ -66,13 +102,14 @@ class NotWritten(OSError):
     """A file already exists or cannot be written. The message is one line."""
 
 
-def write_spec(name: str, output: Path | None, like: str = "") -> list[Path]:
+def write_spec(name: str, output: Path | None, like: str = "", text_of: DeviceText | None = None) -> list[Path]:
     """Write the spec, and next to it the manufacturer file and the schemas for an editor if they are missing.
 
     Args:
         name: The family's name.
         output: The file, or a folder for it. By default, ``name.yaml`` in the current folder.
         like: One of ``LIKE``, or empty for a singleturn encoder over BiSS.
+        text_of: Returns the text of the spec. By default, that of the example.
 
     Returns:
         The files that were written.
@@ -87,7 +124,8 @@ def write_spec(name: str, output: Path | None, like: str = "") -> list[Path]:
     if path.name != f"{name}.yaml":
         raise NameRefused(f"the file of a spec has its family's name: {path.with_name(name + '.yaml')}, not {path}")
     manufacturer = path.with_name("manufacturer.yaml")
-    files = {path: device_text(name, _manufacturer(manufacturer), _schema_path(path.parent, "device"), like)}
+    text_of = text_of or partial(device_text, like=like)
+    files = {path: text_of(name, _manufacturer(manufacturer), _schema_path(path.parent, "device"))}
     if not manufacturer.exists():
         files[manufacturer] = manufacturer_text(_schema_path(path.parent, "manufacturer"))
     for kind in ("device", "manufacturer"):

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .arguments import Parser, a_path, add_choose_option, add_register_option, bytes_by_address, cache_for
+from .line_encoder import refuse_line
 from .terminal import Stop
 
 if TYPE_CHECKING:
@@ -90,6 +91,7 @@ def run(chosen: argparse.Namespace) -> int:
     from .find_encoder import find_order_code
     from .read_specs import specs_to_read
 
+    refuse_line(chosen.order_code, "cannot be simulated")
     cache = cache_for(chosen)
     _, _, paths = find_order_code(specs_to_read(chosen.specs), chosen.order_code, cache)
     try:

@@ -58,10 +58,7 @@ class Problem:
         if self.path:
             path = self.path if len(self.path) <= _LONGEST_PATH else f"{self.path[: _LONGEST_PATH - 3]}..."
             lines.append(f"  in {visible(path)}")
-        if self.text.strip():
-            excerpt, caret = _window(self.text, self.column, max(width, 20) - 4)
-            lines += [f"    {excerpt}", f"    {' ' * caret}^"]
-        return "\n".join(lines)
+        return "\n".join([*lines, *excerpt(self.text, self.column, width)])
 
     def to_json(self) -> dict[str, str | int]:
         """Return the problem as a flat JSON object with the names of the attributes."""
@@ -186,6 +183,14 @@ class DocumentReport:
     def __len__(self) -> int:
         """Return the number of problems so far, over all documents."""
         return len(self._report)
+
+
+def excerpt(text: str, column: int, width: int = 80) -> list[str]:
+    """Return the part of a line around a column, and below it a line with a caret. Nothing for an empty line."""
+    if not text.strip():
+        return []
+    window, caret = _window(text, column, max(width, 20) - 4)
+    return [f"    {window}", f"    {' ' * caret}^"]
 
 
 def quoted(value: Any) -> str:

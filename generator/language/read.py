@@ -329,6 +329,12 @@ def read_document(path: pathlib.Path, report: Report, shown_as: str | None = Non
     return None
 
 
+def document_of_text(file: str, text: str, report: Report) -> Document | None:
+    """Parse a text without forbidden characters as if a file with that name contained it, like ``read_document``."""
+    report.files.append(file)
+    return _parsed_document(file, text, tuple(LINE_BREAK.split(text)), report)
+
+
 def _parsed_document(file: str, text: str, lines: tuple[str, ...], report: Report) -> Document | None:
     """Return the document of a text, or None if nothing in it can be used. Report its errors."""
     errors: list[Unreadable] = []

@@ -50,7 +50,8 @@ class Common:
 class Clock:
     """The master's clock: its limits, inclusive, each None if not known, and clocks with which encoders are read.
 
-    ``used_hz`` has the clocks of programs and masters in ascending order. They are not limits.
+    ``used_hz`` has the clocks of programs and masters in ascending order. They are not limits. A spec whose clock has
+    not been stated yet has neither.
     """
 
     min_hz: int | None
@@ -59,9 +60,9 @@ class Clock:
     source: Sources
 
     @property
-    def fastest_hz(self) -> int:
-        """Highest clock if it is known, otherwise the fastest that is in use."""
-        return self.max_hz if self.max_hz is not None else max(self.used_hz)
+    def fastest_hz(self) -> int | None:
+        """Highest clock if it is known, otherwise the fastest that is in use. None if there is neither."""
+        return self.max_hz if self.max_hz is not None else max(self.used_hz, default=None)
 
     @property
     def has_limits(self) -> bool:

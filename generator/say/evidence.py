@@ -35,6 +35,11 @@ def grade(device: Device) -> Statement:
     return statement(f"{text}. {placeholders(device)}" if device.evidence.placeholders else text, label="Evidence")
 
 
+def lowest_grade() -> str:
+    """Return the lowest grade, with its meaning."""
+    return f"{GRADES[-1]} ({_MEANING[GRADES[-1]]})"
+
+
 def mark_in_lists(device: Device) -> str:
     """Return the grade if it is the lowest, so that lists without grades can mark the family. Otherwise return ""."""
     grade_name = device.evidence.grade

@@ -280,7 +280,7 @@ def clock_words(clock: Clock) -> str:
     """Return the limits, then the clocks in use with the limits that are not known."""
     range_text = _clock_range(clock.min_hz, clock.max_hz)
     if not clock.used_hz:
-        return range_text
+        return range_text or "not known"
     texts = [range_text, clocks_in_use(clock.used_hz), unknown_limits(clock)]
     return ", ".join(text for text in texts if text)
 

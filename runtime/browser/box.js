@@ -142,12 +142,13 @@ function box(root) {
 
   /** How the label differs from the codes in the manual, and the origin of the family. */
   function notes() {
-    const { family, tail, isSpecial, unlisted, writtenAsIn } = state.found;
+    const { family, code: own, tail, isSpecial, unlisted, writtenAsIn } = state.found;
+    const asSpec = isLine(own) ? `To write it as a spec: codewheel new my_encoder --line '${own}'` : "";
     const written = writtenAsIn ? `The label is written as in ${writtenAsIn}.` : "";
     const open = unlisted.length ? `Accepted, although not listed in the manual: ${unlisted.join(", ")}.` : "";
     const special = isSpecial ? family.special_codes ?? "A code that ends in /Sxxx may differ from the manual." : "";
     const goesOn = tail ? `The label continues with ${tail}.` : "";
-    const all = [written, open, goesOn, special, ...(family.about ?? [])];
+    const all = [asSpec, written, open, goesOn, special, ...(family.about ?? [])];
     return all.filter(Boolean).map((words) => part("p", "note", words));
   }
 
@@ -176,7 +177,8 @@ function box(root) {
   }
 
   root.replaceChildren(
-    labelled("Order code, as on the label", code, "Leave it empty to list the codes that match the frame."), codes,
+    labelled("Order code, as on the label", code, "Leave it empty to list the codes that match the frame. "
+      + "Any other encoder: one line, such as biss:position=32,error,warning,crc=6:0x43."), codes,
     labelled("Type", what),
     labelled("Frames, one per line, or the bytes of a register", text,
       "Hex bytes, or one number (0x… or 0b…), in any usual notation. A line can begin with a time. "

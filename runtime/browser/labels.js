@@ -17,6 +17,7 @@ const filledPattern = (pattern, texts) => pattern.replace(/\{(\w+)\}/g, (_, name
 
 /** The order code on a label: family, interface and parameters. Throws ``UnknownCode`` with help. */
 function readLabel(label) {
+  if (isLine(label)) return readLine(label);
   const text = withoutBlanks(label).toUpperCase();
   const special = (family) => family.special && text.endsWith(`/${family.special}`);
   let first = null;

@@ -122,6 +122,14 @@
     return wheel.linesOf(item.text).map((line) => [line.number, line.time, one(line.text)]);
   }
 
+  /** Return the record of each line, or its problems. */
+  function records(item) {
+    return item.texts.map((text) => {
+      const line = wheel.parsedLine(text);
+      return line.problems.length ? { problems: line.problems } : wheel.lineFamily(line);
+    });
+  }
+
   const labels = (item) => item.texts.map(label);
 
   /** Return the encoded register: its bytes, or that it is refused. */
@@ -172,5 +180,5 @@
   /** Compared frames, or the values of a text, for one start of a browser. */
   const answered = (item) => (item.frames ? compared(item) : values(item));
 
-  globalThis.codewheelTests = { answered, compared, values, readings, encoded, reasons, together, doubts, inferred, labels, lines, unread };
+  globalThis.codewheelTests = { answered, compared, values, readings, encoded, reasons, together, doubts, inferred, labels, lines, records, unread };
 })();

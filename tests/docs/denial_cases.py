@@ -867,6 +867,11 @@ def clock_text(min_hz: int | None, max_hz: int | None) -> str:
 case("clock_limits", lambda: clock_text(None, None), lambda: clock_text(100_000, 2_000_000))
 case("lowest_clock", lambda: clock_text(None, 2_000_000), lambda: clock_text(100_000, 2_000_000))
 case("highest_clock", lambda: clock_text(100_000, None), lambda: clock_text(100_000, 2_000_000))
+case(
+    "clock_not_stated",
+    lambda: interface.clock_words(Clock(None, None, (), ())),
+    lambda: interface.clock_words(Clock(None, 2_000_000, (), ())),
+)
 
 
 def range_text(wraps: bool) -> str:

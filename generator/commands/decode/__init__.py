@@ -9,6 +9,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..arguments import Parser, add_choose_option, add_edition_option, add_register_option, add_specs_option, cache_for
+from ..line_encoder import OR_A_LINE, command_for_spec, is_line
 from ..terminal import Stop, release_streams
 
 if TYPE_CHECKING:
@@ -35,7 +36,7 @@ def add_arguments(parser: Parser) -> None:
     """Add the arguments of the command."""
     parser.description = "Name every bit of a frame, check its CRC, and list the reports of the encoder."
     parser.epilog = _ABOUT_FRAMES
-    parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
+    parser.add_argument("order_code", metavar="ORDER-CODE", help=f"the code on the label{OR_A_LINE}")
     parser.add_argument(
         "frame", nargs="+", metavar="FRAME", help="the frame, as one or more arguments, or - to read one frame per line"
     )
@@ -72,6 +73,8 @@ def run(chosen: argparse.Namespace) -> int:
     decoding = Decoding(_request(chosen))
     try:
         decoding.run(argument_lines(chosen.frame))
+        if is_line(chosen.order_code) and not chosen.json and chosen.frame != ["-"]:
+            print(f"To write it as a spec: {command_for_spec(chosen.order_code)}")
     except BrokenPipeError:
         release_streams()
     return decoding.code

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from ..arguments import Parser, add_specs_option, cache_for
+from ..line_encoder import OR_A_LINE, refuse_line
 from ..terminal import print_json
 
 if TYPE_CHECKING:
@@ -17,7 +18,7 @@ def add_arguments(parser: Parser) -> None:
     """Add the arguments of the command."""
     parser.description = "Show everything known about a family or an order code."
     parser.add_argument(
-        "what", metavar="FAMILY|ORDER-CODE", help="a family name as shown by list, or the code on the label"
+        "what", metavar="FAMILY|ORDER-CODE", help=f"a family name as shown by list, the code on the label{OR_A_LINE}"
     )
     parser.add_argument(
         "--edition", metavar="EDITION", help="use another edition of the manual: a revision, a date, or 'label'"
@@ -38,6 +39,7 @@ def run(chosen: argparse.Namespace) -> int:
     specs = specs_to_read(chosen.specs)
     device, match, paths = find_family_or_code(specs, chosen.what, cache)
     if chosen.edition is not None:
+        refuse_line(chosen.what, "has no editions")
         from ..encoder_options import in_requested_edition
 
         device, match, _ = in_requested_edition(paths, device, match, chosen.edition, chosen.what, {})

@@ -24,7 +24,7 @@ from ...plan.frames import Dispatch, HeldParameter, dispatches, held_parameters
 from ...plan.verdicts import reportings
 from ...render import Templates, our_templates
 from ...say import report
-from ...say.evidence import grade, mark_in_lists, origin
+from ...say.evidence import GRADES, grade, lowest_grade, mark_in_lists, origin
 from ...say.layout import as_one_number
 from ...say.markdown import text
 from ...say.names_and_places import field_at
@@ -308,6 +308,8 @@ def script_table(library: Library) -> Data:
         "doubts": READINGS,
         "inside": [FRAME_INSIDE, FRAME_INSIDE_TEXT],
         "likely": {"kinds": dict(MISTAKES), "idle": IDLE, "active": ACTIVE, "frames": MOST_FRAMES},
+        "line": {"mark": GRADES[-1], "evidence": f"Evidence: {lowest_grade()}."},
+        "byte_polynomials": [polynomial for polynomial in in_bits.POLYNOMIALS if polynomial.bit_length() == 9],
         "families": [library.part(_family_data, device, NO_OPTIONS) for device in library.devices],
     }
 

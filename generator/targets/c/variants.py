@@ -300,10 +300,11 @@ def _register_access(device: Device, interface: Interface, frames: Sequence[Fram
     depends_on_registers = any(frame.depends_on_registers for frame in frames)
     after = f"{after} with {initial(device)}" if depends_on_registers else f"at least {after}"
     limits = [hz for hz in (clock.max_hz, clock.min_hz) if hz is not None]
-    clocks = limits or [clock.fastest_hz]
+    clocks = limits or clock.used_hz[-1:]
     times = " and ".join(f"{nanoseconds(bits * 1_000_000_000 // hz)} at {hertz(hz)}" for hz in clocks)
+    times_text = f": {times}" if times else ""
     yield "For register access with codewheel/biss.h: the bit of cw_biss_master_next must be on MA before the last "
-    yield f"clock of the same frame. It comes {after}: {times}. The bit of "
+    yield f"clock of the same frame. It comes {after}{times_text}. The bit of "
     yield "cw_biss_master_next_late, for SPI and DMA, is needed before the next frame begins, since the SPI mode "
     yield "sends it. MA carries the inverse of the bit for the whole time-out"
     if interface.timeout is not None:

@@ -222,6 +222,8 @@ def _capitalized(labels: list[str]) -> str:
 
 #: Bits of a BiSS frame before the position: the start bit and the CDS bit.
 _BISS_START_BITS = 2
+#: Clock in Hz whose duration of a frame is an example, if the encoder supports it.
+_COMMON_HZ = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -252,8 +254,9 @@ def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout
     lengths = _frame_lengths(device, layout) if layout is not None else []
     start_bits = _BISS_START_BITS if isinstance(interface, Biss) else 0
     clocked_lengths = [bits + start_bits for bits in lengths]
-    lowest_hz, highest_hz = clock.min_hz or 0, clock.fastest_hz
-    example_hz = min(max(1_000_000, lowest_hz), highest_hz)
+    lowest_hz = clock.min_hz or 0
+    highest_hz = clock.fastest_hz or _COMMON_HZ
+    example_hz = min(max(_COMMON_HZ, lowest_hz), highest_hz)
     facts = [f"Clock: {clock_words(clock)} ({cited(clock.source)})."]
     if lengths:
         durations = _durations(clocked_lengths, example_hz)
@@ -263,7 +266,7 @@ def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout
     table = cable_table(device, interface)
     rows: list[Row] = []
     for row in table.rows:
-        if row.hz >= lowest_hz:
+        if clock.fastest_hz is not None and row.hz >= lowest_hz:
             hz = min(row.hz, highest_hz)
             rows.append((f"{row.metres} m", hertz(hz), _durations(clocked_lengths, hz)))
     if rows:
@@ -275,7 +278,9 @@ def _clock_section(family: Device, device: Device, interface: Ssi | Biss, layout
 
 def _limit_of_used_clocks(clock: Clock) -> str:
     """Return why the table ends at a clock, if that is not the highest clock of the encoder."""
-    return "" if clock.max_hz is not None else f", up to {hertz(clock.fastest_hz)}, the fastest clock in use"
+    if clock.max_hz is not None or clock.fastest_hz is None:
+        return ""
+    return f", up to {hertz(clock.fastest_hz)}, the fastest clock in use"
 
 
 def _pauses(family: Device, interface: Ssi | Biss) -> Iterator[str]:

@@ -1,0 +1,68 @@
+"""An encoder described in one line, in place of an order code: its device, or all problems of the line."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+from typing import TYPE_CHECKING
+
+from ..one_line.line import Line, LineError
+from ..one_line.parse import is_line as is_line
+from ..one_line.parse import parse_line
+from ..say.plain_text import counted
+from .terminal import Stop
+
+if TYPE_CHECKING:
+    from ..model import Device
+    from ..order_codes.labels import Match
+
+#: End of the help of an order code.
+OR_A_LINE = ", or the encoder in one line, such as biss:position=32,error,warning,crc=6:0x43"
+
+
+def encoder_in_line(text: str) -> tuple[Device, Match]:
+    """Return the device that a line describes, and the line as its order code.
+
+    Raises:
+        Stop: The line has problems, which are printed. The exit code is 2.
+    """
+    from ..one_line.encoder import device_of_line
+
+    try:
+        return device_of_line(text)
+    except LineError as error:
+        raise line_problems(error) from None
+
+
+def checked_line(text: str) -> Line:
+    """Return a line whose spec has no problems.
+
+    Raises:
+        Stop: The line has problems, which are printed. The exit code is 2.
+    """
+    encoder_in_line(text)
+    return parse_line(text)
+
+
+def line_problems(error: LineError) -> Stop:
+    """Print all problems of a line to standard error, and return the ``Stop`` to raise."""
+    from ..language.problems import excerpt, visible
+
+    for column, message in error.problems:
+        print(f"column {column}: {visible(message)}", *excerpt(error.text, column), sep="\n", file=sys.stderr)
+    return Stop(f"{counted(len(error.problems), 'problem')} in the line", 2)
+
+
+def refuse_line(text: str, action: str) -> None:
+    """Check that a text is not a line, for what needs a spec.
+
+    Raises:
+        Stop: It is a line. The exit code is 2.
+    """
+    if is_line(text):
+        raise Stop(f"a line {action}; to write it as a spec: {command_for_spec(text)}", 2)
+
+
+def command_for_spec(text: str) -> str:
+    """Return the command that writes a line as a spec."""
+    return f"codewheel new my_encoder --line {shlex.quote(text.strip())}"

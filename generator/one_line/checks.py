@@ -1,0 +1,142 @@
+"""Find problems of fields and options that are valid by themselves, but not together."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from .fields import WIDEST
+from .line import IN_TURN, POSITION, TURNS, Crc, Filler, LineField, LineProblem, Number, Options, Parity
+
+#: Most bits of a frame over RS-485.
+_MOST_BITS_OF_BYTES = 1024
+
+
+def problems_of_fields(fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
+    """Yield the problems of fields that do not fit together."""
+    names: set[str] = set()
+    for field in fields:
+        if not isinstance(field, Filler) and field.name in names:
+            yield LineProblem(field.column, f"a second field has the name '{field.name}'; rename one of them")
+        names.add(field.name)
+        if isinstance(field, Crc) and field is not fields[-1]:
+            yield LineProblem(field.column, "the CRC must be the last field; move it to the end")
+        if isinstance(field, Crc) and interface == "rs485" and field.bits % 8:
+            yield LineProblem(field.column, f"the CRC has {field.bits} bits; over RS-485, write whole bytes")
+        if isinstance(field, Parity) and not any(map(_changes, fields)):
+            yield LineProblem(field.column, "a parity bit needs other fields that change; add them")
+    yield from _problems_of_position(fields, interface)
+    yield from _problems_of_length(fields, interface)
+
+
+def _changes(field: LineField) -> bool:
+    """Return True if a field is not a check or a constant."""
+    is_constant = (isinstance(field, Number) and field.value is not None) or field.name == "zero"
+    return not is_constant and not isinstance(field, Parity | Crc)
+
+
+def _problems_of_position(fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
+    """Yield the problems of the parts of the position."""
+    places = {field.name: index for index, field in enumerate(fields)}
+    if POSITION in places and (TURNS in places or IN_TURN in places):
+        message = "'position' is the whole position; write either it, or multiturn and singleturn"
+        yield LineProblem(fields[places[POSITION]].column, message)
+    if TURNS not in places:
+        return
+    column = fields[places[TURNS]].column
+    if IN_TURN not in places:
+        yield LineProblem(column, "'multiturn' needs 'singleturn'; add singleturn=BITS")
+    elif places[TURNS] > places[IN_TURN] and interface != "rs485":
+        yield LineProblem(column, "'multiturn' must be before 'singleturn'; swap the two, or write position=BITS")
+
+
+def _problems_of_length(fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
+    """Yield the problem of a frame with another number of bits than the interface allows."""
+    if not fields:
+        return
+    bits = sum(field.bits for field in fields)
+    fewest = 8 if interface in ("spi", "rs485") else 1
+    most = _MOST_BITS_OF_BYTES if interface == "rs485" else WIDEST
+    if not fewest <= bits <= most:
+        yield LineProblem(fields[0].column, f"the fields have {bits} bits; write {fewest} to {most}")
+    elif interface == "rs485" and bits % 8:
+        yield LineProblem(fields[0].column, f"the fields have {bits} bits; over RS-485, write whole bytes")
+
+
+def problems_of_options(
+    options: Options, columns: Mapping[str, int], fields: Sequence[LineField], interface: str
+) -> Iterator[LineProblem]:
+    """Yield the problems of options that do not fit the fields. ``columns`` has the column of each option."""
+    if options.is_gray:
+        yield from _problems_of_gray(options, columns, fields)
+    if options.counts or options.turns:
+        yield from _problems_of_counts(options, columns, fields)
+    yield from _problems_of_byte_order(options, fields, interface)
+
+
+def _problems_of_gray(
+    options: Options, columns: Mapping[str, int], fields: Sequence[LineField]
+) -> Iterator[LineProblem]:
+    column = columns.get("gray", 1)
+    positions = [field for field in fields if field.name in (POSITION, IN_TURN)]
+    if not positions:
+        yield LineProblem(column, "'gray' needs a position; add position=BITS, or remove gray")
+    for field in fields:
+        if isinstance(field, Parity):
+            yield LineProblem(field.column, "a parity over Gray code is not supported; write its bit as unused=1")
+    names = [field.name for field in fields]
+    has_turns = TURNS in names
+    if has_turns and IN_TURN in names and names.index(IN_TURN) > names.index(TURNS) + 1:
+        message = "with gray, 'singleturn' must follow 'multiturn' directly; move the fields between them"
+        yield LineProblem(fields[names.index(IN_TURN)].column, message)
+    for field in positions:
+        if field.bits == 1 and not has_turns:
+            yield LineProblem(field.column, f"'{field.name}' has one bit, which is the same in Gray code; remove gray")
+        if isinstance(field, Number) and field.is_signed:
+            yield LineProblem(field.column, f"'{field.name}' is signed, and Gray code is not; remove one of the two")
+    if options.counts & (options.counts - 1):
+        message = f"Gray code with {options.counts} counts (Gray excess) is not supported; remove gray and counts"
+        yield LineProblem(columns.get("counts", 1), f"{message}, and convert the number in your program")
+
+
+def _problems_of_counts(
+    options: Options, columns: Mapping[str, int], fields: Sequence[LineField]
+) -> Iterator[LineProblem]:
+    """Yield the problems of counts per revolution, and of numbers of revolutions."""
+    column = columns.get("counts", columns.get("turns", 1))
+    positions = [field for field in fields if isinstance(field, Number) and field.name == POSITION]
+    if not positions:
+        message = "'counts' and 'turns' need a field 'position'; singleturn and multiturn already give them"
+        yield LineProblem(column, message)
+    if options.turns and not options.counts:
+        yield LineProblem(columns.get("turns", 1), "'turns' needs the counts per revolution; add counts=NUMBER")
+    for field in positions:
+        if options.counts * (options.turns or 1) > 1 << field.bits:
+            message = f"{options.counts} counts × {options.turns or 1} turns do not fit into {field.bits} bits"
+            yield LineProblem(column, f"{message}; write at most {1 << field.bits} counts in all")
+        if field.is_signed:
+            message = "a signed position has no counts in a line; remove counts, and add its range to the spec"
+            yield LineProblem(column, message)
+
+
+def _problems_of_byte_order(options: Options, fields: Sequence[LineField], interface: str) -> Iterator[LineProblem]:
+    """Yield the numbers of several bytes whose byte order is not known, or that are not whole bytes."""
+    place = 0
+    for field in fields:
+        is_wide = field.bits > 8 and not isinstance(field, Filler)
+        if interface == "rs485" and is_wide and not options.byte_order:
+            message = f"the byte order of '{field.name}' is not known; write rs485,low_byte_first: or high_byte_first"
+            yield LineProblem(field.column, message)
+        is_split = interface == "spi" and options.byte_order == "low_byte_first" and isinstance(field, Number)
+        if is_split and is_wide:
+            yield from _problems_of_split(field, place)
+        place += field.bits
+
+
+def _problems_of_split(field: LineField, place: int) -> Iterator[LineProblem]:
+    """Yield the problems of a number over SPI that is sent low byte first, ``place`` bits after the first one."""
+    if place % 8 or field.bits % 8:
+        message = f"'{field.name}' is not whole bytes, so low_byte_first cannot apply; add zero or unused bits"
+        yield LineProblem(field.column, message)
+    if isinstance(field, Number) and (field.is_signed or field.value is not None):
+        message = f"'{field.name}' is signed or a constant, and cannot be sent low byte first; write its bytes"
+        yield LineProblem(field.column, message)

@@ -1,0 +1,148 @@
+"""Read the fields of a line, such as ``position=32``, ``error=low`` or ``crc=6:0x43``."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Literal
+
+from ..language.problems import quoted, suggestion
+from .line import IN_TURN, POSITION, TURNS, Crc, Filler, Flag, LineField, Number, Parity
+
+#: Verdict of an active flag, by the word for it in the line.
+VERDICTS = {"error": "not_usable", "warning": "usable_with_warning", "status": "usable"}
+#: Widest field and widest CRC in bits.
+WIDEST, _WIDEST_CRC = 64, 32
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,39}")
+_DIGITS = re.compile(r"0[xX][0-9A-Fa-f]{1,17}|0[bB][01]{1,65}|0|[1-9][0-9]{0,19}")
+#: Names of fields that need no width or level, with an example of how to write them.
+_KNOWN_NAMES = (POSITION, IN_TURN, TURNS, "error", "warning", "zero", "unused", "parity", "crc")
+_FORMS = "NAME=BITS for a number, NAME=low or NAME=high for a flag"
+
+
+class FieldError(ValueError):
+    """A text is not a field. The message says what would be right. ``offset`` counts characters of the text."""
+
+    def __init__(self, message: str, offset: int = 0) -> None:
+        super().__init__(message)
+        self.offset = offset
+
+
+def number_in(text: str) -> int | None:
+    """Return the decimal, hexadecimal or binary number of at most 65 bits that a text is, otherwise None."""
+    return int(text, 0) if _DIGITS.fullmatch(text) else None
+
+
+def read_field(text: str, column: int, interface: str) -> LineField:
+    """Return the field that a text describes.
+
+    Raises:
+        FieldError: The text does not describe one.
+    """
+    name, equals, value_text = text.partition("=")
+    name, values = name.strip(), [value.strip() for value in value_text.split(":")] if equals else []
+    if not text.strip():
+        raise FieldError("a field is missing between two commas; remove one of them")
+    if not _NAME.fullmatch(name):
+        raise FieldError(f"{quoted(name)} is not a name; use letters, digits and underscores, such as position=32")
+    name = _spec_name(name)
+    if name == "crc":
+        return _crc(values, column, interface)
+    if name == "parity":
+        return _parity(values, column)
+    if name in ("zero", "unused"):
+        return _filler("zero" if name == "zero" else "unused", values, column)
+    if values and values[0] in ("low", "high"):
+        return _flag(name, values, column)
+    if name in ("error", "warning") and (not values or values == ["1"]):
+        return _flag_of_interface(name, column, interface)
+    return _number(name, values, column)
+
+
+def _spec_name(name: str) -> str:
+    """Return a name as a spec writes it: in lower case, with single underscores between words."""
+    return "_".join(word for word in name.lower().split("_") if word)
+
+
+def _bits(name: str, text: str, widest: int = WIDEST) -> int:
+    bits = number_in(text)
+    if bits is None or not 0 < bits <= widest:
+        raise FieldError(f"{quoted(text)} is not a width of '{name}'; write 1 to {widest}", len(name) + 1)
+    return bits
+
+
+def _number(name: str, values: Sequence[str], column: int) -> Number:
+    if not values or values == [""]:
+        hint = suggestion(name, _KNOWN_NAMES) if name not in _KNOWN_NAMES else ""
+        raise FieldError(f"'{name}' has no width; write {_FORMS}{hint}")
+    if name in ("error", "warning"):
+        raise FieldError(f"'{name}' is one bit; write {name}=low or {name}=high", len(name) + 1)
+    bits = _bits(name, values[0])
+    if len(values) == 1:
+        return Number(name, bits, column)
+    if values[1:] == ["signed"]:
+        return Number(name, bits, column, is_signed=True)
+    value = number_in(values[1])
+    place = len(name) + len(values[0]) + 2
+    if value is None or len(values) > 2:
+        wrong_text = quoted(":".join(values[1:]))
+        raise FieldError(f"{wrong_text} does not fit after a width; write signed, or the value of a constant", place)
+    if value >> bits:
+        raise FieldError(f"{value:#x} does not fit into {bits} bits; write at most {(1 << bits) - 1:#x}", place)
+    if name in (POSITION, IN_TURN, TURNS):
+        raise FieldError(f"'{name}' is not a constant; give the constant bits another name", place)
+    return Number(name, bits, column, value=value)
+
+
+def _flag(name: str, values: Sequence[str], column: int) -> Flag:
+    level: Literal["low", "high"] = "low" if values[0] == "low" else "high"
+    effect = values[1] if len(values) > 1 else name if name in VERDICTS else "status"
+    if len(values) > 2 or effect not in VERDICTS:
+        message = f"{quoted(':'.join(values[1:]))} is not an effect of a flag; write error, warning or status"
+        raise FieldError(message, len(name) + len(values[0]) + 2)
+    return Flag(name, column, level, VERDICTS[effect])
+
+
+def _flag_of_interface(name: str, column: int, interface: str) -> Flag:
+    """Return a flag whose level the interface decides: it is low over BiSS, and not known over the others."""
+    if interface != "biss":
+        raise FieldError(f"'{name}' has no active level; write {name}=low or {name}=high")
+    return Flag(name, column, "low", VERDICTS[name])
+
+
+def _filler(name: Literal["zero", "unused"], values: Sequence[str], column: int) -> Filler:
+    if len(values) != 1:
+        raise FieldError(f"'{name}' needs a width and nothing else; write {name}=2 for two bits")
+    return Filler(name, _bits(name, values[0]), column)
+
+
+def _parity(values: Sequence[str], column: int) -> Parity:
+    if values == ["even"]:
+        return Parity("parity", column, "even")
+    if values == ["odd"]:
+        return Parity("parity", column, "odd")
+    raise FieldError("a parity bit is even or odd; write parity=even or parity=odd")
+
+
+def _crc(values: Sequence[str], column: int, interface: str) -> Crc:
+    """Return a CRC. Over BiSS it is inverted unless the line says otherwise."""
+    if len(values) < 2:
+        raise FieldError("a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6:0x43")
+    bits = _bits("crc", values[0], _WIDEST_CRC)
+    is_inverted = interface == "biss"
+    numbers = list(values[1:])
+    if numbers[-1] in ("inverted", "plain"):
+        is_inverted = numbers.pop() == "inverted"
+    place = len("crc=") + len(values[0]) + 1
+    if not 0 < len(numbers) < 3:
+        raise FieldError("write crc=BITS:POLYNOMIAL:START, with :inverted or :plain after it if needed", place)
+    poly = number_in(numbers[0])
+    top_bit = 1 << bits
+    if poly is None or not poly & 1 or poly >= 2 * top_bit:
+        reason = f"write an odd number of at most {2 * top_bit - 1:#x}, with or without its top bit"
+        raise FieldError(f"{quoted(numbers[0])} is not a polynomial of {bits} bits; {reason}", place)
+    init = number_in(numbers[1]) if len(numbers) > 1 else 0
+    if init is None or init >= top_bit:
+        place += len(numbers[0]) + 1
+        raise FieldError(f"{quoted(numbers[1])} is not a start value; write at most {top_bit - 1:#x}", place)
+    return Crc("crc", bits, column, poly & (top_bit - 1), init, is_inverted)

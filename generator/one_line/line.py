@@ -1,0 +1,135 @@
+"""A parsed line: its interface, options and fields, with the column of each field."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+#: Names of the fields that are read as one position.
+TURNS, IN_TURN, POSITION = "multiturn", "singleturn", "position"
+
+
+class LineProblem(NamedTuple):
+    """A problem in a line. ``column`` counts characters from 1. The message also says what would be right."""
+
+    column: int
+    message: str
+
+
+class LineError(ValueError):
+    """The line does not describe an encoder. ``problems`` lists all reasons, in the order of their columns."""
+
+    def __init__(self, text: str, problems: list[LineProblem]) -> None:
+        super().__init__("; ".join(problem.message for problem in problems))
+        self.text = text
+        self.problems = sorted(set(problems))
+
+
+@dataclass(frozen=True, slots=True)
+class Number:
+    """A number. ``value`` is set for a constant, which identifies a valid frame."""
+
+    name: str
+    bits: int
+    column: int
+    is_signed: bool = False
+    value: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Flag:
+    """A bit with an active level. ``verdict`` is that on the position while the flag is active."""
+
+    name: str
+    column: int
+    level: Literal["low", "high"]
+    verdict: str
+    bits: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Filler:
+    """Bits that are always zero, or that have no meaning."""
+
+    name: Literal["zero", "unused"]
+    bits: int
+    column: int
+
+
+@dataclass(frozen=True, slots=True)
+class Parity:
+    """A parity bit over all other fields."""
+
+    name: str
+    column: int
+    kind: Literal["even", "odd"]
+    bits: int = 1
+
+
+@dataclass(frozen=True, slots=True)
+class Crc:
+    """A CRC over everything sent before it. ``poly`` has no top bit."""
+
+    name: str
+    bits: int
+    column: int
+    poly: int
+    init: int
+    is_inverted: bool
+
+
+LineField = Number | Flag | Filler | Parity | Crc
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """Words between the interface and the colon. None or 0 means that the line does not state the fact."""
+
+    is_gray: bool = False
+    alignment: str = ""
+    byte_order: str = ""
+    mode: int | None = None
+    clock_hz: int = 0
+    baud: int = 0
+    request: bytes = b""
+    counts: int = 0
+    turns: int = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """An encoder as one line describes it."""
+
+    text: str
+    interface: str
+    options: Options
+    fields: tuple[LineField, ...]
+
+    @property
+    def bits(self) -> int:
+        return sum(field.bits for field in self.fields)
+
+    def has(self, name: str) -> bool:
+        """Return True if one of the fields has this name."""
+        return any(field.name == name for field in self.fields)
+
+    @property
+    def gaps(self) -> Iterator[str]:
+        """The facts that a spec needs, but the line does not state."""
+        options = self.options
+        if self.interface != "rs485" and not options.clock_hz:
+            yield "The clock."
+        if self.interface == "spi" and options.mode is None:
+            yield "The SPI mode. 0 is only a placeholder."
+        if self.interface == "ssi" and not options.alignment:
+            yield "The alignment of the word. Left is only a placeholder."
+        if self.interface == "rs485" and not options.baud:
+            yield "The settings of the serial port. 115200 baud without parity is only a placeholder."
+        if self.interface == "rs485" and not options.request:
+            yield "The request that asks for this reply."
+        if self.has(POSITION) and not options.counts:
+            yield "The counts per revolution."
+        if not any(isinstance(field, Flag) and field.verdict == "not_usable" for field in self.fields):
+            yield "Flags that tell whether the position is usable."
+        yield "Registers, alarms, timings, supply and wiring."

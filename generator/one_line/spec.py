@@ -1,0 +1,304 @@
+"""Write a line as a spec, with the grade ``uncorroborated`` and the facts that the line does not state."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Sequence
+
+from .line import IN_TURN, POSITION, TURNS, Crc, Filler, Flag, Line, LineField, Number, Parity
+
+#: Source of the facts that the line states, and of those that it does not.
+_LINE, _NOT_STATED = '"line: fields"', "TODO not stated"
+_LAYOUTS = {"biss": "single_cycle_data", "ssi": "ssi_word", "spi": "position_word", "rs485": "reply"}
+_CRC_NAME = "line_crc"
+#: Units and meanings of fields.
+_NUMBERS = {
+    POSITION: ("counts", "Position"),
+    IN_TURN: ("counts", "Position within one revolution"),
+    TURNS: ("revolutions", "Number of revolutions"),
+}
+_MEANINGS = {
+    "not_usable": "an error is active",
+    "usable_with_warning": "a warning is active",
+    "usable": "the bit is active",
+}
+#: Text that stands for the schema of devices until the place of the spec is known.
+SCHEMA = "device.schema.json"
+
+
+def spec_text(line: Line, name: str, manufacturer: str, schema: str = SCHEMA) -> str:
+    """Return the text of a spec of the family ``name``, which ``check`` accepts."""
+    return "\n".join([*_head(line, name, manufacturer, schema), *_crcs(line), *_interface(line), *_errata(line), ""])
+
+
+def order_code(line: Line, name: str) -> str:
+    """Return the only order code of the spec of a line."""
+    return f"{_label(name)}-{line.interface.upper()}"
+
+
+def _label(name: str) -> str:
+    return name.replace("_", "-").upper()
+
+
+def _head(line: Line, name: str, manufacturer: str, schema: str) -> Iterator[str]:
+    """Yield the spec up to its measurement."""
+    yield f"# yaml-language-server: $schema={schema}"
+    yield "#"
+    yield "# Written from one line. TODO marks what it does not state. Replace these facts and their sources with those"
+    yield "# of the manual, and raise the grade when the manual confirms the others."
+    yield ""
+    yield "codewheel: 1"
+    yield f"device: {name}"
+    yield f"manufacturer: {manufacturer}"
+    yield f"title: {_label(name)}, described in one line"
+    yield "movement: rotary"
+    yield "evidence:"
+    yield "  grade: uncorroborated"
+    yield "  implementations: [line]"
+    yield "  left_out:"
+    for gap in line.gaps:
+        yield f"    - {json.dumps(gap)}"
+    yield ""
+    yield "manual:"
+    yield "  title: Description in one line"
+    yield '  revision: "1.0"'
+    yield "  language: en"
+    yield ""
+    yield "documents:"
+    yield f"  line: {{title: {json.dumps(line.text)}}}"
+    yield ""
+    yield "parameters: {}"
+    yield ""
+    yield "order_code:"
+    yield f'  pattern: "{_label(name)}-{{output}}"'
+    yield f"  source: {_LINE}"
+    yield "  parts:"
+    value = f"{{{line.interface.upper()}: {{meaning: The interface of the line, interface: {line.interface}}}}}"
+    yield f"    - {{name: output, meaning: Interface, values: {value}}}"
+    yield ""
+    yield from _measurement(line)
+
+
+def _measurement(line: Line) -> Iterator[str]:
+    """Yield the size of a count, if the line states it."""
+    widths = {field.name: field.bits for field in line.fields}
+    if IN_TURN in widths:
+        counts, turns = f"2^{widths[IN_TURN]}", f"2^{widths[TURNS]}" if TURNS in widths else "1"
+    elif line.options.counts:
+        counts, turns = str(line.options.counts), str(line.options.turns or 1)
+    else:
+        return
+    of = POSITION if TURNS in widths or IN_TURN not in widths else IN_TURN
+    yield f"measurement: {{of: {of}, counts_per_turn: {counts}, turns: {turns}, source: {_LINE}}}"
+    yield ""
+
+
+def _crcs(line: Line) -> Iterator[str]:
+    for field in line.fields:
+        if isinstance(field, Crc):
+            xorout = (1 << field.bits) - 1 if field.is_inverted else 0
+            numbers = f"width: {field.bits}, poly: {field.poly:#x}, init: {field.init:#x}"
+            yield "crcs:"
+            order = "refin: false, refout: false"
+            yield f"  - {{name: {_CRC_NAME}, {numbers}, {order}, xorout: {xorout:#x}, source: {_LINE}}}"
+            yield ""
+
+
+def _interface(line: Line) -> Iterator[str]:
+    """Yield the interface with its layouts."""
+    options = line.options
+    yield "interfaces:"
+    yield f"  {line.interface}:"
+    if line.interface == "rs485":
+        yield from _rs485(line)
+    else:
+        yield from _clocked(line)
+    if line.interface == "spi":
+        yield f"    word_bits: {line.bits}"
+        yield "    reply: same_word"
+    if line.interface == "ssi":
+        yield f"    alignment: {options.alignment or 'msb_left'}"
+        source = _LINE if options.alignment else _NOT_STATED
+        yield f"    alignment_source: {source}"
+        yield f"    output_code: {'gray' if options.is_gray else 'binary'}"
+    yield "    layouts:"
+    if line.interface == "rs485":
+        yield from _request(line)
+    yield from _layout(line)
+
+
+def _clocked(line: Line) -> Iterator[str]:
+    """Yield the clock of an interface, and the mode of SPI."""
+    options = line.options
+    is_mode_unknown = line.interface == "spi" and options.mode is None
+    yield f"    source: {_NOT_STATED if is_mode_unknown else _LINE}"
+    if line.interface == "spi":
+        yield f"    mode: {options.mode or 0}"
+    if options.clock_hz:
+        yield f"    clock: {{used_hz: {options.clock_hz}, source: {_LINE}}}"
+    else:
+        yield f"    clock: {{source: {_NOT_STATED}}}"
+
+
+def _rs485(line: Line) -> Iterator[str]:
+    """Yield the serial port, and the exchange that has the reply."""
+    source = _LINE if line.options.baud else _NOT_STATED
+    port = f"baud: {line.options.baud or 115200}, data_bits: 8, parity: none, stop_bits: 1"
+    yield f"    source: {_LINE}"
+    yield f"    port: {{{port}, source: {source}}}"
+    yield "    exchanges:"
+    # A request for the position needs a measurement.
+    purpose = "position" if line.options.counts or line.has(IN_TURN) else "other"
+    yield f"      - {{request: position_request, reply: reply, purpose: {purpose}, source: {_LINE}}}"
+
+
+def _request(line: Line) -> Iterator[str]:
+    """Yield the request. If the line does not state it, it is one byte of any value."""
+    request = line.options.request
+    content = f"constant: {int.from_bytes(request, 'big'):#x}" if request else "meaning: Request"
+    yield "      - name: position_request"
+    yield "        from: master"
+    yield "        byte_order: high_byte_first"
+    yield f"        source: {_LINE if request else _NOT_STATED}"
+    yield "        fields:"
+    yield f"          - {{name: request, bits: {8 * (len(request) or 1)}, {content}}}"
+
+
+def _layout(line: Line) -> Iterator[str]:
+    """Yield the layout of the frame."""
+    yield f"      - name: {_LAYOUTS[line.interface]}"
+    yield "        from: encoder"
+    yield f"        source: {_LINE}"
+    if line.interface == "rs485":
+        yield f"        byte_order: {line.options.byte_order or 'high_byte_first'}"
+    elif any(_byte_names(field, line) for field in line.fields):
+        yield "        byte_order: low_byte_first"
+    joins = list(_joins(line))
+    if joins:
+        yield "        join:"
+        yield from joins
+    if line.options.is_gray:
+        is_single = line.has(IN_TURN) and not line.has(TURNS)
+        yield f"        gray: {{of: {IN_TURN if is_single else POSITION}}}"
+    yield "        fields:"
+    parity_fields = [name for name in _field_names(line) if name not in ("parity", "crc")]
+    for field, name in zip(line.fields, _names_in_spec(line), strict=True):
+        for entry in _entries(field, name, line, parity_fields):
+            yield f"          - {{{entry}}}"
+
+
+def _names_in_spec(line: Line) -> list[str]:
+    """Return the names of the fields, with numbers for fillers, which may be repeated."""
+    taken_names = {field.name for field in line.fields if not isinstance(field, Filler)}
+    names: list[str] = []
+    for field in line.fields:
+        name = f"{field.name}_bits" if isinstance(field, Filler) else field.name
+        first_name, number = name, 1
+        while isinstance(field, Filler) and (name in names or name in taken_names):
+            number += 1
+            name = f"{first_name}_{number}"
+        names.append(name)
+    return names
+
+
+def _field_names(line: Line) -> list[str]:
+    """Return the names of the fields and of the bytes of split numbers, in the order in which they are sent."""
+    names: list[str] = []
+    for field, name in zip(line.fields, _names_in_spec(line), strict=True):
+        names += _byte_names(field, line) or [name]
+    return names
+
+
+def _byte_names(field: LineField, line: Line) -> list[str]:
+    """Return the names of the bytes of a number over SPI that is sent low byte first, or nothing for others."""
+    is_low_first = line.interface == "spi" and line.options.byte_order == "low_byte_first"
+    if not is_low_first or not isinstance(field, Number) or field.bits <= 8:
+        return []
+    return [f"{field.name}_byte_{index}" for index in range(field.bits // 8)]
+
+
+def _joins(line: Line) -> Iterator[str]:
+    """Yield the numbers that consist of several fields."""
+    parts: dict[str, Sequence[str]] = {}
+    for field in line.fields:
+        byte_names = _byte_names(field, line)
+        parts[field.name] = byte_names[::-1] or [field.name]
+        if byte_names:
+            yield f"          {field.name}: [{', '.join(byte_names[::-1])}]"
+    if TURNS in parts and IN_TURN in parts:
+        yield f"          {POSITION}: [{', '.join([*parts[TURNS], *parts[IN_TURN]])}]"
+
+
+def _errata(line: Line) -> Iterator[str]:
+    """Yield an erratum for a frame that differs from those of BiSS, so that ``check`` accepts it."""
+    places = list(_places_unlike_biss(line)) if line.interface == "biss" else []
+    if not places:
+        return
+    yield ""
+    yield "errata:"
+    yield "  - name: unlike_biss"
+    yield "    title: The line describes a frame that is unusual for BiSS"
+    yield f"    source: {_LINE}"
+    yield "    printed: A frame of BiSS has the position, the active-low error and warning bits, and an inverted CRC."
+    yield "    used: The frame of the line."
+    yield "    why: The manual or the encoder must decide."
+    yield "    status: open"
+    yield "    severity: wrong_data"
+    yield f"    affects: [{', '.join(places)}]"
+
+
+def _places_unlike_biss(line: Line) -> Iterator[str]:
+    """Yield the paths of what differs from BiSS in a frame with an error or warning bit."""
+    frame = f"interfaces.biss.{_LAYOUTS['biss']}"
+    names = [field.name for field in line.fields]
+    flag_names = [name for name in names if name in ("error", "warning")]
+    if not flag_names:
+        return
+    for field in line.fields:
+        if isinstance(field, Flag) and field.name in flag_names and field.level == "high":
+            yield f"{frame}.{field.name}"
+        if isinstance(field, Crc) and not field.is_inverted:
+            yield f"crcs.{_CRC_NAME}.xorout"
+    if flag_names == ["warning", "error"]:
+        yield f"{frame}.warning"
+    late_names = [name for name in names[names.index(flag_names[0]) :] if name in _NUMBERS]
+    if late_names:
+        yield f"{frame}.{late_names[0]}"
+    if "crc" not in names:
+        yield f"{frame}.fields"
+
+
+def _entries(field: LineField, name: str, line: Line, parity_fields: Sequence[str]) -> Iterator[str]:
+    """Yield a field as a spec writes it, or the bytes of a number that is split."""
+    byte_names = _byte_names(field, line)
+    if byte_names:
+        for byte_name in byte_names:
+            yield f"name: {byte_name}, bits: 8"
+        return
+    has_position = line.has(POSITION) or line.has(IN_TURN)
+    match field:
+        case Number():
+            has_counts = field.name == POSITION and line.options.counts
+            yield _number(field) + (", note: The line states its bits and its counts." if has_counts else "")
+        case Flag():
+            effect = f", makes_position: {field.verdict}" if has_position else ""
+            yield f"name: {name}, active: {field.level}{effect}, when_active: {_MEANINGS[field.verdict]}"
+        case Filler(name="zero"):
+            yield f"name: {name}, bits: {field.bits}, constant: 0"
+        case Filler():
+            unused = ", unused: 0, makes_position: usable" if has_position else ""
+            yield f"name: {name}, bits: {field.bits}{unused}"
+        case Parity():
+            yield f"name: {name}, parity_of: [{', '.join(parity_fields)}], parity: {field.kind}"
+        case Crc():
+            yield f"name: {name}, crc: {_CRC_NAME}"
+
+
+def _number(field: Number) -> str:
+    text = f"name: {field.name}, bits: {field.bits}"
+    if field.is_signed:
+        text += ", signed: true"
+    if field.value is not None:
+        return f"{text}, constant: {field.value:#x}"
+    unit, meaning = _NUMBERS.get(field.name, ("", ""))
+    return f"{text}, unit: {unit}, meaning: {meaning}" if unit else text
