@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ..say.plain_text import counted
 from .arguments import Parser, a_path, add_specs_option
 from .facts import facts_data
-from .terminal import Stop, print_json, problems
+from .terminal import Progress, Stop, print_json, problems
 
 if TYPE_CHECKING:
     import argparse
@@ -77,7 +77,8 @@ def run(chosen: argparse.Namespace) -> int:
     passages = changed(old, new) if by_words else numbers_changed(old, new)
     titles_by_page = _unnumbered_sections(family)
     touched_facts = TouchedFacts(facts)
-    changed_passages = [_with_facts(passage, touched_facts, old, titles_by_page) for passage in passages]
+    with Progress("codewheel: comparing the texts"):
+        changed_passages = [_with_facts(passage, touched_facts, old, titles_by_page) for passage in passages]
     if chosen.json:
         print_json(_as_data(family, changed_passages, by_words))
     else:

@@ -8,6 +8,7 @@ from typing import Any
 
 from ..document import Path
 from ..problems import DocumentReport, quoted
+from ..schema_files import PROSE
 from .walk import Spec, by_name, items, leaves_of
 
 _NUMBER = r"(?P<number>0[xX][0-9A-Fa-f]+|[0-9][0-9A-F]*h\b|[0-9]+(?![0-9A-Fa-f]*h\b|[.,]?[0-9A-Za-z]))"
@@ -125,16 +126,17 @@ def order_codes_in_texts(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 break
 
 
-#: Texts that quote what a manual prints, or describe other devices.
-_QUOTATIONS = frozenset(("printed", "why", "title", "changes", "pattern", "open", "url"))
+#: Texts about the encoder, without the titles and reasons of errata, and parts about other documents and editions.
+_TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source", "alignment_source", "output_code_source"}
 _ELSEWHERE = frozenset(("documents", "manual", "order_code", "editions", "evidence"))
 
 
 def _is_text(path: Path) -> bool:
-    """Return whether an order code at a path is one of today, not in a quotation or a reference."""
-    return (
-        path[0] not in _ELSEWHERE and path[-1] not in _QUOTATIONS and path[-1] not in ("only", "order_code", "source")
-    )
+    """Return whether a value at a path is a text in which each order code is one of today."""
+    if path[0] == "tables":
+        return "rows" in path or path[-1] in _TEXTS
+    is_value = (path[0], path[-1]) == ("characteristics", "value")
+    return path[0] not in _ELSEWHERE and (is_value or path[-1] in _TEXTS)
 
 
 def _pieces(spec: Spec, pattern: str) -> list[tuple[str, re.Pattern[str] | None]]:
