@@ -173,6 +173,11 @@ class FamilyPair:
             places += (field.low.value(parameters), field.width.value(parameters))
         return tuple(places)
 
+    def numbers(self, expression: Expression, interface: str, is_old: bool) -> tuple[int, ...]:
+        """Return the value of an expression at every point of an interface."""
+        points = self._points.get(interface, ())
+        return tuple(expression.value(point.old if is_old else point.new) for point in points)
+
     def codes(self, interface: str, side: str = "shared") -> tuple[str, ...]:
         """Return the order codes of an interface, or all: of the ``old`` or ``new`` family, or the common ones.
 
@@ -220,14 +225,17 @@ class FamilyPair:
         text_in_common = describe_codes(replace(self.new, variants=common_variants), codes)
         return f"{text_in_common} that stay" if text_in_common.startswith("all ") else text
 
-    def presence(self, kind: str, subject: Subject, old: Any, new: Any) -> Iterator[Change]:
-        """Yield a change if a thing is gone, new or renamed. ``subject.label`` ends with its present name."""
+    def presence(self, kind: str, subject: Subject, old: Any, new: Any, common: str = "") -> Iterator[Change]:
+        """Yield a change if a thing is gone, new or renamed. ``subject.label`` ends with its present name.
+
+        ``common`` is the property by which a renamed one is recognised, if it is not that of its kind.
+        """
         if new is None:
             yield self.change(f"{kind}-gone", subject, " is gone", old, None)
         elif old is None:
             yield self.change(f"{kind}-new", subject, " is new", None, new)
         elif old.name != new.name:
-            label = f"{subject.label.removesuffix(new.name)}{old.name} → {new.name} ({SAME[kind]})"
+            label = f"{subject.label.removesuffix(new.name)}{old.name} → {new.name} ({common or SAME[kind]})"
             yield self.change(f"{kind}-renamed", replace(subject, label=label), "", old.name, new.name)
 
 
@@ -270,7 +278,49 @@ def in_section(family_pair: FamilyPair, path: str) -> list[Pair[Any]]:
 
 def fields(family_pair: FamilyPair, old: Layout, new: Layout, interface: str) -> list[Pair[Field]]:
     """Pair the fields of a frame or register, except those that only fill gaps."""
-    return recognised(family_pair, _described_fields(old), _described_fields(new), interface)
+    old_fields, new_fields = _described_fields(old), _described_fields(new)
+    pairs = recognised(family_pair, old_fields, new_fields, interface)
+    gone_names = {pair.old.name for pair in pairs if pair.old is not None and pair.new is None}
+    new_names = {pair.new.name for pair in pairs if pair.new is not None and pair.old is None}
+    if not gone_names or not new_names:
+        return pairs
+    return _with_renamed_between_neighbours(family_pair, pairs, (old_fields, new_fields), interface)
+
+
+def _with_renamed_between_neighbours(
+    family_pair: FamilyPair, pairs: Sequence[Pair[Field]], both_fields: tuple[list[Field], list[Field]], interface: str
+) -> list[Pair[Field]]:
+    """Return the pairs, also of a field that is gone and a new one that are as wide and between the same fields.
+
+    Such a field was renamed while a change elsewhere in the frame moved it.
+    """
+    new_by_old = {old.name: new.name for old, new in both_of(pairs)}
+    new_by_new = {new: new for new in new_by_old.values()}
+    old_neighbours = _neighbours(both_fields[0], new_by_old)
+    new_neighbours = _neighbours(both_fields[1], new_by_new)
+
+    def identity(is_old: bool, field: Field) -> Hashable:
+        neighbours = (old_neighbours if is_old else new_neighbours)[field.name]
+        widths = family_pair.place(field, interface, is_old)[1::2]
+        return (*neighbours, field.group, field.carries_data, widths)
+
+    unpaired_old = [pair.old for pair in pairs if pair.old is not None and pair.new is None]
+    unpaired_new = [pair.new for pair in pairs if pair.new is not None and pair.old is None]
+    found_pairs = paired(unpaired_old, unpaired_new, partial(identity, True), partial(identity, False))
+    pair_by_name = {pair.item.name: pair for pair in found_pairs}
+    in_new_order = [pair_by_name.get(pair.item.name, pair) for pair in pairs if pair.new is not None]
+    return in_new_order + [pair for pair in found_pairs if pair.new is None]
+
+
+def _neighbours(fields_in_order: Sequence[Field], paired_names: Mapping[str, str]) -> dict[str, tuple[str, str]]:
+    """Return the new names of the nearest paired fields before and after each field."""
+    names = [paired_names.get(field.name, "") for field in fields_in_order]
+    neighbours: dict[str, tuple[str, str]] = {}
+    for index, field in enumerate(fields_in_order):
+        name_before = next(filter(None, reversed(names[:index])), "")
+        name_after = next(filter(None, names[index + 1 :]), "")
+        neighbours[field.name] = name_before, name_after
+    return neighbours
 
 
 def _described_fields(layout: Layout) -> list[Field]:

@@ -10,6 +10,7 @@ from operator import attrgetter
 from ..model import Alternative, CodePart, Device, Manual, Parameter, Spelling, Supply, Variant
 from ..say.plain_text import first_of
 from .compare import compare_members, compare_parts, compare_section
+from .consequences import fold_defaults, with_consequences
 from .counterparts import FamilyPair, in_section, note_all
 from .interfaces import contacts, displayed, interfaces, procedure, register, timings
 from .pairs import Pair, both_of, paired
@@ -213,29 +214,32 @@ def compare(old: Sequence[Device], new: Sequence[Device]) -> list[Change]:
     return changes
 
 
+def _section_changes(family_pair: FamilyPair) -> Iterator[Change]:
+    """Return the changes of each section of the specs in turn."""
+    old, new = family_pair.old, family_pair.new
+    return chain(
+        family(family_pair),
+        order_codes(family_pair),
+        quantities(family_pair),
+        compare_section(family_pair, "crc"),
+        interfaces(family_pair),
+        compare_section(family_pair, "register", register),
+        compare_section(family_pair, "alarm"),
+        compare_section(family_pair, "procedure", procedure),
+        timings(family_pair, Subject("", ""), old.timings, new.timings),
+        supply(family_pair, Subject("", ""), old.supply, new.supply),
+        compare_section(family_pair, "connector", contacts),
+        compare_section(family_pair, "input"),
+        displayed(family_pair),
+    )
+
+
 def compare_family(old: Device, new: Device) -> list[Change]:
     """Return all changes of a family, by descending impact."""
     family_pair = FamilyPair(old, new)
     note_all(family_pair)
-    changes = list(
-        _merge_repeated(
-            chain(
-                family(family_pair),
-                order_codes(family_pair),
-                quantities(family_pair),
-                compare_section(family_pair, "crc"),
-                interfaces(family_pair),
-                compare_section(family_pair, "register", register),
-                compare_section(family_pair, "alarm"),
-                compare_section(family_pair, "procedure", procedure),
-                timings(family_pair, Subject("", ""), old.timings, new.timings),
-                supply(family_pair, Subject("", ""), old.supply, new.supply),
-                compare_section(family_pair, "connector", contacts),
-                compare_section(family_pair, "input"),
-                displayed(family_pair),
-            )
-        )
-    )
+    changes = list(_merge_repeated(_section_changes(family_pair)))
+    changes = list(fold_defaults(changes))
     if not changes and _without_spec_data(old) != _without_spec_data(new):
         subject = Subject("", f"family {new.name}")
         changes.append(family_pair.change("order", subject, ": different order, same facts", None, None))
@@ -258,8 +262,14 @@ def _merge_repeated(changes: Iterable[Change]) -> Iterator[Change]:
         if key not in merged:
             merged[key] = change
             continue
-        earlier_change = merged[key]
+        earlier_change = merged[key] = _with_consequences_of_both(merged[key], change)
         codes = tuple(dict.fromkeys((*earlier_change.codes, *change.codes)))
         if codes != earlier_change.codes:
             merged[key] = replace(earlier_change, codes=codes, reach=f"{earlier_change.reach}; {change.reach}")
-    yield from merged.values()
+    yield from map(with_consequences, merged.values())
+
+
+def _with_consequences_of_both(change: Change, repeated_change: Change) -> Change:
+    moved_fields = tuple(dict.fromkeys((*change.moved_fields, *repeated_change.moved_fields)))
+    resized_frames = {**change.resized_frames, **repeated_change.resized_frames}
+    return replace(change, moved_fields=moved_fields, resized_frames=resized_frames)

@@ -34,6 +34,7 @@ from ..model import (
 from ..model.members import PARTS_BY_CLASS
 from ..say.register import access
 from .compare import compare_members, compare_pair, compare_parts
+from .consequences import ComparedField, fold_length, fold_moves, without_explained_lengths
 from .counterparts import FamilyPair, fields, step_in_new, without_words
 from .pairs import Pair, both_of, by_key, paired
 from .rules import Change, Subject
@@ -45,8 +46,17 @@ _PLAIN = (Number, Decimal, Text)
 
 def layout(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) -> Iterator[Change]:
     """Yield the differences in the fields of a frame or register."""
+    compared_fields: Sequence[ComparedField] = []
     for pair in fields(family_pair, old, new, subject.interface):
-        yield from _compare_field(family_pair, subject, pair)
+        # Its padding follows from a field, and is compared with it.
+        if _is_padding(pair.item, old) or _is_padding(pair.item, new):
+            continue
+        common_property = _common_property(family_pair, subject, pair, old, new)
+        field_changes = list(_compare_field(family_pair, subject, pair, common_property))
+        compared_fields = [*compared_fields, ComparedField(pair, field_changes)]
+    lengths = old.bits, new.bits
+    compared_fields = fold_length(family_pair, subject.interface, subject.path, lengths, compared_fields)
+    yield from fold_moves(family_pair, subject.interface, subject.path, compared_fields)
     join_subject = replace(subject, label=f"{subject.scope}: number")
     yield from compare_parts(family_pair, "joined", old.joins, new.joins, join_subject)
     combination_subject = replace(subject, label=f"{subject.scope}: combination")
@@ -58,7 +68,39 @@ def layout(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) 
         yield from _compare_type(family_pair, type_subject, old_types.get(join.name, ""), _type_of_parts(new, join))
 
 
-def _compare_field(family_pair: FamilyPair, subject: Subject, pair: Pair[Field]) -> Iterator[Change]:
+def _is_padding(field: Field, layout: Layout) -> bool:
+    name, suffix, _ = field.name.rpartition("_padding")
+    padded_field = layout.find_field(name) if suffix else None
+    return padded_field is not None and padded_field.container > 0
+
+
+def _common_property(
+    family_pair: FamilyPair, subject: Subject, pair: Pair[Field], old_layout: Layout, new_layout: Layout
+) -> str:
+    """Return the property by which a renamed field is recognised, if its bits in the frame or group differ."""
+    if pair.old is None or pair.new is None or pair.old.name == pair.new.name:
+        return ""
+    old_lows = _lows_in_group(family_pair, subject.interface, old_layout, pair.old, is_old=True)
+    new_lows = _lows_in_group(family_pair, subject.interface, new_layout, pair.new, is_old=False)
+    return "" if old_lows == new_lows else "between the same fields"
+
+
+def _lows_in_group(
+    family_pair: FamilyPair, interface: str, layout: Layout, field: Field, is_old: bool
+) -> tuple[int, ...]:
+    """Return the lowest bit of a field at every point, counted from the start of its group if it has one."""
+    lows = family_pair.numbers(field.low, interface, is_old)
+    if not field.group:
+        return lows
+    members = [member for member in layout.fields if member.group == field.group]
+    lows_of_members = [family_pair.numbers(member.low, interface, is_old) for member in members]
+    starts = map(min, zip(*lows_of_members, strict=True))
+    return tuple(low - start for low, start in zip(lows, starts, strict=True))
+
+
+def _compare_field(
+    family_pair: FamilyPair, subject: Subject, pair: Pair[Field], common_property: str = ""
+) -> Iterator[Change]:
     """Compare a field of a frame or register: its name, its members, its kind, its type and its values."""
     field = pair.item
     # A field of a group is in many frames, but its change is reported once, for the group.
@@ -71,7 +113,7 @@ def _compare_field(family_pair: FamilyPair, subject: Subject, pair: Pair[Field])
         and family_pair.to_new("register", pair.old.name) == subject.scope
     )
     if not is_named_as_register:
-        yield from family_pair.presence("field", field_subject, pair.old, pair.new)
+        yield from family_pair.presence("field", field_subject, pair.old, pair.new, common_property)
     if pair.old is None or pair.new is None:
         return
     old, new = pair.old, pair.new
@@ -280,9 +322,10 @@ def _compare_interface(family_pair: FamilyPair, subject: Subject, old: Interface
             family_pair, "control-field", old.control_data, new.control_data, control_subject, _compare_control_values
         )
     yield from timings(family_pair, subject, old.timings, new.timings)
-    yield from compare_parts(
+    frame_changes = compare_parts(
         family_pair, "frame", old.layouts, new.layouts, subject.inside("layouts", "frame"), _compare_frame
     )
+    yield from without_explained_lengths(list(frame_changes))
 
 
 def _compare_frame(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) -> Iterator[Change]:

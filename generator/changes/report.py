@@ -19,6 +19,7 @@ from ..model import Manual, Release, ReleasedChange
 from ..say.markdown import code as in_code
 from ..say.markdown import text
 from ..say.plain_text import WIDTH, counted, first_of, wrapped
+from .names import NameChange
 from .rules import OUTPUTS, RULES, TITLES, Change, Impact, Package
 
 #: Version of the data, in the shape of ``language/diff.schema.json``.
@@ -27,10 +28,11 @@ VERSION = 2
 
 @dataclass(frozen=True)
 class Files:
-    """The generated files that differ, and the number of all."""
+    """The generated files that differ, the number of all, and the names in them that go or change their value."""
 
     changed: tuple[str, ...]
     count: int
+    names: tuple[NameChange, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -99,10 +101,18 @@ def as_data(findings: DiffResult) -> dict[str, Any]:
         "impact": findings.impact.word,
         "counts": {impact.word: counts[impact] for impact in Impact if impact},
         "changes": list(map(_change_data, findings.changes)),
-        "generated": {"files": files.count, "changed": list(files.changed)} if files else None,
+        "generated": _files_data(files) if files else None,
         "packages": list(map(_package_data, findings.packages)),
         "notices": list(findings.notices),
     }
+
+
+def _files_data(files: Files) -> dict[str, Any]:
+    names = [
+        {"family": name.family, "kind": name.kind, "name": name.name, "old": name.old, "new": name.new}
+        for name in files.names
+    ]
+    return {"files": files.count, "changed": list(files.changed), "names": names}
 
 
 def _package_data(package: Package) -> dict[str, str]:
@@ -146,11 +156,19 @@ def as_markdown(findings: DiffResult) -> str:
     for family in dict.fromkeys(change.family for change in findings.changes):
         lines += [f"### {text(family)}", ""]
         lines += _family([change for change in findings.changes if change.family == family])
+        name_lines = [f"- {text(line)}" for line in _names_of(findings, family)]
+        lines += ["#### Names in code", "", *name_lines, ""] if name_lines else []
     if not findings.changes:
         lines += ["No differences.", ""]
     if findings.changes and findings.files is not None:
         lines += [f"{len(findings.files.changed)} of {findings.files.count} generated files change.", ""]
     return "\n".join(lines).rstrip()
+
+
+def _names_of(findings: DiffResult, family: str) -> list[str]:
+    """Return the changes of names of a family in generated files."""
+    names = findings.files.names if findings.files is not None else ()
+    return [name.text for name in names if name.family == family]
 
 
 def _family(changes: Sequence[Change]) -> Iterator[str]:
@@ -179,6 +197,8 @@ def _escaped(piece: str) -> str:
 
 
 _COLUMN = 17
+#: Names that are listed in the text. The others are counted.
+_MOST_NAMES = 4
 
 
 def as_text(findings: DiffResult) -> str:
@@ -191,6 +211,7 @@ def as_text(findings: DiffResult) -> str:
             if change.impact > Impact.DOCUMENTATION:
                 lines += _change(change)
         lines += _words([change for change in family_changes if change.impact is Impact.DOCUMENTATION])
+        lines += _names(_names_of(findings, family))
     lines.append(totals(findings.changes) if findings.changes else "no differences")
     if findings.changes:
         lines += _result(findings)
@@ -209,6 +230,14 @@ def _words(changes: Sequence[Change]) -> Iterator[str]:
         changes_of_rule = [change for change in changes if change.rule is rule]
         texts = first_of([_place(change) for change in changes_of_rule], between="; ")
         yield wrapped(f"{texts} [{rule.name}]", WIDTH, " " * _COLUMN, f"  {rule.word:<13}  ")
+
+
+def _names(texts: Sequence[str]) -> Iterator[str]:
+    """Yield the first names that go or change their value, and the number of the others."""
+    if texts:
+        others = f"; and {len(texts) - _MOST_NAMES} more, all with --markdown" if len(texts) > _MOST_NAMES else ""
+        names = "; ".join(texts[:_MOST_NAMES])
+        yield wrapped(f"{names}{others}", WIDTH, " " * _COLUMN, f"  {'names':<13}  ")
 
 
 def _place(change: Change) -> str:
@@ -342,7 +371,7 @@ def records(findings: DiffResult, families: Sequence[Family]) -> Iterator[tuple[
         yield from _version_text(package, files)
         for family in changed_families:
             changes = [change for change in findings.changes if change.family == family.device.name]
-            release = _release(package, family.device.manual, changes)
+            release = _release(package, family.device.manual, changes, _names_of(findings, family.device.name))
             text = history_text(with_release(family.device.releases, release))
             yield history_beside(Path(family.document.file)), text
 
@@ -357,9 +386,9 @@ def _version_text(package: Package, files: set[str]) -> Iterator[tuple[Path, str
         yield file, text
 
 
-def _release(package: Package, manual: Manual, changes: Sequence[Change]) -> Release:
+def _release(package: Package, manual: Manual, changes: Sequence[Change], names: Sequence[str]) -> Release:
     manual_text = f"{manual.revision}{f' of {manual.date}' if manual.date else ''}"
-    return Release(package.new, package.old, manual_text, tuple(map(_released_change, changes)))
+    return Release(package.new, package.old, manual_text, tuple(map(_released_change, changes)), tuple(names))
 
 
 def _released_change(change: Change) -> ReleasedChange:

@@ -76,7 +76,9 @@ class Change:
     """One difference, described by ``text``. ``old`` and ``new`` are plain data, or None.
 
     ``codes`` are the order codes that it affects, ``reach`` describes them in words, and ``names`` contains its name in
-    each output that has one.
+    each output that has one. ``moved_fields`` are the fields that are at other bits because of it, and
+    ``resized_frames`` the frames with a different length, with the bits that they gain, or 0 if that depends on the
+    order code.
     """
 
     family: str
@@ -88,6 +90,8 @@ class Change:
     codes: tuple[str, ...]
     reach: str
     names: Mapping[str, str]
+    moved_fields: tuple[str, ...] = ()
+    resized_frames: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def impact(self) -> Impact:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..changes.rules import IMPACTS, Impact
 from .arguments import FORMATS, FORMATS_HELP, Parser, a_path, add_cache_option, cache_for
-from .terminal import Stop, print_json, refuse_missing
+from .terminal import Progress, Stop, print_json, refuse_missing
 
 if TYPE_CHECKING:
     from ..cache import Cache
@@ -110,9 +110,7 @@ def run(chosen: argparse.Namespace) -> int:
     if chosen.record and not Path(chosen.new).is_dir():
         raise Stop("--record needs a folder of specs: all families of a manufacturer share a version", 2)
     cache = cache_for(chosen)
-    before = _load_side(chosen.old, cache, chosen.lenient)
-    after = _load_side(chosen.new, cache, chosen.lenient, before)
-    comparison = _compare(before, after, cache)
+    before, after, comparison = _compare_sides(chosen, cache)
     if chosen.record:
         if not chosen.unchecked:
             _refuse_unproved(after.families, cache)
@@ -129,6 +127,16 @@ def run(chosen: argparse.Namespace) -> int:
     return int(any(change.impact >= threshold for change in relevant_changes))
 
 
+def _compare_sides(chosen: argparse.Namespace, cache: Cache) -> tuple[_Side, _Side, DiffResult]:
+    """Read and compare both sides, with a line on a terminal about what takes time."""
+    with Progress(f"codewheel: reading {chosen.old}") as progress:
+        before = _load_side(chosen.old, cache, chosen.lenient)
+        progress.text = f"codewheel: reading {chosen.new}"
+        after = _load_side(chosen.new, cache, chosen.lenient, before)
+        progress.text = "codewheel: comparing the specs and what they generate"
+        return before, after, _compare(before, after, cache)
+
+
 def _print_comparison(comparison: DiffResult, before: _Side, after: _Side, chosen: argparse.Namespace) -> None:
     if chosen.json or chosen.format == "json":
         from ..changes.report import as_data
@@ -140,8 +148,9 @@ def _print_comparison(comparison: DiffResult, before: _Side, after: _Side, chose
         print(as_markdown(comparison))
     else:
         from ..changes.report import as_text
+        from .colours import with_coloured_impacts
 
-        print(as_text(comparison))
+        print(with_coloured_impacts(as_text(comparison)))
         if chosen.editions:
             from .edition_entry import edition_entries
 

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from ..loading.library import Family
-    from ..reread.passages import Citing
+    from ..reread.facts import Citing
 
 EXAMPLES = ("codewheel facts my_encoder --section 6.2", "codewheel facts my_encoder --section 1 --json")
 JSON_VERSION = 1
@@ -35,7 +35,7 @@ def run(chosen: argparse.Namespace) -> int:
     Raises:
         Stop: There is no such family, or neither page nor section was given.
     """
-    from ..reread.passages import citing
+    from ..reread.facts import citing
     from .read_specs import specs_to_judge
 
     paths = specs_to_judge(chosen.specs, "facts FAMILY").paths

@@ -9,20 +9,22 @@ from typing import TYPE_CHECKING, Any
 from ..say.plain_text import counted
 from .arguments import Parser, a_path, add_specs_option
 from .facts import facts_data
-from .terminal import Stop, print_json, problems
+from .terminal import Progress, Stop, print_json, problems
 
 if TYPE_CHECKING:
     import argparse
     from pathlib import Path
 
     from ..loading.library import Family
-    from ..reread.passages import Citing, Passage
+    from ..reread.facts import Citing
+    from ..reread.passages import Passage
+    from ..reread.ranking import TouchedFacts
     from ..reread.sections import Manual
 
 EXAMPLES = ("codewheel reread manual-1.0.txt manual-1.1.txt --family my_encoder",)
 JSON_VERSION = 1
 #: Facts listed for a passage, and the longest text shown of it.
-_MOST_FACTS, _LONGEST = 8, 400
+_MOST_FACTS, _LONGEST = 10, 400
 _LIMITS = (
     "Only words and their order are compared. Changes in figures and in the arrangement of columns and tables are not "
     "found. Read these in the new edition."
@@ -58,7 +60,9 @@ def run(chosen: argparse.Namespace) -> int:
     Raises:
         Stop: A manual cannot be read, or the family is not known.
     """
-    from ..reread.passages import changed, citing, numbers_changed, same_language
+    from ..reread.facts import citing
+    from ..reread.passages import changed, numbers_changed, same_language
+    from ..reread.ranking import TouchedFacts
     from ..reread.sections import NoText, read
     from .read_specs import specs_to_judge
 
@@ -72,7 +76,9 @@ def run(chosen: argparse.Namespace) -> int:
     by_words = same_language(old, new)
     passages = changed(old, new) if by_words else numbers_changed(old, new)
     titles_by_page = _unnumbered_sections(family)
-    changed_passages = [_with_facts(passage, facts, old, titles_by_page) for passage in passages]
+    touched_facts = TouchedFacts(facts)
+    with Progress("codewheel: comparing the texts"):
+        changed_passages = [_with_facts(passage, touched_facts, old, titles_by_page) for passage in passages]
     if chosen.json:
         print_json(_as_data(family, changed_passages, by_words))
     else:
@@ -121,15 +127,13 @@ def _unnumbered_sections(family: Family) -> Mapping[int, str]:
 
 
 def _with_facts(
-    passage: Passage, facts: Sequence[Citing], old: Manual, titles_by_page: Mapping[int, str]
+    passage: Passage, touched_facts: TouchedFacts, old: Manual, titles_by_page: Mapping[int, str]
 ) -> _ChangedPassage:
-    from ..reread.passages import ranked
-
     section = passage.section
     sections = {section.number} | old.without_heading_after(section.number)
     sections.add(titles_by_page.get(section.page or 0, section.number))
-    section_facts = [fact for fact in facts if fact.is_at(sections, passage)]
-    return _ChangedPassage(passage, ranked(section_facts, passage), len(section_facts))
+    facts, facts_of_section = touched_facts.of(passage, sections)
+    return _ChangedPassage(passage, facts, facts_of_section)
 
 
 def _as_text(

@@ -90,12 +90,15 @@ def _release(data: dict[str, object]) -> Release:
     if not isinstance(changes, list):
         raise TypeError
     released_changes = tuple(ReleasedChange(**change) for change in changes)
-    return Release(**{**data, "changes": released_changes})  # type: ignore[arg-type]
+    names = data.get("names", [])
+    if not isinstance(names, list):
+        raise TypeError
+    return Release(**{**data, "changes": released_changes, "names": tuple(names)})  # type: ignore[arg-type]
 
 
 def _is_text(release: Release) -> bool:
     """Return True if all members of a release and of its changes are texts."""
-    texts: list[object] = [release.version, release.since, release.manual]
+    texts: list[object] = [release.version, release.since, release.manual, *release.names]
     for change in release.changes:
         texts += asdict(change).values()
     return all(isinstance(text, str) for text in texts)

@@ -140,12 +140,16 @@ class ReleasedChange:
 
 @dataclass(frozen=True, slots=True)
 class Release:
-    """A version, with its changes ``since`` an earlier one. It is based on revision ``manual`` of the manual."""
+    """A version, with its changes ``since`` an earlier one. It is based on revision ``manual`` of the manual.
+
+    ``names`` are the changes of names in generated files.
+    """
 
     version: str
     since: str
     manual: str
     changes: tuple[ReleasedChange, ...]
+    names: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -31,6 +31,7 @@ from .reading import (
     Word,
     WordCase,
     are_settled,
+    in_hex,
     mistaken_pairs,
     same_name,
 )
@@ -56,7 +57,8 @@ class Read(IntEnum):
 class Disagreement:
     """A fact with different values in the readings. ``place`` is in the spec, ``second`` in the second reading.
 
-    A place is empty if a reading lacks the fact. ``near`` is then the place where it would be.
+    A place is empty if a reading lacks the fact. ``near`` is then the place where it would be. ``is_name`` is set if
+    the values are names of the same thing, and ``resized_frame`` contains the words for a frame with another length.
     """
 
     sort: Sort
@@ -66,6 +68,8 @@ class Disagreement:
     place: Path
     second: Path
     near: Path = ()
+    is_name: bool = False
+    resized_frame: str = ""
 
 
 @dataclass(slots=True)
@@ -238,6 +242,7 @@ def _compare_names(
                 f"'{other_name.value}'",
                 own_name.place,
                 other_name.place,
+                is_name=True,
             )
 
 
@@ -315,7 +320,18 @@ def _different_values(spec_fact: Fact, spec_text: str, second_fact: Fact, second
         other=second_text,
         place=spec_fact.place,
         second=second_fact.place,
+        is_name=spec_fact.sort is Sort.PRINTED,
+        resized_frame=_frame_text(spec_fact.key) if spec_fact.key[-1] == "length" else "",
     )
+
+
+def _frame_text(key: Key) -> str:
+    """Return the words for the frame with this key in other facts, or an empty text for a register."""
+    if key[0] != "frame":
+        return ""
+    _, _, sender, _, identity, _ = key
+    value = f" with {in_hex(identity)}" if isinstance(identity, int) and identity >= 0 else ""
+    return f"of the {sender}'s frame{value}"
 
 
 def _is_default(value: Mapping[Case, str], case: Case) -> bool:

@@ -21,6 +21,7 @@ from ..model.record import dataclass
 from . import interfaces, order_codes, stated, surroundings, texts
 from .compare import Comparison, Disagreement, Read, compare
 from .reading import NOTHING, Facts, Reading, Sort
+from .related import Related, related
 
 
 def facts_of(reading: Reading) -> Facts:
@@ -88,6 +89,8 @@ _NUMBER = re.compile(r"(?<![\w.,])\d+(?:,\d{3})*(?:\.\d+)?(?![\d,.]*\d)")
 _QUANTITY = re.compile(rf"({_NUMBER.pattern}) ([µmn]?s|[kM]?Hz|m?V)(?!\w)")
 _MEND = "check the manual; if it prints both, add an erratum with both under 'readings'"
 
+_MEND_TEXT = "remove entries for texts that the spec no longer has"
+
 
 @dataclass(frozen=True)
 class SecondReading:
@@ -146,11 +149,12 @@ def compare_readings(
 
 
 def explain(spec: Document, second: Document, outcome: Comparison, report: Report) -> None:
-    """Count the disagreements explained by errata of the spec, and report the others at both places.
+    """Count the disagreements explained by errata of the spec, and report the others, each once.
 
     An erratum that affects the place of a disagreement explains it by exactly its two values.
     """
     explanations, used = list(_explanations(spec)), set[Path]()
+    unexplained: list[Disagreement] = []
     for disagreement in outcome.disagreements:
         place, values = disagreement.place or disagreement.near, (disagreement.other, disagreement.used)
         matching = [explanation for explanation in explanations if explanation[2:] == values]
@@ -159,7 +163,9 @@ def explain(spec: Document, second: Document, outcome: Comparison, report: Repor
         if explaining:
             outcome.read[disagreement.sort, disagreement.place or ("second", *disagreement.second)] = Read.EXPLAINED
         else:
-            _report_disagreement(disagreement, place, spec, second, report)
+            unexplained.append(disagreement)
+    for disagreements in related(unexplained):
+        _report_disagreements(disagreements, spec, second, report)
     _check_explanations(explanations, used, spec, report)
 
 
@@ -167,18 +173,30 @@ def _touches_any(affected: Sequence[str], place: Path) -> bool:
     return any(touches(path, place) for path in affected)
 
 
-def _report_disagreement(
-    disagreement: Disagreement, place: Path, spec: Document, second: Document, report: Report
-) -> None:
-    """Report a disagreement at its places in the spec and in the second reading."""
-    fact, used, second_value = disagreement.description, disagreement.used, disagreement.other
-    line, _ = second.position(disagreement.second)
-    report.add(RULE, spec, place, f"{fact}: {used} here, {second_value} in {File(second.file).name}:{line}; {_MEND}")
-    if disagreement.sort is Sort.ORDER_CODE and NOTHING in (used, second_value):
-        return  # Order codes that one reading lacks are one problem.
-    line, _ = spec.position(place)
-    message = f"{fact}: {second_value} here, {used} in {File(spec.file).name}:{line}; {_MEND}"
-    report.add(RULE, second, disagreement.second, message)
+def _report_disagreements(disagreements: Related, spec: Document, second: Document, report: Report) -> None:
+    """Report disagreements with one cause once: in the spec, or in the second reading if only that has the fact."""
+    first = disagreements.first
+    place = first.place or first.near
+    others = _others_text(disagreements)
+    mend = _MEND_TEXT if disagreements.is_text_without_spec else _MEND
+    if first.used == NOTHING:
+        values = f"{first.other} here, {first.used} in {_place_text(spec, place)}"
+        report.add(RULE, second, first.second, f"{first.description}: {values}{others}; {mend}")
+    else:
+        values = f"{first.used} here, {first.other} in {_place_text(second, first.second)}"
+        report.add(RULE, spec, place, f"{first.description}: {values}{others}; {mend}")
+
+
+def _place_text(document: Document, place: Path) -> str:
+    """Return the file of a place, and its line if the file has the place or one around it."""
+    file = File(document.file).name
+    return f"{file}:{document.position(place)[0]}" if place and document.has(place[:1]) else file
+
+
+def _others_text(disagreements: Related) -> str:
+    """Return the number of the other disagreements with the same cause."""
+    count = len(disagreements.others)
+    return f", and {count} more with the same cause" if count else ""
 
 
 def _check_explanations(

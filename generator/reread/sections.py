@@ -19,6 +19,7 @@ _MARKUP = re.compile(r"</?\w+>|[#*_`•▪●■]+")
 #: A link of Markdown, which can continue on the next line.
 _LINK = re.compile(r"\[(?P<shown>[^]\f]{0,200})\]\([^)\f]{0,300}\)")
 _HEADING = re.compile(r"(?P<number>\d{1,2}(?:\.\d{1,2}){0,3})\.?\s*(?:-\s*)?(?P<title>[^\W\d].*|\"\S.*|\d\w+.*)")
+_NUMBER = re.compile(r"\d+(?:\.\d+)*")
 _IN_CONTENTS = re.compile(r"(?<!\.)\.{3,}\s*\d+$|(?<!\.)\.{5,}$|\t\s*\d+$")
 _PAGE = re.compile(r"[\s\-]*\d{1,4}[\s\-]*|(?:page|pag\.?|seite)\s+\d{1,4}(?:\s*(?:of|di|/)\s*\d{1,4})?", re.IGNORECASE)
 #: A word of a manual or a spec, or a sign that changes the meaning of one.
@@ -85,7 +86,7 @@ class Manual:
 
     def without_heading_after(self, number: str) -> set[str]:
         """Return the sections whose heading is missing, and whose text therefore counts as part of this one."""
-        order = [section.number for section in self.sections if section.number[0].isdigit()]
+        order = [section.number for section in self.sections if _NUMBER.fullmatch(section.number)]
         if number not in order:
             return set()
         following = order[order.index(number) + 1 : order.index(number) + 2]

@@ -69,6 +69,9 @@ demo
   compatible     command.function: value reset is new
                  all 4 BiSS order codes; C, Python, XML [value-new]
   documentation  registers.command.function.save.meaning [words]
+  names          C macro MAKER_DEMO_BISS_CLOCK_MAX_HZ: 10000000U → 5000000U; C
+                 macro MAKER_DEMO_BISS_REG_CONFIGURATION_ACCESS:
+                 CW_ACCESS_READ_WRITE → CW_ACCESS_READ_ONLY
 4 changes: 1 breaking, 1 behaviour, 1 compatible, 1 documentation
 generated: 41 of 252 files change; maker_encoders 1.4.2 → 2.0.0, but the spec
   still says 1.4.2

@@ -196,6 +196,7 @@ def test_the_page_of_changes(tmp_path: Path, capsys: pytest.CaptureFixture[str])
     assert page.endswith(
         "\n## 2.0.0\n\nChanges since 1.4.2, with revision 1.0 of the manual.\n\n**Behaviour**\n\n"
         "- BiSS: highest clock 10 MHz → 5 MHz (`clock-narrower`): all 4 BiSS order codes; C, Python, XML\n"
+        "\n**Names in code**\n\n- C macro MAKER_DEMO_BISS_CLOCK_MAX_HZ: 10000000U → 5000000U\n"
     )
 
 

@@ -23,7 +23,7 @@ RULES_WITH_BROKEN_SPECS = """
     byte-order-missing cable-order cited-place clock-range column-units combination crc-impossible date
     default-mismatch device-name duplicate-address duplicate-key duplicate-name error-usable
     evidence-grade example-shape implausible-rate incomplete-pair interface-mismatch label-mismatch
-    layout-keys limit-does-not-fit limit-source makes-position-missing meaning-mismatch
+    layout-keys left-behind limit-does-not-fit limit-source makes-position-missing meaning-mismatch
     measurement-shape merge-key missing-key missing-signal misspelt-name not-a-map not-allowed
     not-opened not-text number-base number-too-long open-quotation order-code-ambiguous
     order-code-pattern out-of-range output-code parameter-cycle parameter-interface parameter-origin

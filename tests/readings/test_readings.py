@@ -63,7 +63,9 @@ def test_readers_may_name_split_and_order_things_as_they_like(folder: pathlib.Pa
 
 
 @pytest.mark.parametrize(("old", "new", "expected"), [case[1:] for case in CASES], ids=[case[0] for case in CASES])
-def test_a_disagreement_is_told_at_both_places(folder: pathlib.Path, old: str, new: str, expected: list[str]) -> None:
+def test_a_disagreement_is_reported_once_with_both_places(
+    folder: pathlib.Path, old: str, new: str, expected: list[str]
+) -> None:
     replace_in_file(folder / "twice.second.yaml", old, new)
     reported = problem_lines()
     assert all(line.endswith(MEND) for line in reported)
@@ -102,8 +104,8 @@ def test_scales_are_compared_as_formulas(folder: pathlib.Path) -> None:
     )
     assert problem_lines() == []
     replace_in_file(folder / "twice.second.yaml", "offset: 19000", "offset: 0")
-    message = "scale of bits 11:0 of register 0x50: number * 125/347 + 0 °C here, number * 125/347 + 19000/347 °C"
-    assert problem_lines()[0].startswith(f"twice.second.yaml:124:45: readings-disagree: {message} in twice.yaml:151")
+    message = "scale of bits 11:0 of register 0x50: number * 125/347 + 19000/347 °C here, number * 125/347 + 0 °C"
+    assert problem_lines()[0].startswith(f"twice.yaml:151:43: readings-disagree: {message} in twice.second.yaml:124")
 
 
 ERRATUM = "    affects: [registers.preset]\n"
@@ -113,14 +115,14 @@ def test_an_erratum_explains_just_these_two_values(folder: pathlib.Path) -> None
     replace_in_file(folder / "twice.second.yaml", "max: 2^resolution - 1", "max: 2^resolution")
     replace_in_file(folder / "twice.second.yaml", "{name: value, at: 11:0}", "{name: value, at: 12:0}")
     replace_in_file(folder / "twice.yaml", "{name: position, at: 11:0}", "{name: position, at: 12:0}")
-    assert len(problem_lines()) == 2
+    assert len(problem_lines()) == 1
     replace_in_file(folder / "twice.yaml", ERRATUM, f'{ERRATUM}    readings: [{{second: "1024", used: "1023"}}]\n')
     assert problem_lines() == []
     replace_in_file(folder / "twice.yaml", 'second: "1024"', 'second: "1025"')
-    assert len(problem_lines()) == 3
+    assert len(problem_lines()) == 2
     replace_in_file(folder / "twice.yaml", '"1025", used: "1023"', '"1024", used: "1023"')
     replace_in_file(folder / "twice.yaml", "affects: [registers.preset]", "affects: [registers.width]")
-    assert len(problem_lines()) == 3
+    assert len(problem_lines()) == 2
 
 
 def test_an_explanation_without_a_disagreement_is_told(folder: pathlib.Path) -> None:
@@ -150,7 +152,7 @@ def test_a_fact_that_only_the_second_reading_has_can_be_explained(folder: pathli
     replace_in_file(
         folder / "twice.second.yaml", "    limits_of: value\n", "    limits_of: value\n    above_max: default\n"
     )
-    assert len(problem_lines()) == 2
+    assert len(problem_lines()) == 1
     replace_in_file(folder / "twice.yaml", ERRATUM, f"{ERRATUM}    readings: [{{second: default, used: nothing}}]\n")
     assert problem_lines() == []
 
@@ -160,7 +162,7 @@ def test_a_printed_byte_order_that_biss_does_not_have_is_explained_by_the_spec(f
     register = "registers:\n  - {{name: profile_id, address: 0x42, length: 2, access: read_only, byte_order: {}{}}}\n"
     replace_in_file(folder / "twice.yaml", "registers:\n", register.format("high_byte_first", ', source: "6"'))
     replace_in_file(folder / "twice.second.yaml", "registers:\n", register.format("low_byte_first", ""))
-    assert [line.split(": ")[1] for line in problem_lines()] == ["readings-disagree"] * 2
+    assert [line.split(": ")[1] for line in problem_lines()] == ["readings-disagree"]
     readings = "readings: [{second: low_byte_first, used: high_byte_first}]"
     replace_in_file(folder / "twice.yaml", ERRATUM, f"    affects: [registers.profile_id]\n    {readings}\n")
     assert problem_lines() == []
@@ -329,7 +331,7 @@ def test_our_manuals_were_read_twice(capsys: pytest.CaptureFixture[str]) -> None
             "{gray: {value: 1, printed_name: binary}, binary: {value: 0, printed_name: gray}}",
             ["name of value 0 of bit 5 of 'setting': 'gray'", "name of value 1 of bit 5 of 'setting': 'binary'"],
         ),
-        ("wrong", "faut", ["name of bit 0 of 'setting': 'fault'", "name of alarm at register 0x49 bit 0: 'fault'"]),
+        ("wrong", "faut", ["name of alarm at register 0x49 bit 0: 'fault'"]),
         ("wrong", "mistake", []),
     ],
     ids=["exchanged", "a letter lost", "another"],
@@ -394,9 +396,8 @@ def test_a_parameter_of_one_name_is_the_same_in_both(folder: pathlib.Path) -> No
         "  resolution: {unit: bits}\n",
         "  resolution: {unit: bits}\n  all_bits: {unit: bits, equals: resolution + 1}\n",
     )
-    first, second = problem_lines()
-    assert "the parameter 'all_bits', for T10B and 7 more: 11 here, 10 in twice.yaml:" in first
-    assert "10 here, 11 in twice.second.yaml:" in second
+    (problem,) = problem_lines()
+    assert "the parameter 'all_bits', for T10B and 7 more: 10 here, 11 in twice.second.yaml:" in problem
 
 
 def test_a_default_of_a_field_that_only_the_second_reading_states(folder: pathlib.Path) -> None:
@@ -423,9 +424,9 @@ LEFT_OUT = re.compile(r"^(evidence|documents|examples|errata):.*\n((  .*)?\n)*",
     [
         ("", "", []),
         ("constant: 0x53", "constant: 0x54", ["request with 0x54 from bit 8: other, without a reply here, nothing in"]),
-        ("request: restart,", "request: restart, reply: label,", ["other, with a reply here, other, without a reply"]),
+        ("request: restart,", "request: restart, reply: label,", ["other, without a reply here, other, with a reply"]),
         ("{name: zero, bits: 8, unused: 0}", "{name: zero, bits: 8, constant: 0}", ["constant 00000000"]),
-        ("{name: type_label, bits: 32", "{name: type_label, bits: 24", ["bits of 'type_label_reply': 48 here, 56 in"]),
+        ("{name: type_label, bits: 32", "{name: type_label, bits: 24", ["bits of 'type_label_reply': 56 here, 48 in"]),
     ],
 )
 def test_requests_and_replies_are_compared(

@@ -290,7 +290,7 @@ def test_a_manual_of_no_family_asks_for_one(tmp_path: Path, capsys: pytest.Captu
 def test_facts_of_a_place(capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["facts", "tv62", "--section", "4.1", "--specs", str(SPECS)]) == 0
     printed = capsys.readouterr().out
-    assert ": registers.bank.address: 64\n" in printed
+    assert ": registers.bank.address: 0x40\n" in printed
     assert main(["facts", "tv62", "--page", "1", "--section", "5", "--specs", str(SPECS)]) == 1
     assert capsys.readouterr().out == "0 facts from section 5 page 1\n"
     assert main(["facts", "tv62", "--specs", str(SPECS)]) == 2

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TypedDict
 
 from ...cache import Cache
+from ...changes.names import name_changes
 from ...changes.report import Files as FileCounts
 from ...family_parts import FamilyParts
 from ...language.problems import TemplateFault
@@ -167,7 +168,9 @@ def changed_files(old: Sequence[Device], new: Sequence[Device], cache: Cache) ->
     except (TargetError, TemplateFault):
         return None
     names = sorted({*before, *after})
-    return FileCounts(tuple(name for name in names if before.get(name) != after.get(name)), len(names))
+    changed = tuple(name for name in names if before.get(name) != after.get(name))
+    changed_names = name_changes(before, after, {device.name for device in (*old, *new)})
+    return FileCounts(changed, len(names), changed_names)
 
 
 def unchanged_families(old: Sequence[Device], new: Sequence[Device]) -> frozenset[str]:

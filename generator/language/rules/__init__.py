@@ -12,6 +12,7 @@ from . import (
     biss,
     bits,
     connectors,
+    left_behind,
     names,
     order_code,
     parameters,
@@ -175,4 +176,7 @@ RULES: tuple[Rule, ...] = (
     words.name_and_meaning,
     words.wires_named,
     printed_twice.repeated_text,
+    left_behind.start_values,
+    left_behind.defaults,
+    left_behind.order_codes_in_texts,
 )

@@ -67,6 +67,8 @@ def _release_section(release: Release) -> dict[str, Any]:
             lines = [f"{counted(len(lines), 'change')} to wording, sources, errata and examples"]
         if lines:
             parts.append({"title": title, "lines": lines})
+    if release.names:
+        parts.append({"title": "Names in code", "lines": [text(name) for name in release.names]})
     about = f"Changes since {release.since}, with revision {release.manual} of the manual."
     return {"version": text(release.version), "about": about, "parts": parts}
 

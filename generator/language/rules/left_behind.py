@@ -1,0 +1,177 @@
+"""Rules for texts that a revision of the spec leaves behind: values and order codes that are no longer right."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Any
+
+from ..document import Path
+from ..problems import DocumentReport, quoted
+from ..schema_files import PROSE
+from .walk import Spec, by_name, items, leaves_of
+
+_NUMBER = r"(?P<number>0[xX][0-9A-Fa-f]+|[0-9][0-9A-F]*h\b|[0-9]+(?![0-9A-Fa-f]*h\b|[.,]?[0-9A-Za-z]))"
+#: The start value of a CRC in words, unless the sentence restricts it.
+_START_VALUE = re.compile(rf"\bstart value (?:is |of )?{_NUMBER}(?! unless)", re.IGNORECASE)
+#: The default of a register in words.
+_DEFAULT = re.compile(rf"\bdefault (?:value )?(?:is |of ){_NUMBER}(?! unless)", re.IGNORECASE)
+#: Words in the name of an example that shows a register as delivered.
+_AS_DELIVERED = frozenset(("default", "defaults", "delivered"))
+#: Parts of an order code that a text leaves open, and its tail.
+_LEFT_OPEN = re.compile(r"x+|\.{2,3}|…|_+|\*")
+_TAIL = re.compile(r"(?:[-/]?(?:\.{2,3}|…)|[-/])*")
+_BRACES = re.compile(r"\{(\w+)\}")
+
+
+def start_values(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that notes of CRCs, and errata about them, have the start value of the CRC."""
+    crcs = by_name(spec, "crcs")
+    for path, crc in items(spec, "crcs"):
+        _check_words((*path, "note"), crc.get("note", ""), _START_VALUE, "init", [crc], report)
+    for path, erratum in items(spec, "errata"):
+        affected = _affected(erratum, "crcs", crcs, "init")
+        _check_words((*path, "used"), erratum.get("used", ""), _START_VALUE, "init", affected, report)
+
+
+def defaults(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that errata and examples of a register have its default."""
+    registers = by_name(spec, "registers")
+    for path, erratum in items(spec, "errata"):
+        affected = _affected(erratum, "registers", registers, "default")
+        _check_words((*path, "used"), erratum.get("used", ""), _DEFAULT, "default", affected, report)
+    for path, example in items(spec, "examples"):
+        register = registers.get(example.get("register", ""), {})
+        if example.get("kind") != "register" or "default" not in register or "bytes" not in example:
+            continue
+        if _AS_DELIVERED.isdisjoint(example["name"].split("_")) or "erratum" in example:
+            continue
+        default = _bytes_of(register)
+        if default and example["bytes"].replace(" ", "").casefold() != default:
+            message = (
+                f"the example shows the default of {quoted(example['register'])}, which is {register['default']:#x}; "
+                "correct one of the two, or give the example another name"
+            )
+            report.add("left-behind", (*path, "bytes"), message)
+
+
+def _affected(erratum: Spec, section: str, parts: dict[str, Spec], key: str) -> list[Spec]:
+    """Return the parts of a section that an erratum affects as a whole or by the key."""
+    names = []
+    for affected in erratum.get("affects", ()):
+        steps = affected.split(".")
+        if steps[0] == section and steps[1:2] and steps[2:] in ([], [key]):
+            names.append(steps[1])
+    return [parts[name] for name in names if name in parts]
+
+
+def _check_words(
+    path: Path, text: str, pattern: re.Pattern[str], key: str, parts: Sequence[Spec], report: DocumentReport
+) -> None:
+    """Report the first part whose value is not the one in the words."""
+    match = pattern.search(text)
+    if match is None:
+        return
+    for part in parts:
+        if isinstance(part.get(key), int) and part[key] != _number(match["number"]):
+            message = (
+                f"the text says {quoted(match[0])}, but {quoted(key)} of {quoted(part['name'])} is {part[key]:#x}; "
+                "correct one of the two"
+            )
+            report.add("left-behind", path, message)
+            return
+
+
+def _number(text: str) -> int:
+    if text.endswith("h"):
+        return int(text[:-1], 16)
+    return int(text, 0) if text[:2].lower() == "0x" else int(text)
+
+
+def _bytes_of(register: Spec) -> str:
+    """Return the default of a register of one byte, or of several in a stated order, in hexadecimal digits."""
+    length, order = register.get("length", 1), register.get("byte_order", "")
+    if not isinstance(register["default"], int) or (length > 1 and not order):
+        return ""
+    default = register["default"]
+    try:
+        if order == "low_byte_first":
+            return default.to_bytes(length, "little", signed=default < 0).hex()
+        return default.to_bytes(length, "big", signed=default < 0).hex()
+    except OverflowError:
+        return ""
+
+
+def order_codes_in_texts(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that tables and other texts name no part of an order code that the order code does not have.
+
+    A text may leave parts open, such as ``SMA21-xxx-0050-...``, and may end after any part.
+    """
+    pattern = spec.get("order_code", {}).get("pattern", "")
+    start = pattern.partition("{")[0]
+    # The texts of an older edition are those of today, with other order codes.
+    if len(start) < 3 or report.document.family:
+        return
+    pieces = _pieces(spec, pattern)
+    word = re.compile(rf"(?<![\w-]){re.escape(start)}[\w.…/*-]+")
+    for path, text in leaves_of(spec, report):
+        if not isinstance(text, str) or not _is_text(path):
+            continue
+        for order_code in word.findall(text):
+            label = _unknown_label(order_code[len(start) :].rstrip(".,"), pieces)
+            if label:
+                names = f"{quoted(order_code)} names {quoted(label)}"
+                message = f"{names}, which is not in the order code; correct one of the two"
+                report.add("left-behind", path, message)
+                break
+
+
+#: Texts about the encoder, without the titles and reasons of errata, and parts about other documents and editions.
+_TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source", "alignment_source", "output_code_source"}
+_ELSEWHERE = frozenset(("documents", "manual", "order_code", "editions", "evidence"))
+
+
+def _is_text(path: Path) -> bool:
+    """Return whether a value at a path is a text in which each order code is one of today."""
+    if path[0] == "tables":
+        return "rows" in path or path[-1] in _TEXTS
+    is_value = (path[0], path[-1]) == ("characteristics", "value")
+    return path[0] not in _ELSEWHERE and (is_value or path[-1] in _TEXTS)
+
+
+def _pieces(spec: Spec, pattern: str) -> list[tuple[str, re.Pattern[str] | None]]:
+    """Return the text before each part of the pattern, and the expression for the part."""
+    parts = by_name(spec, "order_code", "parts")
+    texts = _BRACES.split(pattern)  # Text and names of parts in turn.
+    pieces: list[tuple[str, re.Pattern[str] | None]] = []
+    for place in range(1, len(texts), 2):
+        part: dict[str, Any] = parts.get(texts[place], {})
+        labels = sorted(map(re.escape, map(str, part.get("values", {}))), key=len, reverse=True)
+        alternatives = [*labels, *([part["open"]] if "open" in part else [])]
+        expression = re.compile("|".join(alternatives)) if all(alternatives) and alternatives else None
+        pieces.append(("" if place == 1 else texts[place - 1], expression))
+    return pieces
+
+
+def _unknown_label(text: str, pieces: Sequence[tuple[str, re.Pattern[str] | None]]) -> str:
+    """Return the text of the first part that has none of its labels, or an empty text."""
+    is_left_open = False
+    for before, expression in pieces:
+        if _TAIL.fullmatch(text) or expression is None:
+            return ""
+        if not text.startswith(before):
+            if is_left_open:
+                continue
+            return ""
+        rest = text.removeprefix(before)
+        match = expression.match(rest) or _LEFT_OPEN.match(rest)
+        if match is not None:
+            is_left_open, text = rest[0] in "x.…_*", rest[match.end() :]
+        elif before or not is_left_open:
+            return _first_word(rest)
+    return ""
+
+
+def _first_word(text: str) -> str:
+    word = re.match(r"[0-9A-Za-z]+", text)
+    return word[0] if word is not None else ""

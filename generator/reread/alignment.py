@@ -1,0 +1,116 @@
+"""Align the words of two texts in time that grows with their length, not with its square."""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from difflib import SequenceMatcher
+from typing import NamedTuple
+
+#: Lengths of the phrases that align two texts, longest first. In a text of few words, only long ones occur once.
+_PHRASE_LENGTHS = (16, 8, 4, 2, 1)
+#: Most pairs of equal words that are compared with each other. More are first divided at common phrases.
+_MOST_PAIRS = 20_000
+#: The same without any common phrase that occurs once. More count as one difference.
+_MOST_PAIRS_WITHOUT_PHRASE = 400_000
+
+
+class Ranges(NamedTuple):
+    """A range of words of the old edition, and the one that replaces it in the new edition."""
+
+    low: int
+    high: int
+    new_low: int
+    new_high: int
+
+    @property
+    def is_empty(self) -> bool:
+        return self.low == self.high and self.new_low == self.new_high
+
+
+def differing_ranges(old: Sequence[str], new: Sequence[str]) -> Iterator[Ranges]:
+    """Yield the ranges of words that differ, in order."""
+    open_ranges = [(Ranges(0, len(old), 0, len(new)), 0)]
+    while open_ranges:
+        ranges, level = open_ranges.pop()
+        ranges = _without_equal_ends(old, new, ranges)
+        if ranges.is_empty:
+            continue
+        if _is_small(old, new, ranges, _MOST_PAIRS):
+            yield from _differences_within(old, new, ranges)
+        elif level < len(_PHRASE_LENGTHS):
+            parts = _divided(old, new, ranges, _PHRASE_LENGTHS[level])
+            open_ranges += [(part, level + 1) for part in reversed(parts)]
+        elif _is_small(old, new, ranges, _MOST_PAIRS_WITHOUT_PHRASE):
+            yield from _differences_within(old, new, ranges)
+        else:
+            yield ranges
+
+
+def _without_equal_ends(old: Sequence[str], new: Sequence[str], ranges: Ranges) -> Ranges:
+    low, high, new_low, new_high = ranges
+    while low < high and new_low < new_high and old[low] == new[new_low]:
+        low, new_low = low + 1, new_low + 1
+    while low < high and new_low < new_high and old[high - 1] == new[new_high - 1]:
+        high, new_high = high - 1, new_high - 1
+    return Ranges(low, high, new_low, new_high)
+
+
+def _is_small(old: Sequence[str], new: Sequence[str], ranges: Ranges, most_pairs: int) -> bool:
+    """Return whether the equal words of two ranges are at most so many pairs."""
+    old_counts = Counter(old[ranges.low : ranges.high])
+    new_counts = Counter(new[ranges.new_low : ranges.new_high])
+    return sum(count * new_counts[word] for word, count in old_counts.items()) <= most_pairs
+
+
+def _differences_within(old: Sequence[str], new: Sequence[str], ranges: Ranges) -> Iterator[Ranges]:
+    low, high, new_low, new_high = ranges
+    matcher = SequenceMatcher(None, old[low:high], new[new_low:new_high], autojunk=False)
+    for tag, first, last, new_first, new_last in matcher.get_opcodes():
+        if tag != "equal":
+            yield Ranges(low + first, low + last, new_low + new_first, new_low + new_last)
+
+
+def _divided(old: Sequence[str], new: Sequence[str], ranges: Ranges, length: int) -> list[Ranges]:
+    """Return the ranges between the phrases of this length that occur once in each text and in the same order."""
+    places = _places_of_phrases(old, ranges.low, ranges.high, length)
+    new_places = _places_of_phrases(new, ranges.new_low, ranges.new_high, length)
+    common = [(place, new_places[phrase]) for phrase, place in places.items() if phrase in new_places]
+    parts: list[Ranges] = []
+    low, new_low = ranges.low, ranges.new_low
+    for place, new_place in _longest_increasing(sorted(common)):
+        if place >= low and new_place >= new_low:
+            parts.append(Ranges(low, place, new_low, new_place))
+            low, new_low = place + length, new_place + length
+    return [*parts, Ranges(low, ranges.high, new_low, ranges.new_high)]
+
+
+def _places_of_phrases(words: Sequence[str], low: int, high: int, length: int) -> dict[tuple[str, ...], int]:
+    """Return the places of the phrases of this length that occur once in a range."""
+    places: dict[tuple[str, ...], int] = {}
+    repeated_phrases: set[tuple[str, ...]] = set()
+    for place in range(low, high - length + 1):
+        phrase = tuple(words[place : place + length])
+        if phrase in places:
+            repeated_phrases.add(phrase)
+        places[phrase] = place
+    return {phrase: place for phrase, place in places.items() if phrase not in repeated_phrases}
+
+
+def _longest_increasing(pairs: Sequence[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Return the longest run of pairs, sorted by their first number, in which the second number increases too."""
+    lowest_ends: list[int] = []
+    last_indices: list[int] = []
+    previous_indices: list[int] = []
+    for index, (_, new_place) in enumerate(pairs):
+        length = bisect_left(lowest_ends, new_place)
+        previous_indices.append(last_indices[length - 1] if length else -1)
+        lowest_ends[length : length + 1] = [new_place]
+        last_indices[length : length + 1] = [index]
+    run: list[tuple[int, int]] = []
+    index = last_indices[-1] if last_indices else -1
+    while index >= 0:
+        run.append(pairs[index])
+        index = previous_indices[index]
+    return run[::-1]

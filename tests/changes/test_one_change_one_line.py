@@ -1,0 +1,75 @@
+"""A change and what follows from it are one line of ``diff``: a renaming, a width, a default."""
+
+from __future__ import annotations
+
+from codewheel.changes.families import compare
+from pair import devices, diff_text
+
+#: The CRC of the BiSS frame gets a name of its own, and the flag before it becomes two bits.
+RENAMED_FLAG = (
+    "- {name: error, active: low, makes_position: not_usable, when_active: an error}",
+    "- {name: failure, active: low, makes_position: not_usable, when_active: an error}",
+)
+NEW_FLAG = (
+    "          - {name: crc, crc: biss_6}\n",
+    "          - {name: spare, bits: 2}\n          - {name: crc, crc: biss_6}\n",
+)
+RENAMED_FAULT = ("{name: fault, at: 0, active", "{name: alarm_bit, at: 0, active")
+RENAMED_FAULT_OF_ALARM = (
+    "group: status_field, field: fault, meaning",
+    "group: status_field, field: alarm_bit, meaning",
+)
+WIDER_STATUS = (
+    "          - {use: control_field}\n          - {use: status_field}\n",
+    "          - {use: control_field}\n          - {name: station, bits: 8}\n          - {use: status_field}\n",
+)
+
+
+def lines(*edits: tuple[str, str]) -> list[str]:
+    """Return rule and text of every change of the base."""
+    return [f"{change.rule.name}: {change.text}" for change in compare(devices([]), devices(edits))]
+
+
+def test_a_field_that_is_renamed_and_moved_is_a_renaming_and_nothing_else() -> None:
+    # Before the new field, error was at bit 7 and the CRC at bits 5:0. Multiturn, singleturn, error and warning move.
+    assert lines(RENAMED_FLAG, NEW_FLAG) == [
+        "field-renamed: single_cycle_data: field error → failure (between the same fields)",
+        "field-new: single_cycle_data: field spare is new, moves 4 fields, frame 2 bits longer",
+    ]
+
+
+def test_a_renamed_bit_of_a_group_keeps_its_bits_in_the_group() -> None:
+    # The reply has a byte more before the status field: both fields of that, the position and the CRC move.
+    assert lines(RENAMED_FAULT, RENAMED_FAULT_OF_ALARM, WIDER_STATUS) == [
+        "field-new: reply: field station is new, moves 5 fields, frame 8 bits longer",
+        "field-renamed: status_field: field fault → alarm_bit (the same bits)",
+    ]
+
+
+def test_a_renamed_field_that_is_also_wider_is_not_recognised() -> None:
+    """Nothing proves that it is the same field, so the old name is gone and the new one is new."""
+    wider = ("- {name: number, at: 31:0}", "- {name: count, at: 15:0}\n      - {name: rest, at: 31:16}")
+    rules = {line.partition(":")[0] for line in lines(wider)}
+    assert rules == {"field-new", "field-gone"}
+
+
+def test_a_move_that_no_size_explains_is_a_change_of_its_own() -> None:
+    text = diff_text(
+        devices([]),
+        devices([("{name: address, low_bit: address_bit, bits: 7}", "{name: address, low_bit: 0, bits: 8}")]),
+    )
+    assert "lowest bit" in text
+
+
+def test_the_padding_of_a_field_moves_the_fields_after_it() -> None:
+    # The revolutions take four bytes instead of three, and only the CRC follows them.
+    wider = ("bits: multiturn_bits, padded_to: 24", "bits: multiturn_bits, padded_to: 32")
+    assert lines(wider) == [
+        "field-width: reply: field multiturn: bits with padding 24 → 32, moves 1 field, frame 8 bits longer"
+    ]
+
+
+def test_the_impact_is_that_of_the_moves_too() -> None:
+    """A new field alone only adds to the XML. If others move, a user of the XML reads other bits."""
+    [change] = [change for change in compare(devices([]), devices([NEW_FLAG])) if change.rule.name == "field-new"]
+    assert [impact.word for impact in change.rule.impacts] == ["behaviour", "breaking", "behaviour", "documentation"]

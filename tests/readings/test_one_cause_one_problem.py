@@ -1,0 +1,90 @@
+"""Disagreements with one cause are one problem: a widened constant, a name, texts of an example that is gone."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+from codewheel.commands.cli import main
+
+SPECS = Path(__file__).parents[2] / "specs" / "lika"
+MEND = "; check the manual; if it prints both, add an erratum with both under 'readings'"
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A copy of the SMA21 and its second reading, which agree."""
+    for name in ("manufacturer.yaml", "sma21.yaml", "sma21.second.yaml"):
+        shutil.copy(SPECS / name, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def edit(file: Path, *edits: tuple[str, str]) -> None:
+    text = file.read_text(encoding="utf-8")
+    for old, new in edits:
+        assert old in text, old
+        text = text.replace(old, new)
+    file.write_text(text, encoding="utf-8")
+
+
+def disagreements(capsys: pytest.CaptureFixture[str]) -> list[str]:
+    main(["check", "sma21.yaml"])
+    lines = capsys.readouterr().out.splitlines()
+    return [line.partition(" readings-disagree: ")[2] for line in lines if "readings-disagree" in line]
+
+
+def without(lines: list[str], start: str) -> list[str]:
+    return [line for line in lines if not line.startswith(start)]
+
+
+def test_a_widened_constant_is_one_problem(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The reply with data ID A has 9 fields of 8 bits. All alarms after the constant are at other bits of it."""
+    edit(folder / "sma21.yaml", ("printed_name: ENID2, bits: 8,", "printed_name: ENID2, bits: 16,"))
+    (problem,) = disagreements(capsys)
+    assert problem.startswith("bits of 'identification_reply': 80 here, 72 in sma21.second.yaml:")
+
+
+def test_a_difference_in_another_frame_stays(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    edit(
+        folder / "sma21.yaml",
+        ("printed_name: ENID2, bits: 8,", "printed_name: ENID2, bits: 16,"),
+        ("min_hz: 100000, max_hz: 1000000", "min_hz: 100000, max_hz: 2000000"),
+    )
+    problems = disagreements(capsys)
+    assert len(problems) == 2
+    assert problems[0].startswith("highest clock over SSI: 2000000 Hz here, 1000000 Hz in sma21.second.yaml:")
+
+
+def test_a_printed_name_that_differs_everywhere_is_one_problem(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """It is the printed name of a bit and of an alarm, and an entry of the contents."""
+    edit(
+        folder / "sma21.yaml",
+        ("printed_name: Overspeed", "printed_name: Speed limit"),
+        ("Overspeed: 41", "Speed limit: 41"),
+    )
+    (problem,) = disagreements(capsys)
+    assert ": speed limit here, overspeed in sma21.second.yaml:" in problem
+    assert problem.endswith(f" more with the same cause{MEND}")
+
+
+def test_texts_of_an_example_that_is_gone_are_one_problem_in_the_second_reading(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = (folder / "sma21.yaml").read_text(encoding="utf-8")
+    start = text.index("  - {name: profile_id_2_um, kind: register")
+    end = text.index("  - {name: profile_id_1_um", start)
+    (folder / "sma21.yaml").write_text(text[:start] + text[end:], encoding="utf-8")
+    (problem,) = disagreements(capsys)
+    assert problem.startswith("numbers in examples.profile_id_2_um.source: 6.4 here, nothing in sma21.yaml")
+    assert problem.endswith("; remove entries for texts that the spec no longer has")
+
+
+def test_revision_and_date_of_an_edition_are_one_problem(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    edit(folder / "sma21.second.yaml", ('revision: "1.2"\n  date: 2024-05-10', 'revision: "1.1"\n  date: 2023-11-10'))
+    (problem,) = disagreements(capsys)
+    assert problem.startswith("revision of the edition 'it': 1.2 here, 1.1 in sma21.second.yaml:")
+    assert problem.endswith(f", and 1 more with the same cause{MEND}")

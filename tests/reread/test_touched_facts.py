@@ -1,0 +1,94 @@
+"""The first ten facts listed for a passage are all that it touches, with numbers as the spec spells them."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+from codewheel.commands.cli import main
+
+ROOT = Path(__file__).parents[2]
+SPECS = ROOT / "docs/example/tolvarn"
+MANUAL = (ROOT / "docs/example/manual.md").read_text(encoding="utf-8")
+#: Facts that are listed at most.
+LISTED = 10
+
+
+def reread(tmp_path: Path, capsys: pytest.CaptureFixture[str], new: str, *options: str) -> str:
+    (tmp_path / "old.txt").write_text(MANUAL, encoding="utf-8")
+    (tmp_path / "new.txt").write_text(new, encoding="utf-8")
+    main(["reread", str(tmp_path / "old.txt"), str(tmp_path / "new.txt"), "--specs", str(SPECS), *options])
+    return capsys.readouterr().out
+
+
+def listed_paths(tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, new: str) -> list[str]:
+    """Return the paths of the facts that are listed for the only passage after a change of the manual."""
+    assert MANUAL.count(old) == 1
+    (passage,) = json.loads(reread(tmp_path, capsys, MANUAL.replace(old, new), "--json"))["passages"]
+    return [fact["path"] for fact in passage["facts"][:LISTED]]
+
+
+#: A change of the manual, and the facts that an editor must then look at.
+TOUCHED = {
+    "start value printed where none was": (
+        "is 5A3Ch for the position and 0 for the",
+        "is 5A3Ch for the position (all bits of the register) and 0 for the",
+        ("crcs.position_16.init", "crcs.position_16.poly"),
+    ),
+    "default that an example contains": (
+        "95.0 °C | Upper",
+        "90.0 °C | Upper",
+        ("registers.upper_limit.default", "examples.upper_limit_delivered.values.upper_limit"),
+    ),
+    "wait that an erratum explains": (
+        "least 50 ms",
+        "least 80 ms",
+        ("procedures.set_preset.steps[2].at_least_ms", "errata.wait_after_bank.used"),
+    ),
+    "revision on the cover": (
+        "revision 1.1 of 5 February 2024",
+        "revision 1.2 of 10 March 2025",
+        ("manual.revision",),
+    ),
+}
+
+
+@pytest.mark.parametrize(("old", "new", "facts"), TOUCHED.values(), ids=TOUCHED)
+def test_all_facts_that_a_passage_touches_are_listed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, new: str, facts: tuple[str, ...]
+) -> None:
+    paths = listed_paths(tmp_path, capsys, old, new)
+    assert [fact for fact in facts if fact not in paths] == [], paths
+
+
+def test_numbers_are_spelled_as_in_the_spec(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    spec = (SPECS / "tv62.yaml").read_text(encoding="utf-8").splitlines()
+    printed = reread(tmp_path, capsys, MANUAL.replace("95.0 °C | Upper", "90.0 °C | Upper"))
+    found = re.findall(r"tv62\.yaml:(\d+): \S+: (0x[0-9A-Fa-f]+|\d+|true|false)$", printed, re.MULTILINE)
+    assert [number for _, number in found if number.startswith("0x")]
+    assert [number for line, number in found if number not in spec[int(line) - 1]] == []
+    assert main(["facts", "tv62", "--section", "3.3", "--specs", str(SPECS)]) == 0
+    facts = capsys.readouterr().out
+    assert ": crcs.position_16.refin: false\n" in facts
+    assert "False" not in facts
+
+
+def test_a_name_in_the_contents_is_a_fact_of_its_section(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """A renamed alarm of the SMA21 is also a heading that the spec lists with its page."""
+    specs = ROOT / "specs" / "lika"
+    chapters = [f"{number} Chapter" for number in range(1, 8)]
+    titles = [*chapters, "7.3 Fields", "7.3.1 Control Field", "7.3.2 Status Field", "7.3.3 Data Field"]
+    titles += ["7.3.3.1 Errori encoder", "7.3.4 CRC Field", "8 Chapter"]
+    contents = "".join(f"{title}....... {page}\n" for page, title in enumerate(titles, 38))
+    body = "\n\n".join(titles).replace(titles[-3], f"{titles[-3]}\n\nOverspeed")
+    old = f"SMA21 + MTA-A154\n\n{contents}\n{body}\n"
+    (tmp_path / "old.txt").write_text(old, encoding="utf-8")
+    (tmp_path / "new.txt").write_text(old.replace("Overspeed", "Speed limit error"), encoding="utf-8")
+    files = [str(tmp_path / "old.txt"), str(tmp_path / "new.txt")]
+    main(["reread", *files, "--specs", str(specs), "--json"])
+    (passage,) = json.loads(capsys.readouterr().out)["passages"]
+    paths = [fact["path"] for fact in passage["facts"][:LISTED]]
+    assert "manual.contents.7.3.3.1.entries.Overspeed" in paths
+    assert "alarms.overspeed.printed_name" in paths
