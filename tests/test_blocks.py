@@ -48,6 +48,7 @@ ELSEWHERE = {
         ": ": "tests/changes/test_how_to_revise.py::test_its_session",
         "diff: ": "tests/changes/test_how_to_revise.py::test_its_session",
     },
+    "docs/one-line.md": {": ": "tests/docs/test_one_line_page.py::test_a_shown_output"},
     "docs/how-to-transcribe.md": {
         "yaml: ": "tests/fictional/test_page.py::test_yaml_is_that_of_the_spec",
         "text: tv62.second": "tests/fictional/test_revision.py::test_the_story_of_the_page",

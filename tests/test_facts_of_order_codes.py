@@ -19,6 +19,7 @@ READERS = {
     },
     "reads a device that reduced_to_codes has reduced to the order codes": {
         "commands/show/text.py",
+        "targets/c/single.py",
         "targets/docs/order_code_page.py",
     },
     "finds the alarm of a flag, which has the same only, and callers treat the flag of other codes as unexplained": {

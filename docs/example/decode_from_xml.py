@@ -30,11 +30,9 @@ for asked in layout.get("alternatives", "").split():
         sys.exit(f"choose: {' or '.join(f'{asked}=' + item.get('name') for item in known)}")
     parameters |= {entry.get("name"): int(entry.text, 0) for entry in chosen.iterfind("d:sets/d:entry", ns)}
 order = "little" if layout.get("byte_order") == "low_byte_first" else "big"
-in_bytes = layout.get("carried_as") == "bytes"
-bits = int.from_bytes(bytes.fromhex(frame), order) if in_bytes else int(frame, 0)
-for field in layout.findall("d:fields/d:field", ns):
-    if number(field.get("width")) == 0:  # The order code does not have this field, and no verdict depends on it.
-        field.getparent().remove(field)
+bits = int.from_bytes(bytes.fromhex(frame), order) if layout.get("carried_as") == "bytes" else int(frame, 0)
+for field in [field for field in layout.iterfind("d:fields/d:field", ns) if not number(field.get("width"))]:
+    field.getparent().remove(field)  # The order code does not have it, and no verdict depends on it.
 speaks, found = {}, set()
 for field in layout.iterfind("d:fields/d:field", ns):
     value = bits >> number(field.get("low")) & (1 << number(field.get("width"))) - 1

@@ -20,6 +20,14 @@ LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
 WHOLE = "lika"
 #: Words that only one other manufacturer uses, with the reason to keep them.
 ALONE = {
+    **dict.fromkeys(
+        (
+            "layout.combinations",
+            *(f"combination.{key}" for key in ("name", "when", "meaning", "makes_position", "note", "source")),
+            "combination.makes_position.usable_with_warning",
+        ),
+        "two flags of the AS5045 and the AS5145 that together mean a field out of range",
+    ),
     "biss.bank_select": "banks are part of BiSS, and iC-Haus documents two more chips with them",
     "register.bank": "as bank_select",
     "parameter.by_code": "codes for widths in four iC-Haus chips, and in LENZ encoders without a public document",
@@ -76,15 +84,10 @@ UNUSED = {
         ),
         "completes a list, or is the same key as in other places",
     ),
-    **dict.fromkeys(
-        (
-            "layout.combinations",
-            *(f"combination.{key}" for key in ("name", "printed_name", "when", "meaning", "makes_position")),
-            *(f"combination.{key}" for key in ("remedy", "note", "source")),
-            *(f"combination.makes_position.{verdict}" for verdict in ("not_usable", "usable_with_warning")),
-        ),
-        "two flags that together mean a field out of range, in the AS5045 and the AS5145",
-    ),
+    "combination.makes_position.not_usable": "one of three verdicts",
+    "combination.printed_name": "as of a field",
+    "combination.remedy": "as of a field",
+    "layout.gray.excess": "360 or 720 counts per turn, which so far only encoders with parallel outputs have",
     "values.makes_position.usable": "one of three verdicts",
     "code_value.meaning_differs": "the answer to a finding in words that is wrong",
     "field.parity.even": "the opposite of odd",

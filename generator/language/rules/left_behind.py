@@ -105,7 +105,7 @@ def _bytes_of(register: Spec) -> str:
 def order_codes_in_texts(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that tables and other texts name no part of an order code that the order code does not have.
 
-    A text may leave parts open, such as ``SMA21-xxx-0050-...``, and may end after any part.
+    A text may leave parts open, such as ``TV62-xxx-0050-...``, and may end after any part.
     """
     pattern = spec.get("order_code", {}).get("pattern", "")
     start = pattern.partition("{")[0]

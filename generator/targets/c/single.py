@@ -264,7 +264,7 @@ class SingleCode:
 
 
 def identifier(order_code: str) -> str:
-    """Return an order code as part of a C name: ``amm5a21_65ksc1`` for ``AMM5A21/65KSC1``."""
+    """Return an order code as part of a C name: ``tv62_s042`` for ``TV62/S042``."""
     return re.sub("[^a-z0-9]+", "_", order_code.lower()).strip("_")
 
 

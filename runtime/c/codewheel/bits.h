@@ -119,7 +119,7 @@ static inline uint64_t cw_to_gray(uint64_t word, uint32_t low, uint32_t bits)
     return (low < 64U) ? (word ^ ((v >> 1U) << low)) : word;
 }
 
-/** Return the word with the number in a field changed to value, of which bits that do not fit are cut. */
+/** Return the word with another number in a field. Bits of value that do not fit are cut. */
 CW_CONSTEXPR
 static inline uint64_t cw_with_field(uint64_t word, uint32_t low, uint32_t bits, uint64_t value)
 {
@@ -127,17 +127,19 @@ static inline uint64_t cw_with_field(uint64_t word, uint32_t low, uint32_t bits,
     return (low < 64U) ? ((word & ~(mask << low)) | ((value & mask) << low)) : word;
 }
 
-/** Convert the field that starts at bit low from Gray excess to binary: excess is subtracted from the number. */
+/** Convert the field that starts at bit low from Gray excess to binary, which is less by excess. */
 CW_CONSTEXPR
-static inline uint64_t cw_from_gray_excess(uint64_t word, uint32_t low, uint32_t bits, uint64_t excess)
+static inline uint64_t cw_from_gray_excess(
+    uint64_t word, uint32_t low, uint32_t bits, uint64_t excess)
 {
     const uint64_t sum = cw_from_gray(word, low, bits);
     return cw_with_field(sum, low, bits, cw_field(sum, low, bits) - excess);
 }
 
-/** Convert the field that starts at bit low from binary to Gray excess: excess is added to the number. */
+/** Convert the field that starts at bit low from binary to Gray excess, with excess added. */
 CW_CONSTEXPR
-static inline uint64_t cw_to_gray_excess(uint64_t word, uint32_t low, uint32_t bits, uint64_t excess)
+static inline uint64_t cw_to_gray_excess(
+    uint64_t word, uint32_t low, uint32_t bits, uint64_t excess)
 {
     const uint64_t sum = cw_field(word, low, bits) + excess;
     return cw_to_gray(cw_with_field(word, low, bits, sum), low, bits);
