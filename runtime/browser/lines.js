@@ -474,7 +474,7 @@ const isConstant = (field) => field.kind === "zero" || field.kind === "constant"
 const onesIn = (number) => number.toString(2).replaceAll("0", "").length;
 
 /** The other fields of a parity bit that change, and whether their number of ones must be odd with it. */
-function parityOf(field, sent) {
+function parityOfLine(field, sent) {
   const others = sent.filter((one) => !["parity", "crc"].includes(one.kind));
   const constants = others.filter((one) => one.kind === "constant").reduce((sum, one) => sum + onesIn(one.value), 0);
   return { covered: others.filter((one) => !isConstant(one)), isOdd: (Number(field.isOdd) + constants) % 2 };
@@ -491,7 +491,7 @@ function lineFieldData(field, sent, hasPosition) {
     case "unused": return hasPosition ? { ...data, unused: 0, place: field.place } : data;
     case "crc": return { ...data, crc: 1 };
     case "parity": {
-      const { covered, isOdd } = parityOf(field, sent);
+      const { covered, isOdd } = parityOfLine(field, sent);
       return { ...data, parity: covered.map((one) => one.name), odd: isOdd };
     }
     default: {
@@ -510,7 +510,7 @@ function lineChecks(sent, { counts = 0n, turns = ONE }) {
       return [{ ...place, values: [inTable(field.value ?? 0n)], field: field.name, says: "constant", always: 1 }];
     }
     if (field.kind !== "parity") return [];
-    const { covered, isOdd } = parityOf(field, sent);
+    const { covered, isOdd } = parityOfLine(field, sent);
     return [{ ...place, parity_of: covered.map((one) => [one.low, one.bits]), ...notEmpty({ odd: isOdd }), field: field.name,
       says: "parity", always: 1, of_name: covered.map((one) => one.name).join(", ") }];
   });

@@ -168,7 +168,7 @@ def test_every_word_in_every_engine(
     """Every word that is accepted is encoded again, too."""
     expected = expected_positions(order_code)
     results = ENGINES[engine](device, order_code, range(len(expected)), import_generated, tmp_path)
-    assert results == expected
+    assert [pair for pair in zip(results, expected, strict=True) if pair[0] != pair[1]][:5] == []
     counts = (BINARY.get(order_code) or CODES[order_code])[0]
     assert sorted(position for position in results if position != RANGE) == list(range(counts))
 

@@ -170,7 +170,10 @@ def test_every_engine(code: str, engine: str, device: Device, import_generated: 
     """Valid words are encoded again, too."""
     pairs = list(words(code))
     results = ENGINES[engine](device, code, [word for word, _ in pairs], import_generated, tmp_path)
-    assert results == [values for _, values in pairs]
+    different = [
+        (hex(word), values, result) for (word, values), result in zip(pairs, results, strict=True) if values != result
+    ]
+    assert not different[:5]
 
 
 @pytest.mark.parametrize("code", CODES)
