@@ -31,7 +31,8 @@ for asked in layout.get("alternatives", "").split():
     parameters |= {entry.get("name"): int(entry.text, 0) for entry in chosen.iterfind("d:sets/d:entry", ns)}
 order = "little" if layout.get("byte_order") == "low_byte_first" else "big"
 bits = int.from_bytes(bytes.fromhex(frame), order) if layout.get("carried_as") == "bytes" else int(frame, 0)
-for field in [field for field in layout.iterfind("d:fields/d:field", ns) if not number(field.get("width"))]:
+fields = layout.findall("d:fields/d:field", ns)
+for field in [field for field in fields if not number(field.get("width"))]:
     field.getparent().remove(field)  # The order code does not have it, and no verdict depends on it.
 speaks, found = {}, set()
 for field in layout.iterfind("d:fields/d:field", ns):
@@ -57,8 +58,7 @@ def makes(field):  # The manual does not explain a flag for order codes with the
     return field.get("makes_position") if parameters.get(field.get("only_while"), 1) else "usable_with_warning"
 
 
-# The most severe verdict decides: of flags, named values, or several values together. A flag that sums up others is
-# silent while one of these is active.
+# The most severe verdict decides. A flag that sums up others is silent while one of these is active.
 worth = {makes(item) for item in speaks.values() if not {*item.get("sums_up", "").split()} & {*speaks}}
 flags = "d:fields/d:field[@kind='flag' and not(@makes_position='usable') and not(string(@only_while))]"
 values = "d:fields/d:field/d:values/d:value[string(@makes_position) and not(@makes_position='usable')]"
@@ -68,5 +68,5 @@ verdict = next(word for word in ("not_usable", "unknown", "usable_with_warning",
 position = {*root.xpath("//d:measurement/@of", namespaces=ns)}
 joins = root.xpath("//d:layout[@interface=$kind]/d:join/d:join", namespaces=ns, kind=layout.get("interface"))
 position |= {part for join in joins if join.get("name") in position for part in join.get("fields").split()}
-if layout.get("from") == "encoder" and position & {*layout.xpath("d:fields/d:field/@name", namespaces=ns)}:
+if layout.get("from") == "encoder" and position & {field.get("name") for field in fields}:
     print("verdict:", verdict)

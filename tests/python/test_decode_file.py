@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import gc
 import io
 import os
 import random
@@ -12,6 +13,7 @@ import struct
 import subprocess
 import sys
 import time
+import weakref
 from collections.abc import Callable, Sequence
 from functools import partial
 from pathlib import Path
@@ -22,6 +24,7 @@ import numpy
 import pyarrow
 import pyarrow.parquet
 import pytest
+from codewheel_runtime.bulk.chunk import Chunk
 from codewheel_runtime.commands.main import main
 from codewheel_runtime.errors import ErrorKind
 from codewheel_runtime.files import inputs
@@ -535,6 +538,23 @@ def test_memory_is_bounded(generated_python: tuple[Path, ModuleType], tmp_path: 
     assert outcome.frames == 50_000_000 // 6
     assert outcome.peak_mb < 200, outcome
     assert numpy.isclose(outcome.damaged, outcome.frames / 1000, rtol=0.1)
+
+
+@pytest.mark.parametrize("has_gray", [False, True])
+def test_a_chunk_is_freed_without_the_garbage_collector(has_gray: bool) -> None:
+    """Chunks that wait for the garbage collector fill the memory with arrays of decoded frames."""
+    words = numpy.arange(8, dtype=numpy.uint64)
+    chunk = Chunk([words], 45)
+    if has_gray:
+        chunk.ungray(0, 12, 0)
+    assert chunk.sent.limbs[0].tolist() == list(range(8))
+    reference = weakref.ref(words)
+    gc.disable()
+    try:
+        del chunk, words
+        assert reference() is None
+    finally:
+        gc.enable()
 
 
 @pytest.mark.slow

@@ -19,9 +19,14 @@ class Chunk:
 
     def __init__(self, limbs: list[Any], bits: int) -> None:
         self.limbs, self.bits = limbs, bits
-        #: The chunk with the bits as they were sent, before any Gray code is converted.
-        self.sent = self
+        self._before_ungray: Chunk | None = None
         self._bytes: dict[int, Any] = {}
+
+    @property
+    def sent(self) -> Chunk:
+        """Chunk with the bits as they were sent, before any Gray code is converted."""
+        # A chunk that stored itself would stay in memory until the next run of the garbage collector.
+        return self._before_ungray or self
 
     def byte(self, place: int) -> Any:
         """Return the eight bits that start at bit ``8 * place``."""
@@ -71,7 +76,7 @@ class Chunk:
             shift *= 2
         if excess:
             binary = binary - np.uint64(excess << low) & mask
-        self.sent = Chunk(self.limbs, self.bits)
+        self._before_ungray = Chunk(self.limbs, self.bits)
         self.limbs = [self.limbs[0] ^ gray ^ binary]
         self._bytes.clear()
 
