@@ -76,7 +76,8 @@ def test_what_people_type_has_the_right_page_first(site: Path, browser: Browser,
 def test_it_begins_with_a_filled_box_and_has_two_screens(site: Path, browser: Browser, page: str, shown: str) -> None:
     browser.look(1280, height=800)
     browser.open((site / "docs" / f"questions-{page}.html").as_uri())
-    assert shown in browser.run('document.querySelector(".codewheel-decode").textContent')
+    text = browser.run('document.querySelector(".codewheel-decode").textContent')
+    assert shown in text, text
     before = browser.run('[...document.querySelectorAll("article section > *")].map((item) => item.className)')
     assert before[:3] == ["", "try", "codewheel-decode example"]
     link = browser.run('document.querySelector(".codewheel-decode-link a").getAttribute("href")')

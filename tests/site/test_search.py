@@ -68,7 +68,7 @@ SMA21-JP1-0050 wiring           | Wiring              | sma21/SMA21-JP1-0050.htm
 AMM5A21/65KSC1 cable length     | Clock and cable     | amm5/AMM5A21-65KSC1.html#clock-and-cable
 ASC8525/BG1 cable length        | Clock and cable     | asc85/ASC8525-BG1.html#clock-and-cable
 AMM5A21/65KSC1 clock            | Clock and cable     | amm5/AMM5A21-65KSC1.html#clock-and-cable
-AM3616/4096-I7 frame time       | Frame               | am36/AM3616-4096-I7.html#frame
+AM3616/4096-I7 frame time       | Clock and cable     | am36/AM3616-4096-I7.html#clock-and-cable
 AMM5A23/65KJP1 baud             | Baud rate and times | amm5/AMM5A23-65KJP1.html#baud-rate-and-times
 baud rate                       | Clocks, ports and codes | #clocks-ports-and-codes
 timeout                         | Times               | am36/biss.html#times
@@ -144,11 +144,11 @@ power consumption               | Wiring              | am36/biss.html#wiring
 5v                              | T12 cable           | sma21/rs485.html#t12-cable
 rs485 baud                      | AMM5: RS-485        | amm5/rs485.html
 2.5 Mbit                        | Clocks, ports and codes | #clocks-ports-and-codes
-gray code                       | Order codes and quantities | am36/biss.html#order-codes-and-quantities
+gray code                       | Gray code or binary | docs/questions-gray-or-binary.html
 counting direction reverse | Input: Counting direction (Complementary input) | -direction-complementary-input
 factory reset                   | Load and save the default parameters | #load-and-save-the-default-parameters
 crc wrong                       | The BiSS CRC is always wrong | docs/questions-crc-always-wrong.html
-crc fails                       | Why a CRC fails     | docs/why-a-crc-fails.html
+crc fails                       | The BiSS CRC is always wrong | docs/questions-crc-always-wrong.html
 nE bit                          | Deciding bits       | docs/usable-or-not.html#deciding-bits
 AMM5A21/65KSC1 how long is a frame | Frame            | amm5/AMM5A21-65KSC1.html#frame
 AMM5A21/65KSC1 which bit says error | Frame           | amm5/AMM5A21-65KSC1.html#frame

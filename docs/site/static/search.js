@@ -112,9 +112,11 @@
     const words = [...new Set(wordsOf(typed))];
     const accounted = new Map();
     for (const { page, parts } of asked) {
-      if (!parts.every((isOne) => words.some(isOne))) continue;
+      const matching = words.filter((word) => parts.some((isOne) => isOne(word)));
+      // One word may be in several parts, but does not stand for all of them.
+      if (matching.length < parts.length || !parts.every((isOne) => words.some(isOne))) continue;
       const { covered, most } = accounted.get(page) ?? { covered: new Set(), most: 0 };
-      words.filter((word) => parts.some((isOne) => isOne(word))).forEach((word) => covered.add(word));
+      matching.forEach((word) => covered.add(word));
       accounted.set(page, { covered, most: Math.max(most, parts.length) });
     }
     const score = ({ covered, most }) => covered.size + most / 2;
@@ -436,7 +438,10 @@
       `${one.family.toUpperCase()} ${one.what}`));
     const ofManufacturer = asked.label || asked.family ? undefined : INDEX.manufacturers[asked.manufacturer];
     const answers = answersTo(whole);
-    const hits = found(words, context.page, whole, ofManufacturer).filter(({ section }) => !answers.includes(section.page));
+    // A page that lists what people type to find it comes last if they typed something else.
+    const isAskedOtherwise = ({ section }) => section.page.path in INDEX.asked;
+    const unanswered = found(words, context.page, whole, ofManufacturer).filter(({ section }) => !answers.includes(section.page));
+    const hits = [...unanswered.filter((one) => !isAskedOtherwise(one)), ...unanswered.filter(isAskedOtherwise)];
     const questions = group("Questions and guides", answers.slice(0, 5).map((page) => answerHit(page, words)));
     if (!context.family) made.push(...questions);
     // The page of a label comes first, even if it says nothing about the other words.
