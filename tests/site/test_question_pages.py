@@ -37,7 +37,7 @@ error-bit           | the position is not usable
 factor-of-two       | 16000 counts
 gray-or-binary      | 287.71692°
 jump-at-zero        | position 2097151
-master-settings     | the position is usable
+master-settings     | usable: No error. The position is usable.
 only-an-echo        | only your own request
 ssi-extra-clocks    | the word comes first, and the other clocks read 0
 wrong-after-restart | the position is not usable

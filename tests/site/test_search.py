@@ -156,7 +156,7 @@ tape                            | Tape length, travel and number of positions | 
 mounting                        | Characteristics, mounting, safety | am36/hardware.html#characteristics-mounting-safety
 acknowledge                     | Acknowledge         | spi.html#acknowledge
 siemens                         | Siemens TM PosInput | docs/am36-masters.html#siemens-tm-posinput
-arduino                         | In firmware and Python | docs/editions.html#in-firmware-and-python
+arduino                         | Five minutes: an encoder in your firmware | docs/start-firmware.html
 """
 
 
