@@ -181,6 +181,11 @@ def test_as_markdown(git: Git, tmp_path: Path, capsys: pytest.CaptureFixture[str
 
 - command.function: value save: meaning (`words`): all 4 BiSS order codes; C, Python, XML, pages
 
+#### Names in code
+
+- C macro MAKER_DEMO_BISS_CLOCK_MAX_HZ: 10000000U → 5000000U
+- C macro MAKER_DEMO_BISS_REG_CONFIGURATION_ACCESS: CW_ACCESS_READ_WRITE → CW_ACCESS_READ_ONLY
+
 52 of 252 generated files change.
 """,
     )

@@ -152,6 +152,7 @@ RECORDED = {
                     "outputs": "C, Python, XML",
                 }
             ],
+            "names": ["C macro MAKER_DEMO_BISS_CLOCK_MAX_HZ: 10000000U → 5000000U"],
         }
     ]
 }
@@ -168,6 +169,7 @@ def test_what_is_recorded(tmp_path: Path, capsys: pytest.CaptureFixture[str], mo
         "demo\n"
         "  behaviour      BiSS: highest clock 10 MHz → 5 MHz\n"
         "                 all 4 BiSS order codes; C, Python, XML [clock-narrower]\n"
+        "  names          C macro MAKER_DEMO_BISS_CLOCK_MAX_HZ: 10000000U → 5000000U\n"
         "1 change: 1 behaviour\n"
     )
     assert main(["diff", "old", "new", "--record"]) == 1

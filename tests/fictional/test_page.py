@@ -44,7 +44,10 @@ SLIPS = {
     "swapped": (
         "byte_order: low_byte_first\n    access: read_write\n    default: 0x03B6",
         "byte_order: high_byte_first\n    access: read_write\n    default: 0x03B6",
-        "example 'upper_limit_delivered' does not match: upper_limit is -18941, not 950",
+        (
+            "left-behind: the example shows the default of 'upper_limit', which is 0x3b6, in the other byte order; "
+            "correct 'byte_order', 'default' or the bytes"
+        ),
     ),
     "top_bit": (
         "poly: 0x05",

@@ -46,13 +46,15 @@ def defaults(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             continue
         if _AS_DELIVERED.isdisjoint(example["name"].split("_")) or "erratum" in example:
             continue
-        default = _bytes_of(register)
-        if default and example["bytes"].replace(" ", "").casefold() != default:
-            message = (
-                f"the example shows the default of {quoted(example['register'])}, which is {register['default']:#x}; "
-                "correct one of the two, or give the example another name"
-            )
-            report.add("left-behind", (*path, "bytes"), message)
+        default, shown = _bytes_of(register), example["bytes"].replace(" ", "").casefold()
+        if not default or shown == default:
+            continue
+        message = f"the example shows the default of {quoted(example['register'])}, which is {register['default']:#x}"
+        if shown == bytes.fromhex(default)[::-1].hex():
+            message += ", in the other byte order; correct 'byte_order', 'default' or the bytes"
+        else:
+            message += "; correct one of the two, or give the example another name"
+        report.add("left-behind", (*path, "bytes"), message)
 
 
 def _affected(erratum: Spec, section: str, parts: dict[str, Spec], key: str) -> list[Spec]:
