@@ -196,7 +196,7 @@ class LayeredSpec:
             self._put_value(layer, place, (*path, len(current)), f"{_short(text)} without this item")
 
     def _add_key(self, layer: Layer, place: Path, text: str, missing_path: MissingPath) -> None:
-        """Add the value of a change at a new key of an existing map. Nothing else may be missing."""
+        """Add the value of a change at a new key of an existing map. Only that key may be missing."""
         last_step = text.rpartition(".")[2]
         parent = value_at(self._data, missing_path.existing_path)
         if missing_path.step != last_step or not isinstance(parent, dict):

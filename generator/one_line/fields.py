@@ -112,7 +112,7 @@ def _flag_of_interface(name: str, column: int, interface: str) -> Flag:
 
 def _filler(name: Literal["zero", "unused"], values: Sequence[str], column: int) -> Filler:
     if len(values) != 1:
-        raise FieldError(f"'{name}' needs a width and nothing else; write {name}=2 for two bits")
+        raise FieldError(f"'{name}' takes only a width; write {name}=2 for two bits")
     return Filler(name, _bits(name, values[0]), column)
 
 

@@ -58,7 +58,7 @@ def _without_equal_ends(old: Sequence[str], new: Sequence[str], ranges: Ranges) 
 
 
 def _is_small(old: Sequence[str], new: Sequence[str], ranges: Ranges, most_pairs: int) -> bool:
-    """Return whether the equal words of two ranges are at most so many pairs."""
+    """Return whether two ranges have at most ``most_pairs`` pairs of equal words."""
     old_counts = Counter(old[ranges.low : ranges.high])
     new_counts = Counter(new[ranges.new_low : ranges.new_high])
     return sum(count * new_counts[word] for word, count in old_counts.items()) <= most_pairs

@@ -86,6 +86,11 @@ def link(label: str, target: str) -> str:
     return f"[{label}]({target})"
 
 
+def link_list(links: Iterable[str]) -> str:
+    """Return links in one line. A dot separates them, because titles of errata contain commas."""
+    return " · ".join(links)
+
+
 def anchor(name: str) -> str:
     """Return the anchor to which links refer."""
     return f'<a id="{name}"></a>'

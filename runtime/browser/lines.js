@@ -56,7 +56,7 @@ function lineField(text, column, interface_) {
   if (name === "crc") return { ...lineCrc(values, interface_), column };
   if (name === "parity") return { ...lineParity(values), column };
   if (name === "zero" || name === "unused") {
-    if (values.length !== 1) throw new LinePart(`'${name}' needs a width and nothing else; write ${name}=2 for two bits`);
+    if (values.length !== 1) throw new LinePart(`'${name}' takes only a width; write ${name}=2 for two bits`);
     return { kind: name, name, bits: lineBits(name, values[0]), column };
   }
   if (values[0] === "low" || values[0] === "high") return { ...lineFlag(name, values), column };

@@ -19,6 +19,12 @@ def rows(page: str) -> list[list[str]]:
     return [[*map(str.strip, cells)] for cells in rows_of_cells]
 
 
+def page_of_ams(*names: str) -> str:
+    devices, report = load_library([ENCODERS / "ams" / name for name in names])
+    assert not report
+    return generate(Library(devices))["c/ASSUMPTIONS-ams.md"]
+
+
 @pytest.mark.slow
 def test_each_length_of_each_frame(c_devices: tuple[Device, ...]) -> None:
     """AMM5 6.2.1: 47, 45, ... bits with 6 bits of CRC; 7.5: replies of 6 and 11 bytes with the XOR of the bytes."""
@@ -47,13 +53,21 @@ def test_frames_without_status(c_devices: tuple[Device, ...]) -> None:
 @pytest.mark.slow
 def test_words_with_parity() -> None:
     """The AS5047P has a parity bit, no CRC and no SSI: jonas-merkle/AS5047P, SPI_ReadData_Frame_t."""
-    devices, report = load_library([ENCODERS / "ams"])
-    assert not report
-    page = generate(Library(devices))["c/ASSUMPTIONS-ams.md"]
+    page = page_of_ams("manufacturer.yaml", "as5047p.yaml")
     assert "No frame has a CRC." in page
     (line,) = (line for line in page.splitlines() if line.startswith("- A parity bit does not detect two wrong bits"))
     assert "AS5047P SPI: position" in line
     assert "SSI" not in page
+
+
+@pytest.mark.slow
+def test_words_with_parity_of_two_interfaces() -> None:
+    """The AS5145 has a parity bit too, in a word over SSI."""
+    page = page_of_ams("manufacturer.yaml", "as5047p.yaml", "as5145.yaml")
+    (parity,) = (line for line in page.splitlines() if line.startswith("- A parity bit does not detect two wrong bits"))
+    assert "AS5047P SPI: position, AS5145 SSI: SSI word." in parity
+    (no_crc,) = (line for line in page.splitlines() if line.startswith("- These SSI words have no CRC"))
+    assert "AS5145 SSI: SSI word." in no_crc
 
 
 @pytest.mark.slow

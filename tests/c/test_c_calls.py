@@ -14,9 +14,10 @@ from codewheel.targets.c.files import generate
 
 pytestmark = pytest.mark.slow
 
-#: Functions of the runtime for users.
+#: Functions of the runtime for users, and those for Gray excess, which no family of the library uses.
 SHARED = {
     "angle": "electrical q31 q15 degrees radians millidegrees",
+    "bits": "from_gray_excess to_gray_excess",
     "biss": "answer_decode master_init master_read master_write master_abort master_next master_next_late"
     " request_encode",
     "biss_slave": "slave_init slave_allow slave_give slave_stored slave_next",

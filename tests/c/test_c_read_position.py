@@ -219,7 +219,7 @@ def test_ssi_buffers_give_a_position_and_two_of_them_must_agree(
         ]
 
 
-#: Calls with an answer to an open question that is none of the answers, and with a word of another length.
+#: Calls with an invalid answer to an open question, and with a word of another length.
 REFUSED = """#include "ichaus/icmu_biss.h"
 #include "lika/amm5_rs485.h"
 #include "lika/amm5_rs485_simulate.h"

@@ -75,7 +75,7 @@ def test_an_erratum_is_a_badge_with_one_line_on_the_page_of_an_order_code(pages:
     wiring = page.partition("## Wiring")[2].partition("\n## ")[0]
     ground = "[The ground pin must be used, but the cable has no wire for it](#erratum-ground_wire)"
     polarity = "The polarity of the RS-485 lines A and B is not given"
-    assert f" ⚠ open: {ground}; [{polarity}](#erratum-rs485_polarity)\n" in wiring
+    assert f" ⚠ open: {ground} · [{polarity}](#erratum-rs485_polarity)\n" in wiring
     line = (
         f'- <a id="erratum-rs485_polarity"></a>⚠ **open** [{polarity}](errata.md#erratum-rs485_polarity): '
         "The names are given as printed. No polarity is assumed.\n"

@@ -39,7 +39,7 @@ WRONG = {
     "ssi:position=12,error": [(17, "'error' has no active level; write error=low or error=high")],
     "biss:position=12,error=2": [(24, "'error' is one bit; write error=low or error=high")],
     "ssi:position=12,ocf=low:alarm": [(25, "'alarm' is not an effect of a flag; write error, warning or status")],
-    "ssi:position=12,zero": [(17, "'zero' needs a width and nothing else; write zero=2 for two bits")],
+    "ssi:position=12,zero": [(17, "'zero' takes only a width; write zero=2 for two bits")],
     "ssi:position=12,parity": [(17, "a parity bit is even or odd; write parity=even or parity=odd")],
     "ssi:parity=even,zero=1,head=2:3": [(5, "a parity bit needs other fields that change; add them")],
     "biss:position=12,crc=6": [(18, "a CRC needs its width and polynomial; write crc=BITS:POLYNOMIAL, such as crc=6")],

@@ -232,12 +232,17 @@ def test_c_rejects_them_and_continues_across_the_wrap(generated: Path) -> None:
 
 README = r"""
 #include <stdio.h>
-EXAMPLE
+#include <string.h>
+EXAMPLES
 int main(void)
 {
-    int64_t position = 0;
-    const bool ok = read_encoder(FRAMEU, &position);
-    printf("%d %lld", ok, (long long)position);
+    static const uint8_t received[] = { RECEIVED };
+    int32_t position = 0;
+    int64_t result = 0;
+    memcpy(biss_rx, received, sizeof(biss_rx));
+    const bool is_read = read_encoder(&position);
+    const bool is_decoded = decode_frame(FRAMEU, &result);
+    printf("%d %ld, %d %lld", is_read, (long)position, is_decoded, (long long)result);
     return 0;
 }
 """
@@ -246,10 +251,13 @@ int main(void)
 @pytest.mark.slow
 def test_the_c_readme_and_examples_handle_negative_positions(generated: Path) -> None:
     blocks = re.findall(r"```c\n(.*?)```", (generated / "c" / "README.md").read_text(encoding="utf-8"), re.DOTALL)
-    example = next(block for block in blocks if "bool read_encoder" in block)
-    declared = re.sub(r"(bool read_encoder.*\))\n\{", r"\1;\n\1\n{", example)
-    program = README.replace("EXAMPLE", declared).replace("FRAME", str(frame_of(-5)))
-    assert run_c(generated, program) == (0, "1 -5")
+    examples = [block for block in blocks if "bool read_encoder" in block or "bool decode_frame" in block]
+    declared = re.sub(r"(bool \w+\(.*\))\n\{", r"\1;\n\1\n{", "\n".join(examples))
+    frame = frame_of(-5)
+    received = f"110000010{frame:033b}0".ljust(80, "1")
+    received_bytes = ", ".join(str(int(received[first : first + 8], 2)) for first in range(0, len(received), 8))
+    program = README.replace("EXAMPLES", declared).replace("FRAME", str(frame)).replace("RECEIVED", received_bytes)
+    assert run_c(generated, program) == (0, "1 -5, 1 -5")
     programs = sorted((generated / "c" / "examples").glob("*.c"))
     assert "scale_biss_dma.c" in {path.name for path in programs}
     for path in programs:

@@ -1,4 +1,4 @@
-"""Value change dumps: the edges of their signals, and times that are no numbers or go back."""
+"""Value change dumps: the edges of their signals, and times that are not numbers or go back."""
 
 from __future__ import annotations
 

@@ -158,7 +158,7 @@ def test_the_page_in_a_browser(
 
 
 def test_labels_on_the_page() -> None:
-    """A label may be in lower case and have spaces. An order code that is not listed is none."""
+    """A label may be in lower case and have spaces. An order code that is not listed has no settings."""
     program = "const m = require(process.argv[2]), d = {codes: {'AB-1/C': []}};"
     program += "console.log(JSON.stringify(['ab-1 /c', 'AB-1', ''].map((label) => m.listedCode(d, label))))"
     assert in_node(program, SCRIPT) == ["AB-1/C", None, None]

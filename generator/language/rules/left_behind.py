@@ -16,7 +16,7 @@ _NUMBER = r"(?P<number>0[xX][0-9A-Fa-f]+|[0-9][0-9A-F]*h\b|[0-9]+(?![0-9A-Fa-f]*
 _START_VALUE = re.compile(rf"\bstart value (?:is |of )?{_NUMBER}(?! unless)", re.IGNORECASE)
 #: The default of a register in words.
 _DEFAULT = re.compile(rf"\bdefault (?:value )?(?:is |of ){_NUMBER}(?! unless)", re.IGNORECASE)
-#: Words in the name of an example that shows a register as delivered.
+#: Words in the name of an example that shows the factory default of a register.
 _AS_DELIVERED = frozenset(("default", "defaults", "delivered"))
 #: Parts of an order code that a text leaves open, and its tail.
 _LEFT_OPEN = re.compile(r"x+|\.{2,3}|…|_+|\*")

@@ -151,7 +151,7 @@ def clock_range(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 
 def _report_missing_limit(clock: Spec, path: Path, report: DocumentReport) -> None:
     """Report that a clock has neither its highest frequency nor one in use."""
-    # A source that is still a placeholder marks a clock that nobody has stated yet.
+    # A source that is still a placeholder marks a clock whose limits are still to be transcribed.
     if "max_hz" not in clock and not is_placeholder(clock.get("source")):
         remedy = "if no document of the manufacturer gives the limits, write 'used_hz'"
         report.add("missing-key", path, f"{missing(['max_hz'], 'a clock')}; {remedy}", at_key=True)

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from functools import cached_property
 from itertools import chain
 
-from ...model import Biss, Field, Flag, Piece, Spi, Ssi, assert_never
+from ...model import Biss, Field, Piece, Spi, Ssi, assert_never
 from ...model.expressions import Expression
 from ...plan.codec import characters
 from ...plan.limits import NoPowerOfTwo, OutsideLimits, Refusal, TooWide, depends, refusals
@@ -68,8 +68,16 @@ class Encoder:
 
     def number(self, field: Field) -> Expr:
         """Return a member as a number, with a cast if it is a flag or of an enumeration."""
-        is_number = not isinstance(field.kind, Flag) and not self.struct.enumeration(field)
-        return self.member_of(field) if is_number else Cast("uint32_t", self.member_of(field))
+        match meaning_of(field):
+            case Active():
+                needs_cast = True
+            case Named():
+                needs_cast = self.struct.enumeration(field) is not None
+            case Raw() | TwosComplement() | ZeroMeans() | DigitRuns() | Characters():
+                needs_cast = False
+            case never:
+                assert_never(never)
+        return Cast("uint32_t", self.member_of(field)) if needs_cast else self.member_of(field)
 
     def joined(self, whole: Whole) -> Expr:
         return self.reader.joined(whole, self._bits_in_whole)

@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypedDict
 from ...model import Device, Interface, Manual, Release, ReleasedChange, Revision, Table, TimesRead
 from ...order_codes.reduction import for_interface
 from ...say.evidence import basis, edition_test, grade, origin, other_editions
-from ...say.markdown import STYLE, cited, code, joined, link, text
+from ...say.markdown import STYLE, cited, code, joined, link, link_list, text
 from ...say.order_code import settings
 from ...say.plain_text import counted
 from ...say.text import Statement, language
@@ -293,7 +293,7 @@ def _edition_errata(device: Device, edition_name: str) -> str:
     """Return links to the differences in an edition."""
     differences = [erratum for erratum in device.errata if erratum.edition == edition_name]
     links = [link(text(erratum.title), f"{page_links.ERRATA}#erratum-{erratum.name}") for erratum in differences]
-    return "; ".join(links)
+    return link_list(links)
 
 
 def revision_and_date(manual: Manual) -> str:

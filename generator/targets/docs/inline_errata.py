@@ -9,7 +9,7 @@ from typing import Annotated, Any, TypedDict
 from ...model import Device, Erratum
 from ...say.errata import errata
 from ...say.errata import erratum as erratum_statement
-from ...say.markdown import STYLE, anchor, cited, code, link, text
+from ...say.markdown import STYLE, anchor, cited, code, link, link_list, text
 from ...say.text import sentence
 from . import fact_tables
 from .page_links import ERRATA, link_to_erratum
@@ -47,7 +47,7 @@ class ErrataLines:
         wording_errata = [erratum for erratum in manual_errata if erratum.severity == "wording"]
         if wording_errata:
             mistakes = "mistake" if len(wording_errata) == 1 else "mistakes"
-            links = "; ".join(self._link(erratum, text(erratum.title)) for erratum in wording_errata)
+            links = link_list(self._link(erratum, text(erratum.title)) for erratum in wording_errata)
             lines.append(f"- Wording {mistakes} in the manual: {links}")
         if differences:
             edition_links = (self._link(difference, text(_edition_phrase(difference))) for difference in differences)
@@ -58,7 +58,7 @@ class ErrataLines:
         """Return the errata about these paths as links for a table cell."""
         affecting_errata = errata(self._device, *paths, wording=True)
         links = [f"{status_badge(erratum)} {self._link(erratum, text(erratum.title))}" for erratum in affecting_errata]
-        return "; ".join(links)
+        return link_list(links)
 
     def _link(self, erratum: Erratum, label: str) -> str:
         return link(label, f"{self._page}#erratum-{erratum.name}")
@@ -97,7 +97,7 @@ class ErrataLinks:
         for status, mark in _MARKS.items():
             with_status = [erratum for erratum in linked_errata if erratum.status == status]
             if with_status:
-                links = "; ".join(link(text(erratum.title), f"#erratum-{erratum.name}") for erratum in with_status)
+                links = link_list(link(text(erratum.title), f"#erratum-{erratum.name}") for erratum in with_status)
                 parts.append(f"{mark} {status}: {links}")
         return " ".join(parts)
 
@@ -117,7 +117,7 @@ class ErrataLinks:
                 page = f"{ERRATA}#erratum-{difference.name}"
                 pages_by_edition.setdefault(_edition_phrase(difference), []).append(page)
         if pages_by_edition:
-            editions = "; ".join(_numbered_links(label, pages) for label, pages in pages_by_edition.items())
+            editions = link_list(_numbered_links(label, pages) for label, pages in pages_by_edition.items())
             lines.append(f"- Other editions differ: {editions}")
         return "\n".join(lines)
 

@@ -20,7 +20,7 @@ from ...masters.text import (
     standing_mark,
 )
 from ...model import Device, Interface
-from ...say.markdown import code, joined, text
+from ...say.markdown import code, joined, link_list, text
 from .fact_tables import document_rows
 from .order_code_tables import order_codes
 from .page_links import link_to_erratum
@@ -88,7 +88,7 @@ def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, A
 
 def _links_to_errata(device: Device, names: Collection[str]) -> str:
     """Return links to the errata with these names."""
-    return "; ".join(link_to_erratum(device, erratum) for erratum in device.errata if erratum.name in names)
+    return link_list(link_to_erratum(device, erratum) for erratum in device.errata if erratum.name in names)
 
 
 def _fact_rows(group: Group) -> dict[Any, Row]:

@@ -10,7 +10,7 @@ from ...model.record import dataclass
 from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Only, Reporting, reportings, reports_of, sums_up, verdict_of
 from ...say.evidence import document
-from ...say.markdown import STYLE, anchor, cited, code, joined, link, text
+from ...say.markdown import STYLE, anchor, cited, code, joined, link, link_list, text
 from ...say.names_and_places import own_names
 from ...say.report import alarm_of, by_hand, conditions, deciding, meaning, remedy_text, source
 from ...say.text import Code, listed, statement
@@ -211,4 +211,4 @@ def _errata_links(device: Device, interface: Interface, layout: Layout, field: F
             paths.add(f"field_groups.{deciding_field.group}")
     errata = [erratum for erratum in device.errata if not erratum.edition and erratum.severity != "wording"]
     affecting_errata = [erratum for erratum in errata if not paths.isdisjoint(erratum.affects)]
-    return "; ".join(link_to_erratum(device, erratum) for erratum in affecting_errata)
+    return link_list(link_to_erratum(device, erratum) for erratum in affecting_errata)

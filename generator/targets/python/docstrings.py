@@ -55,7 +55,6 @@ def docstring(summary: str, *blocks: Block, indent: int = 0) -> str:
     An entry without a name, such as that of ``Returns``, is plain text.
     """
     pad = " " * indent
-    pad = " " * indent
     summary_width = WIDTH if any(blocks) else WIDTH - len('"""')
     lines = [wrapped(_in_docstring(summary), summary_width, pad, f'{pad}"""')]
     for block in blocks:
@@ -83,7 +82,7 @@ def _block_lines(block: Block, pad: str) -> list[str]:
 
 def _entry(name: str, text: str, pad: str) -> str:
     """Return an entry of a block. Further lines of a named entry are indented."""
-    start = f"{pad}    {name}: " if name else f"{pad}    "
+    start = f"{pad}    {_in_docstring(name)}: " if name else f"{pad}    "
     return wrapped(_in_docstring(text), WIDTH, f"{pad}        " if name else start, start)
 
 
