@@ -437,7 +437,9 @@ def _decoded(view: DeviceView, codec: StructCodec, verb: str, name: str, then: s
 {{
     {"" if not codec.plan.in_bytes else "uint8_t b[64];"}
     {codec.type} out;
-    const cw_result result = {codec.name}_decode(variant, {decode_arguments}, &out);
+    cw_result result;
+    memset(&out, 0x5A, sizeof out);
+    result = {codec.name}_decode(variant, {decode_arguments}, &out);
     printf("%d", (int)result);
     if (result == CW_OK) {{
         {then}
