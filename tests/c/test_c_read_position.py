@@ -18,7 +18,7 @@ pytestmark = pytest.mark.slow
 
 NOT_USABLE, UNKNOWN, WITH_WARNING, USABLE = range(4)
 OK, LENGTH, _, _, RANGE = range(5)
-LINE_HIGH = 8
+LINE_HIGH, NO_START = 8, 10
 
 HEAD = r"""
 #include "lika/@stem@.h"
@@ -212,6 +212,7 @@ def test_ssi_buffers_give_a_position_and_two_of_them_must_agree(
             f"{verdict} {position} 1 {OK} {NOT_USABLE} 77",
         ]  # fmt: skip
     assert run([f"{'FF' * size} {'FF' * size}"]) == [f"{NOT_USABLE} 77 1 {LINE_HIGH} {NOT_USABLE} 77"]
+    assert run([f"{line(5)} {'FF' * size}"]) == [f"{verdict} 5 1 {OK} {NOT_USABLE} 77"]
     if interface.has_error_bit:
         assert run([f"{line(5, 0)} {line(5)}", f"{line(5)} {line(5, 0)}"]) == [
             f"{NOT_USABLE} 77 1 {OK} {NOT_USABLE} 77",
@@ -234,12 +235,19 @@ int main(void)
     uint64_t bits = 0U;
     lika_asc85_biss_frame asc85;
     ichaus_icmu_biss_frame icmu;
+    /* A line without a start bit, and a frame of zeros after rest, acknowledge, start bit and CDS. */
+    const uint8_t low[16] = { 0xC0U };
+    const uint8_t zeros[16] = { 0xC8U };
+    cw_word word = { 0U, 0U };
     const lika_asc85_biss_zero_bit no_answer = (lika_asc85_biss_zero_bit)7;
     memset(&asc85, 0, sizeof asc85);
 @calls@
     printf("%d\\n", (int)lika_asc85_biss_decode(LIKA_ASC85_BISS_25_SC1, no_answer, cw_word_of(0U, 34U), &asc85));
     printf("%d\\n", (int)lika_asc85_biss_encode(LIKA_ASC85_BISS_25_SC1, no_answer, &asc85, &bits));
     printf("%d\\n", (int)ichaus_icmu_biss_decode(ICHAUS_ICMU_BISS_IC_MU_16_0, cw_word_of(0U, 3U), &icmu));
+    printf("%d\\n", (int)ichaus_icmu_biss_receive(ICHAUS_ICMU_BISS_IC_MU_16_0, low, sizeof low, &word));
+    printf("%d\\n", (int)ichaus_icmu_biss_receive(ICHAUS_ICMU_BISS_IC_MU_16_0, zeros, sizeof zeros, &word));
+    printf("%d\\n", (int)cw_with_field(5U, 64U, 3U, 7U));
     return 0;
 }
 """
@@ -256,4 +264,4 @@ def test_no_answer_to_an_open_question_and_no_other_length_is_taken(include: Pat
         for name in ENCODED
     )
     program = compile_c([*GCC, "-O1", *SANITIZED], REFUSED.replace("@calls@", calls), tmp_path, include)
-    assert runner(program)([]) == [str(RANGE)] * (2 * len(ENCODED) + 2) + [str(LENGTH)]
+    assert runner(program)([]) == [str(RANGE)] * (2 * len(ENCODED) + 2) + [str(LENGTH), str(NO_START), str(OK), "5"]

@@ -36,6 +36,8 @@ SPEC_OF = {"poller.c.jinja": str(ROOT / "specs" / "lika" / "sma21.yaml")} | dict
 )
 #: Files for one order code, because bulk files contain the result of a template several times.
 OPTIONS = {"masters": ("--option", "masters.order-codes=each")}
+#: Templates of outputs that an option selects.
+OPTIONS_OF = {"single.h.jinja": ("--option", "c.form=single")}
 
 
 @pytest.fixture
@@ -224,7 +226,7 @@ def test_every_rendered_template_can_be_overridden(
     maker = place / "manufacturer.yaml"
     maker.write_text(maker.read_text().replace("# biss_id: 0x0000", "biss_id: 0x4142"))
     spec = SPEC_OF.get(template, "demo.yaml")
-    options = ("--target", target, *OPTIONS.get(target, ()))
+    options = ("--target", target, *OPTIONS.get(target, ()), *OPTIONS_OF.get(template, ()))
     assert main(["generate", spec, *options]) == 0
     before = {path: path.read_text() for path in (place / "generated").rglob("*") if path.is_file()}
     mine = '{% include "shipped/' + template + '" %}\nmine\n'

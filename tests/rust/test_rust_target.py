@@ -130,12 +130,14 @@ def test_a_layout_that_is_too_wide_has_its_place(codewheel: Run, tmp_path: Path)
     assert problem_lines[0].startswith(f"{place}:")
 
 
-def test_a_parity_bit_over_gray_code_is_refused(codewheel: Run, tmp_path: Path) -> None:
-    specs = [ROOT / "tests" / "specs" / name for name in ("gray_parity.yaml", "manufacturer.yaml")]
+@pytest.mark.parametrize(
+    ("spec", "part"), [("gray_parity", "a parity bit over Gray code"), ("options", "a flag that order codes lack")]
+)
+def test_what_cannot_be_computed_is_refused(spec: str, part: str, codewheel: Run, tmp_path: Path) -> None:
+    specs = [ROOT / "tests" / "specs" / name for name in (f"{spec}.yaml", "manufacturer.yaml")]
     code, _, output = codewheel("generate", *specs, "-o", tmp_path, "--target", "rust")
     assert code == 1
-    message = "rust-parity: 'word' has a parity bit over Gray code, which this target does not compute"
-    assert message in output
+    assert f"rust-parity: 'word' has {part}, which this target does not compute" in output
 
 
 # -- hostile names and texts

@@ -75,8 +75,8 @@ UNREACHED = (
     ),
     Unreached(
         r"lika_(am36|amm5|asc85|sma21)_ssi_read_twice",
-        r"again < verdict",
-        4,
+        r"again|\(again < verdict\)",
+        8,
         "two usable words without a warning have the same verdict",
     ),
     Unreached(

@@ -104,7 +104,7 @@ BISS_PORT = """
 static cw_biss_master master;
 
 /* One frame: all levels of MA, then the time-out with the inverse of CDM. */
-static uint64_t receive_word(void)
+static cw_word receive_word(void)
 {
     uint64_t word = 0U;
     bool started = false;
@@ -130,7 +130,7 @@ static uint64_t receive_word(void)
     uart_put('T');
     (void)uart_get();
     (void)uart_get();
-    return word;
+    return cw_word_of(word, BITS);
 }
 
 static int32_t finish(void)

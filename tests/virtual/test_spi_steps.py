@@ -44,10 +44,14 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def load(outputs: Path) -> Iterator[Callable[[str], Any]]:
     folders = [str(outputs / name / "python") for name in ("ams", "infineon")]
-    sys.path[:0] = folders
-    yield importlib.import_module
-    for folder in folders:
-        sys.path.remove(folder)
+    with pytest.MonkeyPatch.context() as patch:
+        for module_name in [*sys.modules]:
+            # Other tests may have imported a package of this name with other encoders.
+            if module_name.partition(".")[0] in ("ams_encoders", "infineon_encoders"):
+                patch.delitem(sys.modules, module_name)
+        for folder in folders:
+            patch.syspath_prepend(folder)
+        yield importlib.import_module
 
 
 def recorded(line: SpiLine, words: list[int]) -> Callable[[int], int]:

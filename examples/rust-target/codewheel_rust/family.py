@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from codewheel.model import Answer, Device, Field, Interface, Layout, Register, Value
+from codewheel.model import Answer, Device, Field, Flag, Interface, Layout, Register, Value
 from codewheel.plan.codec import Codec, characters, codec_of
 from codewheel.plan.crcs import CrcFunction, crc_functions, function_of
 from codewheel.plan.frames import dispatches, held_parameters
@@ -87,8 +87,7 @@ class Family:
         self.answers: dict[str, Answer] = {}
         for alternative in device.alternatives:
             for answer in alternative.answers:
-                method = methods.give(snake(f"{alternative.name}_{answer.name}"), "alternatives")
-                self.answers[method] = answer
+                self.answers[methods.give(snake(f"{alternative.name}_{answer.name}"), "alternatives")] = answer
         for name in (parameter.name for parameter in device.parameters if parameter.equals is not None):
             methods.give(snake(name), "parameters", name)
         functions = crc_functions(device)
@@ -139,8 +138,10 @@ class Family:
         struct = Struct(layout, codec_of(self.device, layout), function_of(self.device, layout), types)
         for problem in struct.width_problems():
             self._wide.append(TargetProblem(self.device, "rust-size", place, f"{problem}. Rust allows at most {WORD}"))
-        if struct.codec.parity_covers_gray:
-            problem = f"'{layout.name}' has a parity bit over Gray code, which this target does not compute"
+        is_absent = any(isinstance(field.kind, Flag) and not field.width.is_constant for field in layout.fields)
+        if struct.codec.parity_covers_gray or is_absent:
+            part = "a flag that order codes lack" if is_absent else "a parity bit over Gray code"
+            problem = f"'{layout.name}' has {part}, which this target does not compute"
             self._wide.append(TargetProblem(self.device, "rust-parity", place, problem))
         return struct
 

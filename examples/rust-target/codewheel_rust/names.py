@@ -7,7 +7,6 @@ import re
 from codewheel.model import Device
 from codewheel.targets import TargetProblem
 
-#: Keys of a spec down to a part.
 Place = tuple[str, ...]
 #: Reserved words of Rust.
 KEYWORDS = frozenset(

@@ -81,7 +81,10 @@ class ErrataLinks:
         self._differences: dict[str, Erratum] = {}
 
     def __call__(self, *paths: str, exactly: Collection[str] = ()) -> str:
-        """Return links to the errata about these paths in the spec or about anything inside them, in one line."""
+        """Return links to the errata about these paths in the spec or about anything inside them, in one line.
+
+        Several links are folded under their number.
+        """
         manual_errata, differences = _by_origin(self._device, *paths, exactly=exactly)
         self._differences |= {difference.name: difference for difference in differences}
         return self._links_by_status([erratum for erratum in manual_errata if erratum.severity != "wording"])
@@ -93,13 +96,16 @@ class ErrataLinks:
 
     def _links_by_status(self, linked_errata: Sequence[Erratum]) -> str:
         self._errata |= {erratum.name: erratum for erratum in linked_errata}
-        parts = []
+        counts = []
+        links = []
         for status, mark in _MARKS.items():
-            with_status = [erratum for erratum in linked_errata if erratum.status == status]
-            if with_status:
-                links = link_list(link(text(erratum.title), f"#erratum-{erratum.name}") for erratum in with_status)
-                parts.append(f"{mark} {status}: {links}")
-        return " ".join(parts)
+            titles = [link(text(e.title), f"#erratum-{e.name}") for e in linked_errata if e.status == status]
+            if titles:
+                counts.append(f"{mark} {len(titles)} {status}")
+                links.append(f"{mark} {status}: {link_list(titles)}")
+        if len(linked_errata) < 2:
+            return " ".join(links)
+        return f"<details><summary>{', '.join(counts)}</summary>{' '.join(links)}</details>"
 
     def count_by_status(self) -> str:
         """Return the number of errata on the page so far, by status."""

@@ -142,7 +142,7 @@ PROCEDURE_NAMES = (*FUNCTIONS, "before", "content", "dict", "enumerate", "isinst
 
 #: Built-ins that the generated classes use in their bodies, where a field with the same name would hide them. A
 #: NamedTuple does not allow ``super``.
-_BUILT_IN = frozenset("bool bytes classmethod float int property staticmethod str super tuple".split())
+_BUILT_IN = frozenset("bool bytes classmethod float int isinstance property staticmethod str super tuple".split())
 
 
 def attribute(name: str, reserved: Iterable[str] = ()) -> str:

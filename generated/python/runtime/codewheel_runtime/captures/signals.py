@@ -232,7 +232,3 @@ def merged(
 
 def _last(times: Any) -> float:
     return float(times[-1]) if len(times) else -np.inf
-
-
-def _true_indices(values: Sequence[bool]) -> list[int]:
-    return [index for index, value in enumerate(values) if value]
