@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
+from html import escape
 from typing import Annotated, Any, TypedDict
 
 from ...model import Device, Erratum
@@ -96,16 +97,17 @@ class ErrataLinks:
 
     def _links_by_status(self, linked_errata: Sequence[Erratum]) -> str:
         self._errata |= {erratum.name: erratum for erratum in linked_errata}
+        if len(linked_errata) == 1:
+            (erratum,) = linked_errata
+            return f"{_MARKS[erratum.status]} {erratum.status}: {link(text(erratum.title), f'#erratum-{erratum.name}')}"
         counts = []
         links = []
         for status, mark in _MARKS.items():
-            titles = [link(text(e.title), f"#erratum-{e.name}") for e in linked_errata if e.status == status]
-            if titles:
-                counts.append(f"{mark} {len(titles)} {status}")
-                links.append(f"{mark} {status}: {link_list(titles)}")
-        if len(linked_errata) < 2:
-            return " ".join(links)
-        return f"<details><summary>{', '.join(counts)}</summary>{' '.join(links)}</details>"
+            with_status = [erratum for erratum in linked_errata if erratum.status == status]
+            if with_status:
+                counts.append(f"{mark} {len(with_status)} {status}")
+                links.append(f"{mark} {status}: {link_list(map(_html_link, with_status))}")
+        return f"<details><summary>{', '.join(counts)} errata</summary>{' '.join(links)}</details>" if links else ""
 
     def count_by_status(self) -> str:
         """Return the number of errata on the page so far, by status."""
@@ -126,6 +128,11 @@ class ErrataLinks:
             editions = link_list(_numbered_links(label, pages) for label, pages in pages_by_edition.items())
             lines.append(f"- Other editions differ: {editions}")
         return "\n".join(lines)
+
+
+def _html_link(erratum: Erratum) -> str:
+    """Return a link in HTML, since a block that begins with HTML has no Markdown in it."""
+    return f'<a href="#erratum-{erratum.name}">{escape(erratum.title)}</a>'
 
 
 def _numbered_links(label: str, pages: Sequence[str]) -> str:
