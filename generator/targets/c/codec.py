@@ -147,8 +147,13 @@ class Encoder:
         name = self.member_of(field)
         match meaning_of(field):
             case Active(low):
-                inactive = Number(1) if field.width.is_constant else self.struct.scope.of(field.width)
-                return Conditional(name, *((Number(0), inactive) if low else (Number(1), Number(0))))
+                if low and not field.width.is_constant:
+                    # An absent flag is not active, so both are 0.
+                    active = Conditional(name, Number(1), Number(0))
+                    return Operation(
+                        "^", (Cast("uint64_t", active), Cast("uint64_t", self.struct.scope.of(field.width)))
+                    )
+                return Conditional(name, *((Number(0), Number(1)) if low else (Number(1), Number(0))))
             case TwosComplement():
                 return Operation("&", (Cast("uint64_t", name), self.struct.scope.mask(field.width)))
             case ZeroMeans(number):
