@@ -38,10 +38,9 @@ def test_an_erratum_is_next_to_the_bytes_that_it_changes(pages: Mapping[str, str
     for section in sections(pages, "am36", "BiSS C-mode"):
         rows = [row for row in section.splitlines() if "49h: bit 2 = 0" in row]
         assert rows
-        assert all(
-            "[One warning gives the bit Enable preset the opposite polarity](#erratum-enable_preset_polarity)" in row
-            for row in rows
-        )
+        for row in rows:
+            assert "One warning gives the bit Enable preset the opposite polarity" in row
+            assert "#erratum-enable_preset_polarity" in row
 
 
 # AMM5 7.4.2 p.45: what data ID 8 resets is open.
