@@ -32,7 +32,7 @@
     ["send request", "poll query ask"],
     ["reset send", "clear restart"],
     ["direction counting", "clockwise counterclockwise cw ccw reverse invert"],
-    ["frame frames layout", "telegram packet word message bits"],
+    ["frame frames layout", "telegram packet word message bits long"],
     ["errata", "mistake mistakes misprint erratum"],
     ["resolution", "counts ppr steps"],
   ];
