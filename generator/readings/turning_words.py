@@ -1,0 +1,101 @@
+"""Words that turn a sentence round if one is exchanged for its opposite, as data, and the gaps that they leave."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+#: Kinds of words. Each line has the senses of a kind, separated by a bar, and each sense its words, separated by commas.
+#: The first word of a sense is the one that a reader fills in. Words of one sense can replace each other.
+_WORDS = """\
+negation: not, no, never, none, nothing, neither, nor, without, non, no longer | always
+modal: must, should, shall, has to, have to | may, can, could, might | must not, should not, may not | cannot, can not
+order: before, prior to, previous, until | after, afterwards, following, next, since
+place: above, over the limit | below, under, beneath
+bound: at least, minimum, lowest, smallest, shortest, min | at most, maximum, highest, largest, longest, up to, max
+amount: more, greater, larger, longer, higher, bigger, too high, too large, exceeds | \
+less, fewer, smaller, shorter, lower, too low, too small
+rotation: clockwise | counter-clockwise, counterclockwise, anticlockwise, anti-clockwise
+level: high | low
+switch: on | off
+opening: open, opened, opens | closed, close, closes
+report: error, errors, fault, faults | warning, warnings
+change: increase, increases, increased, increasing, rises, rising, up | \
+decrease, decreases, decreased, decreasing, falls, falling, down
+side: left | right
+connection: connected, connect, connects | disconnected, disconnect, disconnects, unconnected
+inside: internal, inner, inside | external, outer, outside
+sign: positive, plus | negative, minus
+activity: active, activated, activate, activates, enabled, enable, enables | \
+inactive, deactivated, deactivate, deactivates, disabled, disable, disables
+colour: white | black | brown | green | yellow | grey | pink | blue | red | violet | orange | purple
+"""
+#: Kind of the signals of the connectors, which differ between families.
+SIGNAL = "signal"
+#: 'on' is a turning word only after these words. Elsewhere it is a preposition.
+_BEFORE_ON = "power- switch- power turn turned switch switched powered lit is are stays remains LED lights".split()
+#: Sense by its first word, after the kind.
+Senses = Mapping[str, tuple[str, str]]
+
+
+class Gap(NamedTuple):
+    """A gap in a text. ``word`` is the word that fits, the first one of its sense."""
+
+    kind: str
+    word: str
+
+
+class ClozeText(NamedTuple):
+    """A text with numbered gaps, and its gaps."""
+
+    text: str
+    gaps: tuple[Gap, ...]
+
+
+class Vocabulary:
+    """The turning words of a family: those of the language, and the signals on its connectors."""
+
+    def __init__(self, signals: Iterable[str]) -> None:
+        self._senses: dict[str, Gap] = {}
+        #: First words of the senses, by kind.
+        self.choices: dict[str, Sequence[str]] = {}
+        for line in _WORDS.splitlines():
+            kind, _, senses = line.partition(": ")
+            self._add_kind(kind, [sense.split(", ") for sense in senses.split(" | ")])
+        self._add_kind(SIGNAL, [[signal] for signal in sorted(set(signals)) if len(signal) > 2])
+        spellings = sorted(self._senses, key=len, reverse=True)
+        self._pattern = re.compile(rf"(?<![\w/])(?:{'|'.join(map(_pattern, spellings))})(?!\w)", re.IGNORECASE)
+
+    def _add_kind(self, kind: str, senses: Sequence[Sequence[str]]) -> None:
+        self.choices[kind] = [words[0] for words in senses]
+        for words in senses:
+            for word in words:
+                self._senses.setdefault(word.casefold(), Gap(kind, words[0]))
+
+    def cloze(self, text: str) -> ClozeText:
+        """Return a text with gaps instead of its turning words."""
+        gaps: list[Gap] = []
+
+        def numbered_gap(match: re.Match[str]) -> str:
+            gaps.append(self._senses[match[0].casefold()])
+            return f"{{{len(gaps)} {gaps[-1].kind}}}"
+
+        return ClozeText(self._pattern.sub(numbered_gap, " ".join(text.split())), tuple(gaps))
+
+    def opposites(self, text: str) -> Iterator[str]:
+        """Yield the text with one of its turning words in another sense, for each word."""
+        text = " ".join(text.split())
+        for match in self._pattern.finditer(text):
+            gap = self._senses[match[0].casefold()]
+            other_words = [word for word in self.choices[gap.kind] if word != gap.word]
+            if other_words:
+                yield f"{text[: match.start()]}{other_words[0]}{text[match.end() :]}"
+
+
+def _pattern(word: str) -> str:
+    """Return the pattern of a word. A space in it can also be a line break."""
+    if word != "on":
+        return re.escape(word)
+    before = "|".join(f"(?<={start if start.endswith('-') else start + ' '})" for start in _BEFORE_ON)
+    return f"(?:{before})on"
