@@ -5,6 +5,7 @@ A reader with the manual alone fills the gaps. ``check`` compares the fillings w
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from pathlib import Path as File
 from typing import Any, NamedTuple
@@ -141,20 +142,21 @@ def _compare_gaps(
             continue
         line, _ = sheet_document.position(word_place)
         sheet_text = f"{quoted(word)} in {File(sheet_document.file).name}:{line}"
-        context = _context(cloze.text, number)
+        context = _context(cloze, number)
         message = f"{context}: {quoted(gap.word)} here, {sheet_text}; check the manual and correct one of them"
         report.add(RULE, spec, place, message)
 
 
 #: Number of characters of a text shown on each side of a gap.
 _AROUND = 30
+_GAP = re.compile(r"\{(\d+) (\w+)\}")
 
 
-def _context(text: str, number: int) -> str:
-    """Return the part of a text around a gap, in quotes."""
-    before, _, after = text.partition(f"{{{number} ")
-    kind, _, after = after.partition("}")
-    return quoted(f"{before[-_AROUND:]}[{kind}]{after[:_AROUND]}".strip())
+def _context(cloze: ClozeText, number: int) -> str:
+    """Return the part of a text around a gap, in quotes, with the words of the other gaps."""
+    before, after = re.split(rf"\{{{number} \w+\}}", cloze.text, maxsplit=1)
+    before, after = (_GAP.sub(lambda match: cloze.gaps[int(match[1]) - 1].word, part) for part in (before, after))
+    return quoted(f"{before[-_AROUND:]}[{cloze.gaps[number - 1].kind}]{after[:_AROUND]}".strip())
 
 
 def as_lines(sheet_data: Mapping[str, Any], spec_name: str) -> Iterator[str]:
@@ -168,6 +170,8 @@ def as_lines(sheet_data: Mapping[str, Any], spec_name: str) -> Iterator[str]:
         yield f"  {_in_quotes(path)}:"
         yield f"    text: {_in_quotes(text['text'])}"
         yield f"    words: [{', '.join(map(_in_quotes, text['words']))}]"
+        if "not_read" in text:
+            yield f"    not_read: {_in_quotes(text['not_read'])}"
 
 
 def _in_quotes(text: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 #: Kinds of words. Each line has the senses of a kind, separated by a bar, and each sense its words, separated by commas.
@@ -33,10 +33,12 @@ colour: white | black | brown | green | yellow | grey | pink | blue | red | viol
 """
 #: Kind of the signals of the connectors, which differ between families.
 SIGNAL = "signal"
-#: 'on' is a turning word only after these words. Elsewhere it is a preposition.
-_BEFORE_ON = "power- switch- power turn turned switch switched powered lit is are stays remains LED lights".split()
-#: Sense by its first word, after the kind.
-Senses = Mapping[str, tuple[str, str]]
+#: Words that are turning words only after one of these. Elsewhere they are prepositions.
+_ONLY_AFTER = {
+    "on": "power- switch- power turn turned switch switched powered lit is are stays remains".split(),
+    "up": ["count", "counts", "counting"],
+    "down": ["count", "counts", "counting"],
+}
 
 
 class Gap(NamedTuple):
@@ -83,19 +85,10 @@ class Vocabulary:
 
         return ClozeText(self._pattern.sub(numbered_gap, " ".join(text.split())), tuple(gaps))
 
-    def opposites(self, text: str) -> Iterator[str]:
-        """Yield the text with one of its turning words in another sense, for each word."""
-        text = " ".join(text.split())
-        for match in self._pattern.finditer(text):
-            gap = self._senses[match[0].casefold()]
-            other_words = [word for word in self.choices[gap.kind] if word != gap.word]
-            if other_words:
-                yield f"{text[: match.start()]}{other_words[0]}{text[match.end() :]}"
-
 
 def _pattern(word: str) -> str:
-    """Return the pattern of a word. A space in it can also be a line break."""
-    if word != "on":
+    """Return the pattern of a word, which can need another word before it."""
+    if word not in _ONLY_AFTER:
         return re.escape(word)
-    before = "|".join(f"(?<={start if start.endswith('-') else start + ' '})" for start in _BEFORE_ON)
-    return f"(?:{before})on"
+    words_before = (before if before.endswith("-") else f"{before} " for before in _ONLY_AFTER[word])
+    return f"(?:{'|'.join(f'(?<={before})' for before in words_before)}){word}"
