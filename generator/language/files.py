@@ -144,9 +144,12 @@ class _Search:
                 self.not_entered.append((path, LINK))
             else:
                 folders.append(path)
-        elif folder_entry.name.endswith(SUFFIXES):
-            if not is_second(folder_entry.name) and not is_word_sheet(folder_entry.name):
-                self.files.append(path)
+        elif folder_entry.name.endswith(SUFFIXES) and not _belongs_to_spec(folder_entry.name):
+            self.files.append(path)
+
+
+def _belongs_to_spec(name: str) -> bool:
+    return is_second(name) or is_word_sheet(name)
 
 
 def _is_folder_entry(folder_entry: os.DirEntry[str]) -> bool:

@@ -82,8 +82,8 @@ def coverage_path(spec: Path) -> Path:
 
 
 def family_of(file: str) -> str:
-    """Return the name of the family in a file: the stem, without the suffix of a second reading."""
-    return PurePath(file).stem.removesuffix(SUFFIX)
+    """Return the name of the family in a file: the stem, without the suffix of a second reading or of a sheet."""
+    return PurePath(file).stem.removesuffix(SUFFIX).removesuffix(WORDS_SUFFIX)
 
 
 def second_reading_schema(schema: Mapping[str, Any]) -> dict[str, Any]:

@@ -16,13 +16,14 @@ from ..language.read import read_document
 from ..language.schema_check import FileKind, check_schema
 from ..language.schema_files import word_sheet_path
 from ..loading.overlays import Family
+from ..say.plain_text import counted
 from .texts import dotted, is_source, prose_texts
 from .turning_words import ClozeText, Vocabulary
 
 RULE = "words-disagree"
 OUTDATED_RULE = "words-outdated"
 #: Parts whose texts no reader can fill in from the manual: they are about other documents, or why the manual is wrong.
-_LEFT_OUT = frozenset("documents editions errata evidence lost_figures".split())
+_LEFT_OUT = frozenset("documents editions evidence lost_figures".split())
 
 
 class _SpecText(NamedTuple):
@@ -89,9 +90,7 @@ def read_sheet(family: Family, report: Report) -> Document | None:
     return document if checked is not None and len(report) == problems_before else None
 
 
-def check_sheets(
-    families: Iterable[Family], sound: Collection[str], report: Report, read: Reader = read_sheet
-) -> None:
+def check_sheets(families: Iterable[Family], sound: Collection[str], report: Report, read: Reader = read_sheet) -> None:
     """Compare the families whose specs are ``sound`` with their sheets."""
     for loaded_family in families:
         family = loaded_family.plain or loaded_family
@@ -107,7 +106,8 @@ def compare_words(spec: Document, sheet_document: Document, report: Report) -> N
     for path, (place, cloze) in spec_texts.items():
         filled_text = sheet_texts.get(path)
         if filled_text is None:
-            message = f"{sheet_name} lacks this text, which has {len(cloze.gaps)} turning words; {_refill(spec)}"
+            words = counted(len(cloze.gaps), "turning word")
+            message = f"{sheet_name} lacks this text, which has {words}; {_refill(spec)}"
             report.add(OUTDATED_RULE, spec, place, message)
         elif filled_text["text"] != cloze.text or len(filled_text["words"]) != len(cloze.gaps):
             line, _ = sheet_document.position(("texts", path))

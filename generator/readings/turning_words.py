@@ -6,8 +6,8 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-#: Kinds of words. Each line has the senses of a kind, separated by a bar, and each sense its words, separated by commas.
-#: The first word of a sense is the one that a reader fills in. Words of one sense can replace each other.
+#: Kinds of words. Each line has the senses of a kind, separated by a bar, and each sense has words, separated by commas.
+#: Words of one sense can replace each other. A reader fills in the first one.
 _WORDS = """\
 negation: not, no, never, none, nothing, neither, nor, without, non, no longer | always
 modal: must, should, shall, has to, have to | may, can, could, might | must not, should not, may not | cannot, can not
