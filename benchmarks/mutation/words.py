@@ -21,7 +21,8 @@ def _opposites() -> Iterator[tuple[str, str]]:
         yield other_word, word
 
 
-_OPPOSITES = {word: other_word for word, other_word in reversed(list(_opposites()))}
+# The first pair of a word applies.
+_OPPOSITES = dict(reversed(list(_opposites())))
 _WORD = re.compile(rf"(?<![\w-])({'|'.join(sorted(_OPPOSITES, key=len, reverse=True))})(?![\w-])", re.IGNORECASE)
 _NEGATION = re.compile(r"\b(not|no|never) ", re.IGNORECASE)
 _AUXILIARY = re.compile(r"\b(is|are|must|may|can|does|do|will)(?= (?!not\b|no\b))")

@@ -63,8 +63,8 @@ def find_files(
 ) -> FoundFiles:
     """Find every ``*.yaml`` and ``*.yml`` in the folder and below it.
 
-    Names that begin with a dot, second readings, sheets of turning words, virtual environments, folders of builds and caches, outputs, links to
-    folders, and other repositories are omitted. The folder itself is always searched.
+    Names that begin with a dot, second readings, sheets of turning words, virtual environments, folders of builds and
+    caches, outputs, links to folders, and other repositories are omitted. The folder itself is always searched.
 
     Args:
         folder: The folder.

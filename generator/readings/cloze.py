@@ -22,7 +22,7 @@ from .turning_words import ClozeText, Vocabulary
 
 RULE = "words-disagree"
 OUTDATED_RULE = "words-outdated"
-#: Parts whose texts no reader can fill in from the manual: they are about other documents, or why the manual is wrong.
+#: Parts whose texts no reader can fill in from the manual, because they are about other documents.
 _LEFT_OUT = frozenset("documents editions evidence lost_figures".split())
 
 

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
-#: Kinds of words. Each line has the senses of a kind, separated by a bar, and each sense has words, separated by commas.
+#: Kinds of words. Each line has the senses of a kind, separated by bars, and each sense has words, separated by commas.
 #: Words of one sense can replace each other. A reader fills in the first one.
 _WORDS = """\
 negation: not, no, never, none, nothing, neither, nor, without, non, no longer | always
