@@ -45,10 +45,11 @@ def folder(tmp_path: pathlib.Path, monkeypatch: pytest.MonkeyPatch) -> pathlib.P
     sheet = tmp_path / "twice.words.yaml"
     fill(sheet, "characteristics.battery.value", '["on", "not", "before", "off"]')
     fill(sheet, "leds.power.states.0.meaning", '["above", "error"]')
-    # The texts of tests/readings/specs/twice.yaml: "More", "after a reset" and "Some fault".
+    # The texts of tests/readings/specs/twice.yaml: "More", "After a reset", "Some fault", "The other does not fit."
     fill(sheet, "manual.history.1.1.changes", '["more"]')
     fill(sheet, "interfaces.rs485.timings.settle.meaning", '["after"]')
     fill(sheet, "alarms.fault.meaning", '["error"]')
+    fill(sheet, "errata.limit.why", '["not"]')
     return tmp_path
 
 
@@ -134,7 +135,7 @@ def test_a_sheet_has_a_schema(folder: pathlib.Path) -> None:
 def test_the_command_keeps_what_is_filled(folder: pathlib.Path, capsys: pytest.CaptureFixture[str]) -> None:
     replace_in_file(folder / "twice.yaml", "Supply above 4 V, or an error", "Supply below 5 V")
     assert main(["cloze", "twice"]) == 0
-    assert capsys.readouterr().out == "written    twice.words.yaml: 1 gap to fill, in 5 texts\n"
+    assert capsys.readouterr().out == "written    twice.words.yaml: 1 gap to fill, in 6 texts\n"
     text = (folder / "twice.words.yaml").read_text(encoding="utf-8")
     assert 'words: ["on", "not", "before", "off"]' in text
     assert '    text: "Supply {1 place} 5 V"\n    words: ["?"]' in text
