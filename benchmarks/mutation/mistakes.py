@@ -12,7 +12,8 @@ from codewheel.language.document import Document, Path
 from codewheel.loading.from_mapping import parse_sources
 
 from .names import other_names
-from .places import PROSE, WORDED, Place, places
+from .places import PROSE, WORD, WORDED, Place, places
+from .words import opposites
 
 
 class Gone(Enum):
@@ -64,6 +65,9 @@ _HEX_TEXTS = frozenset(("bytes",))
 def mutants(document: Document) -> Iterator[Mutant]:
     """Yield every possible single mistake in a document, in the order of the file."""
     for place in places(document):
+        if place.is_text:
+            for text in opposites(place.value):
+                yield Mutant(document.file, place, "word turned round", ((place.path, text),), WORD)
         for mistake, changes in _mistakes(place, document):
             fact = _wrong_in_source(place.value, changes[0][1], document) if place.fact == "source" else place.fact
             yield Mutant(document.file, place, mistake, changes, fact)

@@ -81,6 +81,14 @@ _CLASSES = (
 )
 _COMPILED = tuple((name, re.compile(pattern)) for name, pattern in _CLASSES)
 
+#: Class of the words that turn a text round.
+WORD = "word in a text"
+#: Keys of texts for people. Names, quotations and sources are other facts.
+_TEXTS = frozenset(
+    """
+    meaning note value why used remedy precondition result detected when_active when_inactive when_unused special
+    """.split()
+)
 #: Classes in which a wrong value shifts a position, breaks a check or an access, or causes wrong timing.
 STRICT = frozenset(("position", "CRC", "address", "byte order", "access", "default", "limit", "clock", "time", "wait"))
 #: Classes that are words for people. No output computes with them, and no other fact repeats them.
@@ -94,6 +102,7 @@ MOST = {
     "cited section": 0.05,
     "cited page": 0.40,
     "number in a text": 0.25,
+    WORD: 0.15,
 }
 #: Classes that exist to detect mistakes in others.
 WITNESSES = frozenset(("example", "printed once more"))
@@ -114,6 +123,11 @@ class Place:
     schema: Mapping[str, Any]
     #: True if the value is optional.
     optional: bool
+
+    @property
+    def is_text(self) -> bool:
+        """True for a text for people, in which a word can be turned round."""
+        return self.kind == "text" and str(self.path[-1]) in _TEXTS
 
     @property
     def fact(self) -> str:

@@ -6,7 +6,7 @@ import re
 from collections.abc import Iterator
 
 from .mistakes import Mutant
-from .places import PROSE
+from .places import PROSE, WORD
 
 #: Reasons by class of fact, keys, mistake, and file name. The first match applies.
 _REASONS = (
@@ -14,6 +14,11 @@ _REASONS = (
         "words for people",
         "No output computes with them, and no other fact repeats them. They are checked by reading the spec.",
         {"fact": "|".join(sorted(PROSE - {"source"}))},
+    ),
+    (
+        "a word in a text that is in no sheet",
+        "Only a spec with a sheet of turning words is compared, and not the texts of its errata and other editions.",
+        {"fact": WORD},
     ),
     (
         "a place in the manual",

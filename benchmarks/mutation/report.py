@@ -175,8 +175,9 @@ This page shows which mistakes of a transcriber `check` detects. `{command}` pla
 {_joined_words(map(code_span, files))}, and runs `check` on each. The command writes this page, so do not edit it.
 
 A mistake is a lost, swapped or misread digit, an extra zero, a number that is off by one, a flipped bit or boolean,
-another word of a list, another name, a lost letter in a name, an omitted item or key, two items in the wrong order, or
-a value swapped with that of the next item. Mutants in the column *same* change no output, or only an order without a
+another word of a list, another name, a lost letter in a name, an omitted item or key, two items in the wrong order, a
+value swapped with that of the next item, or a word in a text turned round (*before* for *after*, or without *not*).
+Mutants in the column *same* change no output, or only an order without a
 meaning. Those in *left out* pass, but no output is wrong. *Texts* and *code* count wrong values that pass, in documents
 only and in code. *Wrong* is their share of all mutants except the *same* ones. In classes with * a wrong value moves a
 position, breaks a check or an access, or comes at the wrong time. No such mutant may pass.

@@ -16,6 +16,7 @@ from codewheel.language.problems import Report
 from codewheel.language.read import read_specs
 from codewheel.loading.library import Family, families_of
 from codewheel.loading.repeated_facts import check_shared_facts
+from codewheel.readings.cloze import check_sheets, read_sheet
 from codewheel.readings.compare import compare
 from codewheel.readings.reading import Facts, Reading
 from codewheel.readings.second_readings import (
@@ -69,6 +70,8 @@ class Trial:
         self.families = families_of(self.documents, report)
         seconds = ((family, read_beside(family, report)) for family in self.families)
         self._seconds = {family.document.file: second for family, second in seconds if second is not None}
+        sheets = ((family, read_sheet(family, report)) for family in self.families)
+        self._sheets = {family.document.file: sheet for family, sheet in sheets if sheet is not None}
         if report:
             raise Unfit("\n".join(problem.format() for problem in report.problems))
         self._targets = targets_named()
@@ -122,7 +125,9 @@ class Trial:
                 [changed if unchanged is document else unchanged for unchanged in self.documents], report
             )
         if not report:
-            compare_readings(families, comparable_specs(families, report), report, self._second)
+            sound = comparable_specs(families, report)
+            compare_readings(families, sound, report, self._second)
+            check_sheets(families, sound, report, self._sheet)
         if not report:
             tell_unfit(families, self._targets, report)
         if report:
@@ -154,6 +159,9 @@ class Trial:
 
     def _second(self, family: Family, report: Report) -> SecondReading | None:
         return self._seconds.get(family.document.file)
+
+    def _sheet(self, family: Family, report: Report) -> Document | None:
+        return self._sheets.get(family.document.file)
 
     def _facts_of(self, family: Family) -> Facts:
         file = family.document.file

@@ -21,6 +21,9 @@ _SEVERAL_FILES = {
     "overlay-unused": "a change in an overlay has no effect, or sets, adds or removes something that does not exist.",
     "readings-disagree": "the second reading of a manual differs from the spec. The manual decides. If the manual "
     "prints both, record an erratum with 'readings'.",
+    "words-disagree": "a sheet of turning words, filled from the manual, has another word than the text of the spec. "
+    "The manual decides.",
+    "words-outdated": "a text has changed since its sheet of turning words was filled, or a gap has no valid word.",
 }
 
 

@@ -42,7 +42,7 @@ def run(chosen: argparse.Namespace) -> int:
     page, section = chosen.page, chosen.section
     if page is None and section is None:
         raise Stop("give --page NUMBER or --section NUMBER, or both", 2)
-    facts = citing(_family_named(chosen.family, paths).document)
+    facts = citing(family_named(chosen.family, paths).document)
     if page is not None:
         facts = [fact for fact in facts if page in fact.pages]
     if section is not None:
@@ -56,7 +56,7 @@ def run(chosen: argparse.Namespace) -> int:
     return 0 if facts else 1
 
 
-def _family_named(name: str, paths: Sequence[Path]) -> Family:
+def family_named(name: str, paths: Sequence[Path]) -> Family:
     """Return the family of this name.
 
     Raises:

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 
-from .schema_files import is_second, keys_of
+from .schema_files import is_second, is_word_sheet, keys_of
 
 SUFFIXES = (".yaml", ".yml")
 #: Any of these keys at the top level makes a YAML file a spec.
@@ -63,8 +63,8 @@ def find_files(
 ) -> FoundFiles:
     """Find every ``*.yaml`` and ``*.yml`` in the folder and below it.
 
-    Names that begin with a dot, second readings, virtual environments, folders of builds and caches, outputs, links to
-    folders, and other repositories are omitted. The folder itself is always searched.
+    Names that begin with a dot, second readings, sheets of turning words, virtual environments, folders of builds and
+    caches, outputs, links to folders, and other repositories are omitted. The folder itself is always searched.
 
     Args:
         folder: The folder.
@@ -144,8 +144,12 @@ class _Search:
                 self.not_entered.append((path, LINK))
             else:
                 folders.append(path)
-        elif folder_entry.name.endswith(SUFFIXES) and not is_second(folder_entry.name):
+        elif folder_entry.name.endswith(SUFFIXES) and not _belongs_to_spec(folder_entry.name):
             self.files.append(path)
+
+
+def _belongs_to_spec(name: str) -> bool:
+    return is_second(name) or is_word_sheet(name)
 
 
 def _is_folder_entry(folder_entry: os.DirEntry[str]) -> bool:

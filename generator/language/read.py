@@ -23,7 +23,7 @@ import yaml
 from . import files
 from .document import Document, Mark, Path
 from .problems import Report, quoted
-from .schema_files import family_of, is_second
+from .schema_files import family_of, is_second, is_word_sheet
 from .yaml_mistakes import CorrectedEvents, explain
 
 MAX_BYTES = 4 * 2**20
@@ -358,14 +358,15 @@ def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
     """Read files and whole folders, each file once.
 
     A folder stands for the specs in it and below it, in sorted order, which ``find_files`` lists. A file given by name
-    is always read, except for a second reading, which belongs to a spec.
+    is always read, except for a second reading or a sheet of turning words, which belongs to a spec.
     """
     documents = []
     read_paths: set[str] = set()
     requested_paths = tuple(paths)
     for requested_path in requested_paths:
-        if is_second(requested_path) and not files.is_folder(requested_path):
-            _report_lone_second_reading(requested_path, requested_paths, report)
+        belongs_to_spec = is_second(requested_path) or is_word_sheet(requested_path)
+        if belongs_to_spec and not files.is_folder(requested_path):
+            _report_lone_file(requested_path, requested_paths, report)
             continue
         for path in _specs_at(requested_path, report):
             # A path with a NUL cannot be resolved. Reading it reports the error.
@@ -379,14 +380,14 @@ def read_specs(paths: Iterable[pathlib.Path], report: Report) -> list[Document]:
     return documents
 
 
-def _report_lone_second_reading(
-    second_reading: pathlib.Path, requested_paths: Sequence[pathlib.Path], report: Report
-) -> None:
-    """Report a second reading that was given by name without its spec."""
-    spec = second_reading.with_name(f"{family_of(str(second_reading))}{second_reading.suffix}")
+def _report_lone_file(file: pathlib.Path, requested_paths: Sequence[pathlib.Path], report: Report) -> None:
+    """Report a second reading or a sheet of turning words that was given by name without its spec."""
+    spec = file.with_name(f"{family_of(str(file))}{file.suffix}")
     if spec not in requested_paths:
-        message = f"this is a second reading; give {spec.name}, the spec that it belongs to"
-        report.add_at(str(second_reading), 1, 1, "second-reading", message)
+        kind, rule = (
+            ("second reading", "second-reading") if is_second(file) else ("sheet of turning words", "word-sheet")
+        )
+        report.add_at(str(file), 1, 1, rule, f"this is a {kind}; give {spec.name}, the spec that it belongs to")
 
 
 def _specs_at(path: pathlib.Path, report: Report) -> Sequence[pathlib.Path]:

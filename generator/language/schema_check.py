@@ -116,6 +116,7 @@ class FileKind(Enum):
     MANUFACTURER = "manufacturer"
     MASTER = "master"
     OVERLAY = "overlay"
+    WORDS = "words"
 
 
 @dataclass(frozen=True, slots=True)

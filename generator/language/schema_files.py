@@ -15,6 +15,8 @@ from typing import Any
 
 #: Suffix of a second reading, next to the file that it belongs to: ``encoder.second.yaml``.
 SUFFIX = ".second"
+#: Suffix of a sheet of turning words, next to the file that it belongs to: ``encoder.words.yaml``.
+WORDS_SUFFIX = ".words"
 
 #: Keys for prose, at any place. Of their texts, only the numbers and the cited sections are compared.
 PROSE = frozenset(
@@ -64,14 +66,24 @@ def second_reading_path(spec: Path) -> Path:
     return spec.with_name(f"{spec.stem}{SUFFIX}{spec.suffix}")
 
 
+def is_word_sheet(file: Path | str) -> bool:
+    """Return True if a file has the name of a sheet of turning words."""
+    return PurePath(file).stem.endswith(WORDS_SUFFIX)
+
+
+def word_sheet_path(spec: Path) -> Path:
+    """Return the path of the sheet of turning words of a spec."""
+    return spec.with_name(f"{spec.stem}{WORDS_SUFFIX}{spec.suffix}")
+
+
 def coverage_path(spec: Path) -> Path:
     """Return the path of the file that counts the readings of the facts of a spec."""
     return spec.with_name(f"{spec.stem}.coverage.json")
 
 
 def family_of(file: str) -> str:
-    """Return the name of the family in a file: the stem, without the suffix of a second reading."""
-    return PurePath(file).stem.removesuffix(SUFFIX)
+    """Return the name of the family in a file: the stem, without the suffix of a second reading or of a sheet."""
+    return PurePath(file).stem.removesuffix(SUFFIX).removesuffix(WORDS_SUFFIX)
 
 
 def second_reading_schema(schema: Mapping[str, Any]) -> dict[str, Any]:

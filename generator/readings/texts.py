@@ -47,23 +47,23 @@ def contents(reading: Reading) -> Iterator[Fact]:
 
 def texts(reading: Reading) -> Iterator[Fact]:
     """Yield the numbers in every text, and the sections that every source cites."""
-    for place, text in _texts((), reading.document.data):
+    for place, text in prose_texts((), reading.document.data):
         value = _compared_text(place[-1], text)
         if not value:
             continue
-        if _is_source(place[-1]):
+        if is_source(place[-1]):
             yield Fact(Sort.SECTION, (CITED, *place), value, f"section cited at {dotted(place)}", place)
         else:
             yield Fact(Sort.TEXT, (NUMBERS, *place), value, f"numbers in {dotted(place)}", place)
 
 
-def _is_source(key: str | int) -> bool:
+def is_source(key: str | int) -> bool:
     return key == "source" or str(key).endswith("_source")
 
 
 def _compared_text(key: str | int, text: str) -> str:
     """Return what is compared of a text: its numbers, or the sections of the manual itself that a source cites."""
-    if not _is_source(key):
+    if not is_source(key):
         return numbers_in(text)
     return ", ".join(sorted({cited.section for cited in parse_sources(text) if not cited.document and cited.section}))
 
@@ -86,15 +86,15 @@ def sections_by_path(reading: Reading) -> dict[str, list[str]]:
     return cited_sections
 
 
-def _texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
+def prose_texts(place: Path, node: Any) -> Iterator[tuple[Path, str]]:
     """Yield every text and source, with its place by names."""
     if isinstance(node, dict):
         for key, value in node.items():
             if (*place, key) not in _WITHOUT:
-                yield from _texts((*place, key), value)
+                yield from prose_texts((*place, key), value)
     elif isinstance(node, list):
         for index, value in enumerate(node):
-            yield from _texts((*place, label_of(value) or index), value)
+            yield from prose_texts((*place, label_of(value) or index), value)
     elif isinstance(node, str) and (place[-1] in _TEXTS or (place[0], place[-1]) == ("characteristics", "value")):
         yield place, node
 

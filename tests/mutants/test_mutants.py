@@ -67,9 +67,11 @@ def mutant_at(trial: Trial, name: str, path: tuple[str | int, ...], key: str, mi
 def test_a_wrong_value_that_passes_is_classified_by_its_effect(trial: Trial) -> None:
     title = mutant_at(trial, "am36", ("documents", "renishaw"), "title", "digit misread")
     assert trial.verdict(title).word == "code"  # The titles of documents are data of the Python package.
+    source = mutant_at(trial, "am36", ("crcs",), "source", "extra zero")
+    assert trial.verdict(source).word == "texts"
     answer = ("alternatives", 0, "values", "left_out")
-    meaning = mutant_at(trial, "asc85", answer, "meaning", "digit misread")
-    assert trial.verdict(meaning).word == "texts"
+    meaning = mutant_at(trial, "asc85", answer, "meaning", "word turned round")
+    assert trial.verdict(meaning).rules[0].startswith("words-")
     order = mutant_at(trial, "am36", ("interfaces", "biss", "timeout"), "timeout", "key omitted")
     assert trial.verdict(order).word == "refused"
 

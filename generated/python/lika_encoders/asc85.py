@@ -585,7 +585,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
             Remedy: Read the error register (69h). It shows the active errors.
         warning: Warning, nW: Normal or fault status of the encoder. The error register shows the active warning. True
             when 0: warning active in the system. False when 1: no active warning. While it is True, the position is
-            usable, with a warning. Remedy: Read the error register (69h). It shows the active errors.
+            usable, with a warning. Remedy: Read the error register (69h). It shows the active warnings.
 
     In the manual: Single Cycle Data SCD.
 

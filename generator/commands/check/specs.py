@@ -10,14 +10,17 @@ from pathlib import Path
 from typing import Any
 
 from ...cache import NO_CACHE, Cache, content_of
+from ...language.document import Document
 from ...language.document import Path as SpecPath
 from ...language.files import family_files
 from ...language.problems import Report
-from ...language.schema_files import coverage_path, second_reading_path
+from ...language.schema_files import coverage_path, second_reading_path, word_sheet_path
 from ...loading.evidence import RULE, counts_text
 from ...loading.library import contents, is_clean, load_families
 from ...loading.overlays import Family
 from ...model import TimesRead
+from ...readings.cloze import Reader as SheetReader
+from ...readings.cloze import check_sheets, read_sheet
 from ...readings.reading import Sort
 from ...readings.second_readings import (
     Coverage,
@@ -62,7 +65,8 @@ def check_specs(paths: Sequence[Path], targets: Iterable[Target], cache: Cache =
     unproved = [family for family in families if family.plain is not None or family.document.file not in clean]
     check_editions(unproved, report)
     unproved_files = [family.document.file for family in unproved]
-    checked = check_families(families, targets, report, partial(_read_second, unproved_files))
+    readers = partial(_read_second, unproved_files), partial(_read_sheet, unproved_files)
+    checked = check_families(families, targets, report, *readers)
     for family in unproved:
         file = family.document.file
         unchanged = family.content and content_of(family_files(Path(file))) == contents_before[file]
@@ -80,17 +84,32 @@ def _read_second(unproved_files: Sequence[str], family: Family, report: Report) 
     return None
 
 
+def _read_sheet(unproved_files: Sequence[str], family: Family, report: Report) -> Document | None:
+    """Read the sheet of turning words of a family that must be checked. For others, only list it as read."""
+    if family.document.file in unproved_files:
+        return read_sheet(family, report)
+    sheet = word_sheet_path(Path(family.document.file))
+    report.files += [str(sheet)] if sheet.is_file() else []
+    return None
+
+
 def check_families(
-    families: Sequence[Family], targets: Iterable[Target], report: Report, read: Reader = read_beside
+    families: Sequence[Family],
+    targets: Iterable[Target],
+    report: Report,
+    read: Reader = read_beside,
+    read_words: SheetReader = read_sheet,
 ) -> Checked:
-    """Check families against the targets and against the second readings next to their specs.
+    """Check families against the targets, and against the second readings and sheets of words next to their specs.
 
     Raises:
         Stop: A target fails. The exit code is 1.
     """
     sound = comparable_specs(families, report)
     tell_unfit(families, targets, report)
-    return Checked(families, compare_readings(families, sound, report, read), report)
+    readings = compare_readings(families, sound, report, read)
+    check_sheets(families, sound, report, read_words)
+    return Checked(families, readings, report)
 
 
 #: Kind of entry for a family that may be released.

@@ -324,7 +324,7 @@ typedef struct lika_asc85_biss_frame {
      * Warning, nW: Normal or fault status of the encoder. The error register shows the active
      * warning. Active when 0: warning active in the system. Inactive when 1: no active warning.
      * While it is active, the position is usable, with a warning. Remedy: Read the error register
-     * (69h). It shows the active errors.
+     * (69h). It shows the active warnings.
      */
     bool warning;
 } lika_asc85_biss_frame;

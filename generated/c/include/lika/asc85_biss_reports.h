@@ -32,7 +32,7 @@ static inline const cw_report_text *lika_asc85_biss_report_text(uint32_t reports
             "Warning, nW",
             "warning active in the system. Normal or fault status of the encoder. The error "
             "register shows the active warning.",
-            "Read the error register (69h). It shows the active errors.",
+            "Read the error register (69h). It shows the active warnings.",
             "6.2.1 p.20"
         },
         { "", "", "", "", "" }

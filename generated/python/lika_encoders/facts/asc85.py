@@ -277,7 +277,7 @@ REPORTS: Final[Mapping[str, Report]] = Reports(
                 "warning active in the system. Normal or fault status of the encoder. The error register shows the "
                 "active warning."
             ),
-            remedy="Read the error register (69h). It shows the active errors.",
+            remedy="Read the error register (69h). It shows the active warnings.",
             makes_position=Verdict.USABLE_WITH_WARNING,
             source="6.2.1 p.20",
         ),

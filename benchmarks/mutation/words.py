@@ -1,0 +1,40 @@
+"""Opposite words that a transcriber can write in a text. The list is not that of the sheets of turning words."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+
+_PAIRS = """\
+before/after, above/below, at least/at most, minimum/maximum, lowest/highest, low/high, lower/higher, on/off
+open/closed, must/may, error/warning, clockwise/counter-clockwise, read/written, reads/writes, first/last, left/right
+internal/external, connected/disconnected, connect/disconnect, increases/decreases, increase/decrease, more/less
+longer/shorter, always/never, valid/invalid, active/inactive, enabled/disabled, enable/disable, rising/falling
+white/black, red/green, positive/negative, with/without, inner/outer, same/different, until/after, up/down
+"""
+
+
+def _opposites() -> Iterator[tuple[str, str]]:
+    for pair in re.split(r", |\n", _PAIRS.strip()):
+        word, other_word = pair.split("/")
+        yield word, other_word
+        yield other_word, word
+
+
+# The first pair of a word applies.
+_OPPOSITES = dict(reversed(list(_opposites())))
+_WORD = re.compile(rf"(?<![\w-])({'|'.join(sorted(_OPPOSITES, key=len, reverse=True))})(?![\w-])", re.IGNORECASE)
+_NEGATION = re.compile(r"\b(not|no|never) ", re.IGNORECASE)
+_AUXILIARY = re.compile(r"\b(is|are|must|may|can|does|do|will)(?= (?!not\b|no\b))")
+
+
+def opposites(text: str) -> Iterator[str]:
+    """Yield the text with one word turned round: in another sense, with a negation, or without one."""
+    for match in _NEGATION.finditer(text):
+        yield text[: match.start()] + text[match.end() :]
+    for match in _WORD.finditer(text):
+        word = _OPPOSITES[match[0].lower()]
+        word = word.capitalize() if match[0][0].isupper() else word
+        yield text[: match.start()] + word + text[match.end() :]
+    for match in _AUXILIARY.finditer(text):
+        yield f"{text[: match.end()]} not{text[match.end() :]}"

@@ -1,0 +1,54 @@
+"""``codewheel cloze``: write the texts of a spec with gaps instead of the words that turn a sentence round."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ..say.plain_text import counted
+from .arguments import Parser, add_specs_option
+from .terminal import Stop
+
+if TYPE_CHECKING:
+    import argparse
+
+EXAMPLES = ("codewheel cloze my_encoder",)
+
+
+def add_arguments(parser: Parser) -> None:
+    """Add the arguments of the command."""
+    parser.description = (
+        "Write FAMILY.words.yaml next to the spec: its texts with gaps instead of words such as not, before and high. "
+        "A reader fills them from the manual, and check compares. What is filled in texts that are the same is kept."
+    )
+    parser.add_argument("family", metavar="FAMILY", help="a family name as shown by list")
+    add_specs_option(parser, "")
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Write the sheet of a family, and print the number of gaps to fill.
+
+    Raises:
+        Stop: There is no such family (exit code 2), it has problems, or its sheet cannot be read (exit code 1).
+    """
+    from ..language.problems import Report
+    from ..language.schema_files import word_sheet_path
+    from ..readings.cloze import as_lines, open_gaps, read_sheet, sheet
+    from .facts import family_named
+    from .read_specs import specs_to_judge
+    from .terminal import problems
+
+    loaded_family = family_named(chosen.family, specs_to_judge(chosen.specs, "cloze FAMILY").paths)
+    family, report = loaded_family.plain or loaded_family, Report()
+    filled_sheet = read_sheet(family, report)
+    if report:
+        raise problems(report)
+    sheet_data = sheet(family.document, filled_sheet.data["texts"] if filled_sheet is not None else {})
+    path = word_sheet_path(Path(family.document.file))
+    try:
+        path.write_text("\n".join([*as_lines(sheet_data, Path(family.document.file).name), ""]), encoding="utf-8")
+    except OSError as error:
+        raise Stop(f"cannot write {path}: {error.strerror or error}", 1) from None
+    gaps_text, texts_text = counted(open_gaps(sheet_data), "gap"), counted(len(sheet_data["texts"]), "text")
+    print(f"written    {path.as_posix()}: {gaps_text} to fill, in {texts_text}")
+    return 0

@@ -1,0 +1,179 @@
+"""Clozes: sheets with the texts of a spec in which the words that turn a sentence round are gaps.
+
+A reader with the manual alone fills the gaps. ``check`` compares the fillings with the words of the spec.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from pathlib import Path as File
+from typing import Any, NamedTuple
+
+from ..language.document import Document, Path
+from ..language.problems import Report, quoted
+from ..language.read import read_document
+from ..language.schema_check import FileKind, check_schema
+from ..language.schema_files import word_sheet_path
+from ..loading.overlays import Family
+from ..say.plain_text import counted
+from .texts import dotted, is_source, prose_texts
+from .turning_words import ClozeText, Vocabulary
+
+RULE = "words-disagree"
+OUTDATED_RULE = "words-outdated"
+#: Parts whose texts no reader can fill in from the manual, because they are about other documents.
+_LEFT_OUT = frozenset("documents editions evidence lost_figures".split())
+
+
+class _SpecText(NamedTuple):
+    """A text of a spec with gaps, and its place."""
+
+    place: Path
+    cloze: ClozeText
+
+
+def clozes(spec: Document) -> dict[str, _SpecText]:
+    """Return the texts of a spec that have gaps, by their paths."""
+    vocabulary = vocabulary_of(spec)
+    spec_texts: dict[str, _SpecText] = {}
+    for place, text in prose_texts((), spec.data):
+        if place[0] in _LEFT_OUT or is_source(place[-1]):
+            continue
+        cloze = vocabulary.cloze(text)
+        if cloze.gaps:
+            # Items without a name of their own can have the same path.
+            path, number = dotted(place), 1
+            while path in spec_texts:
+                number += 1
+                path = f"{dotted(place)} {number}"
+            spec_texts[path] = _SpecText(place, cloze)
+    return spec_texts
+
+
+def vocabulary_of(spec: Document) -> Vocabulary:
+    """Return the turning words of a family."""
+    contacts = (contact for connector in spec.data.get("connectors", ()) for contact in connector["contacts"])
+    return Vocabulary(str(contact["signal"]) for contact in contacts if "signal" in contact)
+
+
+def sheet(spec: Document, filled: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the sheet for a spec. Words of the ``filled`` texts are kept if the text is still the same."""
+    texts: dict[str, Any] = {}
+    kinds: set[str] = set()
+    for path, (_, cloze) in clozes(spec).items():
+        kinds.update(gap.kind for gap in cloze.gaps)
+        filled_text = filled.get(path, {})
+        is_same = filled_text.get("text") == cloze.text
+        texts[path] = filled_text if is_same else {"text": cloze.text, "words": ["?"] * len(cloze.gaps)}
+    choices = {kind: list(words) for kind, words in vocabulary_of(spec).choices.items() if kind in kinds}
+    return {"choices": choices, "texts": texts}
+
+
+def open_gaps(sheet_data: Mapping[str, Any]) -> int:
+    """Return the number of gaps that are not filled."""
+    return sum(text["words"].count("?") for text in sheet_data["texts"].values())
+
+
+#: Function that reads the sheet of a family, if there is one, and adds its problems to the report.
+Reader = Callable[[Family, Report], Document | None]
+
+
+def read_sheet(family: Family, report: Report) -> Document | None:
+    """Return the sheet next to the spec of a family, or None if there is none or it has problems."""
+    file = word_sheet_path(File(family.document.file))
+    document = read_document(file, report) if file.is_file() else None
+    if document is None:
+        return None
+    problems_before = len(report)
+    checked = check_schema(document, report, FileKind.WORDS)
+    return document if checked is not None and len(report) == problems_before else None
+
+
+def check_sheets(families: Iterable[Family], sound: Collection[str], report: Report, read: Reader = read_sheet) -> None:
+    """Compare the families whose specs are ``sound`` with their sheets."""
+    for loaded_family in families:
+        family = loaded_family.plain or loaded_family
+        sheet_document = read(family, report) if not family.device.base else None
+        if sheet_document is not None and family.document.file in sound:
+            compare_words(family.document, sheet_document, report)
+
+
+def compare_words(spec: Document, sheet_document: Document, report: Report) -> None:
+    """Report each gap that the sheet fills with another word than the spec, and each text that has changed since."""
+    spec_texts, sheet_texts = clozes(spec), sheet_document.data["texts"]
+    sheet_name = File(sheet_document.file).name
+    for path, (place, cloze) in spec_texts.items():
+        filled_text = sheet_texts.get(path)
+        if filled_text is None:
+            words = counted(len(cloze.gaps), "turning word")
+            message = f"{sheet_name} lacks this text, which has {words}; {_refill(spec)}"
+            report.add(OUTDATED_RULE, spec, place, message)
+        elif filled_text["text"] != cloze.text or len(filled_text["words"]) != len(cloze.gaps):
+            line, _ = sheet_document.position(("texts", path))
+            message = f"this text has changed since {sheet_name}:{line} was filled; {_refill(spec)}"
+            report.add(OUTDATED_RULE, spec, place, message)
+        else:
+            _compare_gaps(spec, place, cloze, sheet_document, ("texts", path), report)
+    for path in sheet_texts:
+        if path not in spec_texts:
+            message = f"the spec has no such text with turning words; {_refill(spec)}"
+            report.add(OUTDATED_RULE, sheet_document, ("texts", path), message, at_key=True)
+
+
+def _refill(spec: Document) -> str:
+    return f"run 'codewheel cloze {File(spec.file).stem}' and fill it again from the manual"
+
+
+def _compare_gaps(
+    spec: Document, place: Path, cloze: ClozeText, sheet_document: Document, sheet_place: Path, report: Report
+) -> None:
+    """Report each gap of a text whose filling is missing, unknown or another sense than in the spec."""
+    words: Sequence[str] = sheet_document.data["texts"][sheet_place[1]]["words"]
+    choices = sheet_document.data["choices"]
+    for number, (gap, word) in enumerate(zip(cloze.gaps, words, strict=True), 1):
+        word_place = (*sheet_place, "words", number - 1)
+        if word == gap.word:
+            continue
+        if word not in choices.get(gap.kind, ()):
+            valid_words = ", ".join(choices.get(gap.kind, ()))
+            message = f"gap {number} has {quoted(word)}; valid values for {gap.kind}: {valid_words}"
+            report.add(OUTDATED_RULE, sheet_document, word_place, message)
+            continue
+        line, _ = sheet_document.position(word_place)
+        sheet_text = f"{quoted(word)} in {File(sheet_document.file).name}:{line}"
+        context = _context(cloze, number)
+        message = f"{context}: {quoted(gap.word)} here, {sheet_text}; check the manual and correct one of them"
+        report.add(RULE, spec, place, message)
+
+
+#: Number of characters of a text shown on each side of a gap.
+_AROUND = 30
+_GAP = re.compile(r"\{(\d+) (\w+)\}")
+
+
+def _context(cloze: ClozeText, number: int) -> str:
+    """Return the part of a text around a gap, in quotes, with the words of the other gaps."""
+    before, after = re.split(rf"\{{{number} \w+\}}", cloze.text, maxsplit=1)
+    before, after = (_GAP.sub(lambda match: cloze.gaps[int(match[1]) - 1].word, part) for part in (before, after))
+    return quoted(f"{before[-_AROUND:]}[{cloze.gaps[number - 1].kind}]{after[:_AROUND]}".strip())
+
+
+def as_lines(sheet_data: Mapping[str, Any], spec_name: str) -> Iterator[str]:
+    """Yield the lines of a sheet."""
+    yield f"# Turning words of {spec_name}. Fill each '?' from the manual alone, with one of the choices of its kind."
+    yield "choices:"
+    for kind, words in sheet_data["choices"].items():
+        yield f"  {kind}: [{', '.join(map(_in_quotes, words))}]"
+    yield "texts:"
+    for path, text in sheet_data["texts"].items():
+        yield f"  {_in_quotes(path)}:"
+        yield f"    text: {_in_quotes(text['text'])}"
+        yield f"    words: [{', '.join(map(_in_quotes, text['words']))}]"
+        if "not_read" in text:
+            yield f"    not_read: {_in_quotes(text['not_read'])}"
+
+
+def _in_quotes(text: str) -> str:
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return f'"{escaped}"'
