@@ -43,7 +43,7 @@ _OF_FLAGS = (
 )
 _OF_PARITIES = ("parity", "over")
 _OF_NUMBERS = ("signed", "zero_means", "power_of_two", "scale", "unit")
-#: Kinds of fields that can have the key ``equals``, besides numbers.
+#: Kinds of fields that can have the key ``equals``, apart from numbers.
 _EXPECTED_ON_DEVICE = ("values", "text")
 #: Keys that are not allowed next to ``scale``: one gives 0 another meaning, the other gives a unit of its own.
 _NOT_SCALED = ("zero_means", "unit")
