@@ -28,7 +28,9 @@ Importer = Callable[[Library, str], tuple[Path, ModuleType]]
 
 
 def encoder_of(import_generated: Importer, manufacturer: str, family: str, order_code: str) -> Any:
-    devices, report = load_library([SPECS / manufacturer / f"{family}.yaml", SPECS / manufacturer / "manufacturer.yaml"])
+    devices, report = load_library(
+        [SPECS / manufacturer / f"{family}.yaml", SPECS / manufacturer / "manufacturer.yaml"]
+    )
     assert not report
     _, module = import_generated(Library(tuple(devices)), f"{manufacturer}_encoders")
     return module.lookup(order_code)
