@@ -19,6 +19,10 @@ ROOT = Path(__file__).resolve().parents[2]
 FRAMES = [
     # SimpleFOC, Arduino-FOC-drivers, AS5047.cpp, readCorrectedAngle: the request for ANGLECOM.
     ("AS5047P 0xFFFF --from master", ["AS5047P, SPI, from the master", "no frame error"]),
+    # ams, AS5055A data sheet, Figure 20: the command that reads the angle.
+    ("AS5055A 0xFFFF --from master", ["AS5055A, SPI, from the master", "no frame error"]),
+    # Tasssadar, as5055_test.c, c_automatic_gain_control_register.
+    ("AS5055A 0xFFF0 --from master --layout read_request", ["address 0x3ff8"]),
     # kamocat, sigrok-dumps, renishaw_biss_1MHz.sr.
     ("RESOLUTE-32 0b1011000110011101101101011111000111010011", ["2979902961 counts", "the position is usable"]),
     # The output of poll_serial.

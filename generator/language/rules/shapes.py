@@ -31,9 +31,20 @@ PLACES = ("at", "top_bit", "low_bit")
 RESERVED = "reserved"
 #: Each of the values gets a name in every output, so there cannot be many.
 MOST_RESERVED_BITS = 4
-_OF_FLAGS = ("when_active", "when_inactive", "makes_position", "makes_position_if", "sums_up")
+_OF_FLAGS = (
+    "when_active",
+    "when_inactive",
+    "makes_position",
+    "makes_position_if",
+    "sums_up",
+    "only",
+    "remedy",
+    "by_hand",
+)
 _OF_PARITIES = ("parity", "over")
-_OF_NUMBERS = ("signed", "zero_means", "power_of_two", "scale")
+_OF_NUMBERS = ("signed", "zero_means", "power_of_two", "scale", "unit")
+#: Kinds of fields that can have the key ``equals``, apart from numbers.
+_EXPECTED_ON_DEVICE = ("values", "text")
 #: Keys that are not allowed next to ``scale``: one gives 0 another meaning, the other gives a unit of its own.
 _NOT_SCALED = ("zero_means", "unit")
 #: Keys allowed next to ``use``.
@@ -108,8 +119,17 @@ def _check_kind(path: Path, field: Spec, report: DocumentReport) -> None:
             report.add("layout-keys", (*path, key), problem, at_key=True)
     _check_flag_keys(path, field, report)
     _checkcheck_keys(path, field, report)
+    _check_expected_value(path, field, kinds, report)
+
+
+def _check_expected_value(path: Path, field: Spec, kinds: list[str], report: DocumentReport) -> None:
+    """Check that only a number, a text or named values have ``equals``, and that it is of their type."""
+    name = quoted(field["name"])
     if isinstance(field.get("equals"), int) and "text" in field:
         report.add("layout-keys", (*path, "equals"), f"{name} is text; put the value in quotes")
+    elif "equals" in field and kinds and kinds[0] not in _EXPECTED_ON_DEVICE:
+        problem = f"'equals' is only for numbers, text and named values; {name} has {quoted(kinds[0])}"
+        report.add("layout-keys", (*path, "equals"), problem, at_key=True)
 
 
 def _checkcheck_keys(path: Path, field: Spec, report: DocumentReport) -> None:
