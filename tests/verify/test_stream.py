@@ -1,4 +1,4 @@
-"""More frames than fit into a table: two gigabytes by a command, and the README's partitions with Dask and DuckDB."""
+"""More frames than fit into a table: two gigabytes by a command, and the README's partitions with Dask, DuckDB and polars."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from stream import LIMIT, measured
 #: The frame at the beginning of the README: 42 revolutions and 1821973 counts, and one with another CRC.
 GOOD, DAMAGED, POSITION = 0x55BCD15E2, 0x55BCD15E3, 89902357
 FILES, ROWS = 3, 500
-ENGINES = ("dask", "duckdb")
+ENGINES = ("dask", "duckdb", "polars")
 
 
 def missing(name: str) -> None:
@@ -69,7 +69,7 @@ def test_the_readme_of_an_engine(generated_python: tuple[Path, ModuleType], capt
         return
     import pyarrow.parquet
 
-    table = pyarrow.parquet.read_table(captures / "positions")
+    table = pyarrow.parquet.read_table(captures / ("positions.parquet" if engine == "polars" else "positions"))
     assert sorted(table["time"].to_pylist()) == [n for n in range(FILES * ROWS) if n % ROWS]
     assert set(table["position"].to_pylist()) == {POSITION}
 

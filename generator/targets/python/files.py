@@ -191,6 +191,8 @@ def _package_values(
     other_folders = (other_folder for name, other_folder in folders.items() if name != maker.name)
     modules = [Module(device) for device in devices]
     shown_example = start([module.readme for module in modules])
+    shown_family = _family_of(shown_example.code, modules)
+    shown_family_first = sorted(modules, key=lambda module: module is not shown_family)
     rs485 = any(device.find_interface(Rs485) for device in devices)
     spi_interfaces = [device.find_interface(Spi) for device in devices]
     has_spi = any(interface.exchanges for interface in spi_interfaces if interface is not None)
@@ -206,11 +208,11 @@ def _package_values(
         "header": _header(f"the specifications of {plain(maker.title)}'s encoders"),
         "modules": modules,
         "start": shown_example,
-        "shown_family": _family_of(shown_example.code, modules),
+        "shown_family": shown_family,
         "questions": [(module, question) for module in modules for question, _ in module.alternatives],
         "guides": [guide for guide in _GUIDES if guide != _LIVE_LINE or rs485 or biss or has_spi],
-        "virtual": virtual_examples([module.readme for module in modules]),
-        "biss_procedure": _biss_procedure(modules),
+        "virtual": virtual_examples([module.readme for module in shown_family_first]),
+        "biss_procedure": _biss_procedure(shown_family_first),
         "spi": spi_example,
         "families": [module.name for module in modules],
         "specials": [(module.name, overlay.special) for module, overlay in module_overlays if overlay.special],

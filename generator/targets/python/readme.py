@@ -47,7 +47,7 @@ class ReadmeExample:
     leaves open, ``module`` is the module of their classes. ``interface`` is that of the order code, ``position`` the
     position in the frame, ``flag`` the flag of the spec that is active in ``spoilt``, and ``flag_attribute`` its name
     in the frame. ``order_code`` is that of a procedure. ``is_position_only`` is True for a frame that has only flags
-    and its position.
+    and its position. ``is_rotary`` is True for an encoder whose position is an angle.
     """
 
     code: str
@@ -70,6 +70,7 @@ class ReadmeExample:
     flag_attribute: str = ""
     order_code: str = ""
     is_position_only: bool = False
+    is_rotary: bool = False
 
     @property
     def fence(self) -> str:
@@ -231,7 +232,7 @@ class Readme:
                     shown="",
                     result=result,
                     module=self.context.module,
-                    interface=steps.interface,
+                    interface=steps.procedure.interface,
                     order_code=example.order_code,
                 )
             )
@@ -248,7 +249,14 @@ class Readme:
         resets = [steps for steps in steps_over if steps.procedure.name in cleared and not steps.arguments]
         best_reset = max(resets, key=lambda steps: cleared.count(steps.procedure.name), default=None)
         reset_name = best_reset.name if best_reset else ""
-        return ReadmeExample(code=variant.code, text="", shown=reset_name, result="", module=self.context.module)
+        return ReadmeExample(
+            code=variant.code,
+            text="",
+            shown=reset_name,
+            result="",
+            module=self.context.module,
+            is_rotary=self.device.movement == "rotary",
+        )
 
     @property
     def run_time(self) -> list[ReadmeExample]:
