@@ -102,7 +102,12 @@ def test_every_live_example_runs(
 
 
 def test_a_guide_has_only_the_interfaces_of_the_package(every_encoder: Library, output: Path) -> None:
-    lines = {"rs485": ("RS-485", "open_encoder"), "biss": ("RegisterBus", "BissLine"), "spi": ("SpiLine",), "ssi": ("SsiLine",)}
+    lines = {
+        "rs485": ("RS-485", "open_encoder"),
+        "biss": ("RegisterBus", "BissLine"),
+        "spi": ("SpiLine",),
+        "ssi": ("SsiLine",),
+    }
     for manufacturer, devices in every_encoder.by_manufacturer():
         folder = output if manufacturer.main else output / manufacturer.python_package
         interfaces = {interface.name for device in devices for interface in device.interfaces}

@@ -1,4 +1,4 @@
-"""More frames than fit into a table: two gigabytes by a command, and the README's partitions with Dask, DuckDB and polars."""
+"""More frames than fit into a table: two gigabytes by a command, and the README's Dask, DuckDB and polars."""
 
 from __future__ import annotations
 

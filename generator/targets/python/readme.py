@@ -1,4 +1,4 @@
-"""Examples in the README and the guides of the package: frames for each interface, and worked examples from the manuals."""
+"""Examples in the README and the guides: frames for each interface, and worked examples from the manuals."""
 
 from __future__ import annotations
 
