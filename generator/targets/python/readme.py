@@ -33,7 +33,7 @@ from .procedures import Steps
 from .variants import FrameKind
 
 #: Number of registers and number of procedures that are shown.
-_REGISTERS, _PROCEDURES = 3, 2
+_REGISTERS, _PROCEDURES = 2, 2
 
 
 @dataclass(frozen=True)
