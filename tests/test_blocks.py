@@ -23,6 +23,7 @@ PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md")),
     *sorted((ROOT / "docs").glob("*.md")),
     *sorted((ROOT / "generated").glob("*/README.md")),
+    *sorted(path for path in (ROOT / "generated" / "python").glob("*.md") if path.name != "README.md"),
     *sorted((ROOT / "generated").glob("*/runtime/README.md")),
     *sorted((ROOT / "examples").glob("*/README.md")),
 ]
@@ -118,11 +119,22 @@ ELSEWHERE = {
     "generated/python/README.md": {
         "python: >>> ": "tests/python/test_amm5.py::test_readme_examples",
         "python: import": "tests/verify/test_stream.py::test_the_readme_of_an_engine",
+        "python: from lika_encoders import open_encoder": "tests/python/test_guides.py::test_every_live_example_runs",
+    },
+    "generated/python/live-line.md": {
+        "python: >>> ": "tests/python/test_guides.py::test_every_example_runs",
         **dict.fromkeys(
             ("python: from lika_encoders import LinkError", "python: from lika_encoders import open_encoder"),
             "tests/virtual/test_live_links.py::test_the_live_example_of_the_package",
         ),
         "python: from asyncio": "tests/virtual/test_live_links.py::test_the_asyncio_example_of_the_package",
+    },
+    "generated/python/files-and-captures.md": {
+        "python: >>> ": "tests/python/test_guides.py::test_every_example_runs",
+    },
+    "generated/python/test-without-an-encoder.md": {
+        "python: >>> ": "tests/python/test_guides.py::test_every_example_runs",
+        "python: from": "tests/python/test_guides.py::test_every_live_example_runs",
     },
     "examples/python-two-manufacturers/README.md": {
         ": codewheel generate": "tests/python/test_two_manufacturers.py::test_the_example",
@@ -146,6 +158,10 @@ EXCEPTIONS = {
     ("docs/spec-language.md", "yaml: # yaml-language-server"): "a line for editors alone",
     ("docs/virtual-encoders.md", "text: $ codewheel simulate AMM5A23"): "waits for Ctrl+C; test_live_links.py runs it",
     ("docs/why-a-crc-fails.md", ": mistake "): "measured over 20,000 frames; test_why.py holds a short run against it",
+    (
+        "generated/python/test-without-an-encoder.md",
+        "text: $ codewheel simulate",
+    ): "waits for Ctrl+C; test_live_links.py runs it",
     ("generated/python/README.md", ": pip install"): "fetches nothing but changes the reader's own environment",
     ("generated/python/README.md", ": pip wheel"): "tests/python/test_wheel.py runs both lines without an index",
     (

@@ -67,7 +67,8 @@ def test_the_names_are_those_of_the_runtime(generated_python: tuple[Path, Module
 
 @pytest.mark.slow
 def test_there_is_one_runtime(packages_folder: Path) -> None:
-    beside = {"LICENSE", "README.md", "pyproject.toml", "setup.py"}
+    guides = {"live-line.md", "files-and-captures.md", "test-without-an-encoder.md"}
+    beside = {"LICENSE", "README.md", "pyproject.toml", "setup.py", *guides}
     assert {path.name for path in packages_folder.iterdir()} == {*beside, *NAMES, "runtime", ".codewheel"}
     assert {path.name for path in (packages_folder / NAMES[1]).iterdir()} == {*beside, NAMES[1]}
     assert "pip install . ./tolvarn_encoders\n" in (packages_folder / "README.md").read_text()

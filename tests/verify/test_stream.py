@@ -1,4 +1,4 @@
-"""More frames than fit into a table: two gigabytes by a command, and the README's partitions with Dask and DuckDB."""
+"""More frames than fit into a table: two gigabytes by a command, and the README's Dask, DuckDB and polars."""
 
 from __future__ import annotations
 
@@ -16,7 +16,11 @@ from stream import LIMIT, measured
 #: The frame at the beginning of the README: 42 revolutions and 1821973 counts, and one with another CRC.
 GOOD, DAMAGED, POSITION = 0x55BCD15E2, 0x55BCD15E3, 89902357
 FILES, ROWS = 3, 500
-ENGINES = ("dask", "duckdb")
+#: Rows for the programs of the README at full size, in files of a million.
+MANY_FILES, MANY_ROWS = 10, 1_000_000
+ENGINES = ("dask", "duckdb", "polars")
+#: The files that their programs in the README write. DuckDB prints its result.
+WRITTEN = {"dask": "positions", "polars": "positions.parquet"}
 
 
 def missing(name: str) -> None:
@@ -30,14 +34,19 @@ def missing(name: str) -> None:
 @pytest.fixture
 def captures(tmp_path: Path) -> Path:
     """A folder of captures, each with a damaged frame."""
+    write_captures(tmp_path, FILES, ROWS, row_group_size=77)
+    return tmp_path
+
+
+def write_captures(folder: Path, files: int, rows: int, row_group_size: int) -> None:
+    """Write Parquet files whose first frame is damaged."""
     pyarrow = pytest.importorskip("pyarrow")
     parquet = pytest.importorskip("pyarrow.parquet")
-    (tmp_path / "captures").mkdir()
-    for number in range(FILES):
-        words = pyarrow.array([DAMAGED, *[GOOD] * (ROWS - 1)], pyarrow.uint64())
-        table = pyarrow.table({"time": range(number * ROWS, (number + 1) * ROWS), "word": words})
-        parquet.write_table(table, tmp_path / "captures" / f"{number}.parquet", row_group_size=77)
-    return tmp_path
+    (folder / "captures").mkdir()
+    for number in range(files):
+        words = pyarrow.array([DAMAGED, *[GOOD] * (rows - 1)], pyarrow.uint64())
+        table = pyarrow.table({"time": range(number * rows, (number + 1) * rows), "word": words})
+        parquet.write_table(table, folder / "captures" / f"{number}.parquet", row_group_size=row_group_size)
 
 
 def program(folder: Path, engine: str) -> str:
@@ -51,27 +60,49 @@ def program(folder: Path, engine: str) -> str:
 
 @pytest.mark.parametrize("engine", ENGINES)
 def test_the_readme_of_an_engine(generated_python: tuple[Path, ModuleType], captures: Path, engine: str) -> None:
-    try:
-        __import__(engine)
-    except ImportError:
-        missing(engine)
-    folder = generated_python[0]
-    # Processes that an engine starts run this program again.
-    text = program(folder, engine)
-    (captures / "program.py").write_text(text, encoding="utf-8")
-    command = [sys.executable, "program.py"]
-    environment = {**os.environ, "PYTHONPATH": python_path(folder)}
-    completed = subprocess.run(command, cwd=captures, env=environment, capture_output=True, text=True)
-    assert completed.returncode == 0, completed.stderr
+    printed = output_of(engine, generated_python[0], captures)
     if engine == "duckdb":
-        counts = re.findall(r"(\w+)\s+│\s+(\d+)", completed.stdout)
+        counts = re.findall(r"(\w+)\s+│\s+(\d+)", printed)
         assert counts == [("crc", str(FILES)), ("none", str(FILES * (ROWS - 1)))]
         return
     import pyarrow.parquet
 
-    table = pyarrow.parquet.read_table(captures / "positions")
+    table = pyarrow.parquet.read_table(captures / WRITTEN[engine])
     assert sorted(table["time"].to_pylist()) == [n for n in range(FILES * ROWS) if n % ROWS]
     assert set(table["position"].to_pylist()) == {POSITION}
+
+
+def output_of(engine: str, folder: Path, captures: Path) -> str:
+    """Run the README's program for an engine with two workers in the folder of the captures, and return its output."""
+    try:
+        __import__(engine)
+    except ImportError:
+        missing(engine)
+    # Processes that an engine starts run this program again.
+    (captures / "program.py").write_text(program(folder, engine), encoding="utf-8")
+    workers = {"DASK_NUM_WORKERS": "2", "POLARS_MAX_THREADS": "2"}
+    environment = {**os.environ, **workers, "PYTHONPATH": python_path(folder)}
+    command = [sys.executable, "program.py"]
+    completed = subprocess.run(command, cwd=captures, env=environment, capture_output=True, text=True)
+    assert completed.returncode == 0, completed.stderr
+    return completed.stdout
+
+
+@pytest.mark.exhaustive
+@pytest.mark.parametrize("engine", ENGINES)
+def test_ten_million_rows(generated_python: tuple[Path, ModuleType], tmp_path: Path, engine: str) -> None:
+    write_captures(tmp_path, MANY_FILES, MANY_ROWS, row_group_size=100_000)
+    printed = output_of(engine, generated_python[0], tmp_path)
+    valid_rows = MANY_FILES * (MANY_ROWS - 1)
+    if engine == "duckdb":
+        assert re.findall(r"(\w+)\s+│\s+(\d+)", printed) == [("crc", str(MANY_FILES)), ("none", str(valid_rows))]
+        return
+    import pyarrow.compute
+    import pyarrow.parquet
+
+    table = pyarrow.parquet.read_table(tmp_path / WRITTEN[engine], columns=["position"])
+    assert table.num_rows == valid_rows
+    assert pyarrow.compute.unique(table["position"]).to_pylist() == [POSITION]
 
 
 def test_partitions_in_other_processes(generated_python: tuple[Path, ModuleType], captures: Path) -> None:

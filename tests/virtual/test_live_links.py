@@ -56,7 +56,7 @@ def test_the_first_commands_of_a_user(generated_python: Package) -> None:
 
 def test_the_live_example_of_the_package(generated_python: Package, capsys: pytest.CaptureFixture[str]) -> None:
     folder, lika = generated_python[0], generated_python[1]
-    blocks = re.findall(r"```python\n(.*?)```", (folder / "README.md").read_text(encoding="utf-8"), re.DOTALL)
+    blocks = re.findall(r"```python\n(.*?)```", (folder / "live-line.md").read_text(encoding="utf-8"), re.DOTALL)
     short, block = (block for block in blocks if "open_encoder(" in block)
     assert f'lookup("{CODE}")' in block
     turned = 3 * lika.lookup(CODE).counts_per_turn + 1_000_003
@@ -317,7 +317,7 @@ def test_a_port_is_opened_once(generated_python: Package, virtual_encoder: Calla
 
 
 def test_the_asyncio_example_of_the_package(generated_python: Package, capsys: pytest.CaptureFixture[str]) -> None:
-    blocks = re.findall(r"```python\n(.*?)```", (generated_python[0] / "README.md").read_text("utf-8"), re.DOTALL)
+    blocks = re.findall(r"```python\n(.*?)```", (generated_python[0] / "live-line.md").read_text("utf-8"), re.DOTALL)
     (block,) = (block for block in blocks if "open_async(" in block)
     with simulated(CODE, "--position", "1000003") as port:
         exec(re.sub(r'open_async\("[^"]+"', f'open_async("{port}"', block), {})

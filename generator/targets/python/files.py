@@ -7,14 +7,14 @@ the templates, and names and expressions from this package.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from pathlib import Path
 from posixpath import relpath
 from runpy import run_path
 from typing import Annotated, TypedDict
 
-from ...model import Device, Manufacturer, Rs485
+from ...model import Device, Manufacturer, Rs485, Spi
 from ...plan import operations, steps
 from ...plan.limits import Refusal
 from ...render import Templates, our_templates, tests_for
@@ -25,8 +25,20 @@ from ..registry import copied, licence_in, our_runtime
 from .docstrings import docstring, of_answer, of_crc, of_value
 from .literals import Expr, broken, coded, constant, grouped, literal, mask, quoted, table
 from .module import Enumeration, Module
-from .names import BISS, FACTS, PACKAGE, SHAPES, STANDARD, Imports, byte_order, encoder_name, imports_of, interface_name
-from .readme import ReadmeExample, start
+from .names import (
+    BISS,
+    FACTS,
+    PACKAGE,
+    SHAPES,
+    STANDARD,
+    Imports,
+    OpenQuestion,
+    byte_order,
+    encoder_name,
+    imports_of,
+    interface_name,
+)
+from .readme import ReadmeExample, start, virtual_examples
 
 
 def operand(value: Expr) -> str:
@@ -69,6 +81,9 @@ TESTS = tests_for(
 
 #: Files that each package has once, next to its folder and in it.
 _PROJECT_FILES = ("README.md", "pyproject.toml")
+#: Guides next to the README. A package has that of the live line only if one of its interfaces has a section in it.
+_LIVE_LINE = "live-line"
+_GUIDES = (_LIVE_LINE, "files-and-captures", "test-without-an-encoder")
 _PACKAGE_FILES = ("__init__", "_codes")
 #: Source files that are copied: the runtime with its package, and files that every manufacturer's package needs.
 RUNTIME = our_runtime("python")
@@ -88,10 +103,17 @@ class Package(TypedDict):
     notices: Annotated[list[str], "notices on trademarks"]
     modules: Annotated[list[Module], "the module of each family"]
     start: Annotated[ReadmeExample, "the first example of the README"]
+    shown_family: Annotated[Module, "the module whose family the README shows in full, that of the first example"]
+    questions: Annotated[list[tuple[Module, OpenQuestion]], "the questions that manuals leave open, with their modules"]
+    guides: Annotated[list[str], "the names of the guides next to the README, without .md"]
+    virtual: Annotated[dict[str, ReadmeExample], "an example for a virtual encoder for each interface"]
+    biss_procedure: Annotated[ReadmeExample | None, "an example of a procedure over BiSS, if there is one"]
+    spi: Annotated[ReadmeExample | None, "an example of a position over SPI, if there is one"]
     families: Annotated[list[str], "the names of all family modules"]
     specials: Annotated[list[tuple[str, str]], "the modules of special models, and the suffixes of their order codes"]
     biss: Annotated[tuple[str, ...], "the name of the module for all BiSS encoders, if there is one"]
     rs485: Annotated[bool, "whether one of the encoders has RS-485"]
+    has_spi: Annotated[bool, "whether one of the encoders answers requests over SPI"]
     runtime: Annotated[str, "the version of the runtime that the package needs, as major and minor number"]
     shared: Annotated[str, "the folder of the runtime, from that of the package"]
     neighbours: Annotated[list[str], "the folders of the other manufacturers' packages, from that of the package"]
@@ -147,7 +169,8 @@ def _package(
     biss = (BISS,) if has_biss(devices) else ()
     values = _package_values(maker, devices, folders, biss)
     user_templates = library.own_templates
-    files = {name: TEMPLATES.render(f"{name}.jinja", values, user_templates) for name in _PROJECT_FILES}
+    project_files = (*_PROJECT_FILES, *(f"{guide}.md" for guide in values["guides"]))
+    files = {name: TEMPLATES.render(f"{name}.jinja", values, user_templates) for name in project_files}
     for name in _PACKAGE_FILES:
         files[f"{package}/{name}.py"] = TEMPLATES.render(f"{name}.py.jinja", values, user_templates)
     files["setup.py"] = (_PROJECT / "setup.py").read_text(encoding="utf-8")
@@ -167,6 +190,14 @@ def _package_values(
     prefix = "./" if folder == "python" else ""
     other_folders = (other_folder for name, other_folder in folders.items() if name != maker.name)
     modules = [Module(device) for device in devices]
+    shown_example = start([module.readme for module in modules])
+    shown_family = _family_of(shown_example.code, modules)
+    shown_family_first = sorted(modules, key=lambda module: module is not shown_family)
+    rs485 = any(device.find_interface(Rs485) for device in devices)
+    spi_interfaces = [device.find_interface(Spi) for device in devices]
+    has_spi = any(interface.exchanges for interface in spi_interfaces if interface is not None)
+    spi_examples = (module.spi_example for module in modules)
+    spi_example = next((example for example in spi_examples if example is not None), None)
     module_overlays = [(module, overlay) for module in modules for overlay in module.device.overlays]
     return {
         "package": maker.python_package,
@@ -176,17 +207,35 @@ def _package_values(
         "notices": [plain(trademark) for trademark in maker.trademarks],
         "header": _header(f"the specifications of {plain(maker.title)}'s encoders"),
         "modules": modules,
-        "start": start([module.readme for module in modules]),
+        "start": shown_example,
+        "shown_family": shown_family,
+        "questions": [(module, question) for module in modules for question, _ in module.alternatives],
+        "guides": [guide for guide in _GUIDES if guide != _LIVE_LINE or rs485 or biss or has_spi],
+        "virtual": virtual_examples([module.readme for module in shown_family_first]),
+        "biss_procedure": _biss_procedure(shown_family_first),
+        "spi": spi_example,
         "families": [module.name for module in modules],
         "specials": [(module.name, overlay.special) for module, overlay in module_overlays if overlay.special],
         "biss": biss,
-        "rs485": any(device.find_interface(Rs485) for device in devices),
+        "rs485": rs485,
+        "has_spi": has_spi,
         "runtime": runtime_version(),
         "shared": relpath(_RUNTIME, folder),
         "neighbours": [f"{prefix}{relpath(other_folder, folder)}" for other_folder in other_folders],
         "public": sorted([*(module.name for module in modules), *biss]),
         "identified": [module.name for module in modules if module.identities and not module.device.base],
     }
+
+
+def _family_of(order_code: str, modules: Iterable[Module]) -> Module:
+    """Return the module of the family with this order code."""
+    return next(module for module in modules if order_code in {variant.code for variant in module.device.variants})
+
+
+def _biss_procedure(modules: Iterable[Module]) -> ReadmeExample | None:
+    """Return the first example of a procedure over BiSS."""
+    examples = (example for module in modules for example in module.readme.procedures)
+    return next((example for example in examples if example.interface == "biss"), None)
 
 
 def _family(device: Device, library: Library, options: Options) -> Iterator[tuple[str, Callable[[], str]]]:
@@ -229,7 +278,8 @@ def _markdown(text: str) -> str:
     return plain(text).translate({ord(character): f"\\{character}" for character in _MARKUP})
 
 
-_PACKAGE_TEMPLATES = (*_PROJECT_FILES, *(f"{name}.py" for name in _PACKAGE_FILES))
+_GUIDE_FILES = tuple(f"{guide}.md" for guide in _GUIDES)
+_PACKAGE_TEMPLATES = (*_PROJECT_FILES, *_GUIDE_FILES, *(f"{name}.py" for name in _PACKAGE_FILES))
 TEMPLATES = Templates(
     our_templates("python"),
     values={

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
 from functools import cached_property
 
-from ...model import Device, Field, Interface, Register, Value
+from ...model import Device, Field, Interface, Register, Spi, Value
 from ...model.record import dataclass
 from ...plan.frames import Dispatch, dispatches, identities
 from ...say.names_and_places import words
@@ -18,7 +19,7 @@ from .facts import Shape, row, rows
 from .literals import Call, Expr
 from .names import LOCAL_NAMES, Context, OpenQuestion, attribute, camel, encoder_name, interface_name, is_one_choice
 from .procedures import Steps
-from .readme import Readme
+from .readme import Readme, ReadmeExample
 from .variants import FrameKind, Variants
 
 
@@ -199,6 +200,19 @@ class Module:
         """Questions that the manual leaves open, with their docstrings."""
         questions = self.context.questions.values()
         return [(question, docstrings.of_alternative(self.device, question.alternative)) for question in questions]
+
+    @property
+    def spi_example(self) -> ReadmeExample | None:
+        """Example of a position over SPI, whose ``kind`` is the class of the request, if it has no arguments."""
+        frame = next((frame for frame in self.readme.frames if frame.interface == "spi" and frame.position), None)
+        interface = self.device.find_interface(Spi)
+        if frame is None or frame.answers or interface is None:
+            return None
+        requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "position"]
+        for coder in self.coders:
+            if coder.layout.name in requests and not coder.takes_variant and not coder.attributes:
+                return replace(frame, kind=coder.name, module=self.name)
+        return None
 
     @property
     def known_by(self) -> list[str]:

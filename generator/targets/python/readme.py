@@ -1,4 +1,4 @@
-"""Examples in the README of the package: frames for each interface, and worked examples from the manuals."""
+"""Examples in the README and the guides: frames for each interface, and worked examples from the manuals."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ from .procedures import Steps
 from .variants import FrameKind
 
 #: Number of registers and number of procedures that are shown.
-_REGISTERS, _PROCEDURES = 3, 2
+_REGISTERS, _PROCEDURES = 2, 2
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,10 @@ class ReadmeExample:
     ``reported`` its report, and ``tried`` the printed lines for both and for an invalid one. ``kind`` is the class
     of the frame if the encoder sends several. ``bits`` and ``digits`` describe a frame that is a string of bits.
     ``looked_up`` is True if the call needs the encoder. ``answers`` are the arguments for questions that the manual
-    leaves open, ``module`` is the module of their classes.
+    leaves open, ``module`` is the module of their classes. ``interface`` is that of the order code, ``position`` the
+    position in the frame, ``flag`` the flag of the spec that is active in ``spoilt``, and ``flag_attribute`` its name
+    in the frame. ``order_code`` is that of a procedure. ``is_position_only`` is True for a frame that has only flags
+    and its position. ``is_rotary`` is True for an encoder whose position is an angle.
     """
 
     code: str
@@ -61,6 +64,13 @@ class ReadmeExample:
     looked_up: bool = False
     answers: str = ""
     module: str = ""
+    interface: str = ""
+    position: str = ""
+    flag: str = ""
+    flag_attribute: str = ""
+    order_code: str = ""
+    is_position_only: bool = False
+    is_rotary: bool = False
 
     @property
     def fence(self) -> str:
@@ -87,8 +97,24 @@ def start(readmes: Sequence[Readme]) -> ReadmeExample:
     )
 
 
+def virtual_examples(readmes: Sequence[Readme]) -> dict[str, ReadmeExample]:
+    """Return an example of a frame with a position for each interface, preferably one that can report an error.
+
+    Examples with questions that the manual leaves open are left out, so that programs need no answers.
+    """
+    examples: dict[str, ReadmeExample] = {}
+    for readme in readmes:
+        for frame in readme.frames:
+            if not frame.position or frame.answers:
+                continue
+            example = examples.setdefault(frame.interface, frame)
+            if frame.flag and not example.flag:
+                examples[frame.interface] = frame
+    return examples
+
+
 class Readme:
-    """Examples of one module in the README."""
+    """Examples of one module in the README and in the guides."""
 
     def __init__(
         self,
@@ -132,18 +158,28 @@ class Readme:
             digits="" if layout.in_bytes else f"{number:0{placed.bits}b}",
             answers="".join(map(self._first_answer, coder.questions)),
             module=self.device.name if coder.questions else "",
+            interface=variant.interface,
+            position=str(numbers.get(coder.measured, "")),
+            is_position_only=self._is_position_only(coder, variant.interface),
         )
         if not example.has_verdict or coder.reports is None or sample.spoilt is None:
             return example
         flag = placed.spoiling_flags[0]
         reported = coder.reports.name_of(flag)
-        example = replace(example, spoilt=_text(placed, sample.spoilt), reported=reported)
+        example = replace(example, spoilt=_text(placed, sample.spoilt), reported=reported, flag=flag.name)
+        example = replace(example, flag_attribute=coder.names.attribute(flag.name))
         crc_field = layout.crc_field
         if crc_field is None or layout.in_bytes or coder.measured not in numbers:
             return example
         invalid = f"invalid frame of {variant.code}: {_damaged_crc(crc_field, number)}"
         flag_meaning = meaning(flag, alarm_of(self.device, flag))
         return replace(example, tried=(str(numbers[coder.measured]), flag_meaning, invalid))
+
+    def _is_position_only(self, coder: Coder, interface: str) -> bool:
+        """Return whether the fields of a frame are flags and those of its position."""
+        position_names = map(coder.names.attribute, self.device.position_names(interface))
+        values = {attribute.name for attribute in coder.attributes if attribute.type != "bool"}
+        return values.issubset(position_names)
 
     def _first_answer(self, question: OpenQuestion) -> str:
         """Return the argument that passes the first answer to a question."""
@@ -188,7 +224,18 @@ class Readme:
             else:
                 arguments.append(f"variant={encoder}")
             result = repr(bytes(write.value for write in example.writes).hex(" "))
-            examples.append(ReadmeExample(f"{steps.name}({', '.join(arguments)})", "", "", result))
+            code = f"{self.context.module}.{steps.name}({', '.join(arguments)})"
+            examples.append(
+                ReadmeExample(
+                    code=code,
+                    text="",
+                    shown="",
+                    result=result,
+                    module=self.context.module,
+                    interface=steps.procedure.interface,
+                    order_code=example.order_code,
+                )
+            )
         return examples
 
     @property
@@ -202,7 +249,14 @@ class Readme:
         resets = [steps for steps in steps_over if steps.procedure.name in cleared and not steps.arguments]
         best_reset = max(resets, key=lambda steps: cleared.count(steps.procedure.name), default=None)
         reset_name = best_reset.name if best_reset else ""
-        return ReadmeExample(code=variant.code, text="", shown=reset_name, result="", module=self.context.module)
+        return ReadmeExample(
+            code=variant.code,
+            text="",
+            shown=reset_name,
+            result="",
+            module=self.context.module,
+            is_rotary=self.device.movement == "rotary",
+        )
 
     @property
     def run_time(self) -> list[ReadmeExample]:
