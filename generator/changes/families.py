@@ -23,10 +23,12 @@ def family(family_pair: FamilyPair) -> Iterator[Change]:
     old, new = family_pair.old, family_pair.new
     yield from family_pair.presence("family", Subject("device", f"family {new.name}"), old, new)
     if old.title != new.title:
-        yield family_pair.change("words", Subject("title", new.name), ": title", old.title, new.title)
+        title_subject = Subject("title", new.name)
+        yield family_pair.change("words", title_subject, ": title", old.title, new.title)
     if old.movement != new.movement:
+        movement_subject = Subject("movement", new.name)
         description = f": {arrow(old.movement, new.movement)}"
-        yield family_pair.change("movement", Subject("movement", new.name), description, old.movement, new.movement)
+        yield family_pair.change("movement", movement_subject, description, old.movement, new.movement)
     manufacturer = Subject(f"manufacturers.{new.manufacturer.name}", f"manufacturer {new.manufacturer.name}")
     yield from compare_members(family_pair, manufacturer, old.manufacturer, new.manufacturer)
     evidence = Subject("evidence", "evidence")
@@ -36,8 +38,9 @@ def family(family_pair: FamilyPair) -> Iterator[Change]:
         description = " is new" if new.evidence else " is gone"
         yield family_pair.change("evidence", evidence, description, old.evidence, new.evidence)
     if old.manual != new.manual:
-        texts = [_edition(manual) for manual in (old.manual, new.manual)]
-        description = f" {arrow(*texts)}" if texts[0] != texts[1] else ": details"
+        old_edition, new_edition = _edition(old.manual), _edition(new.manual)
+        is_other_edition = old_edition != new_edition
+        description = f" {arrow(old_edition, new_edition)}" if is_other_edition else ": details"
         yield family_pair.change("manual", Subject("manual", "manual"), description, old.manual, new.manual)
 
 

@@ -48,8 +48,9 @@ def layout(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) 
     """Yield the differences in the fields of a frame or register."""
     compared_fields: Sequence[ComparedField] = []
     for pair in fields(family_pair, old, new, subject.interface):
-        # Its padding follows from a field, and is compared with it.
-        if _is_padding(pair.item, old) or _is_padding(pair.item, new):
+        # Padding follows from the field that it fills up, and is compared with that field.
+        is_padding = _is_padding(pair.item, old) or _is_padding(pair.item, new)
+        if is_padding:
             continue
         common_property = _common_property(family_pair, subject, pair, old, new)
         field_changes = list(_compare_field(family_pair, subject, pair, common_property))
@@ -63,9 +64,12 @@ def layout(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) 
     yield from compare_parts(family_pair, "combination", old.combinations, new.combinations, combination_subject)
     old_types = {join.name: _type_of_parts(old, join) for join in old.joins}
     for join in new.joins:
-        path, label = f"{subject.path}.{join.name}", f"{subject.scope}: number {join.name}"
-        type_subject = replace(subject, path=path, label=label)
-        yield from _compare_type(family_pair, type_subject, old_types.get(join.name, ""), _type_of_parts(new, join))
+        type_subject = replace(
+            subject, path=f"{subject.path}.{join.name}", label=f"{subject.scope}: number {join.name}"
+        )
+        old_type = old_types.get(join.name, "")
+        new_type = _type_of_parts(new, join)
+        yield from _compare_type(family_pair, type_subject, old_type, new_type)
 
 
 def _is_padding(field: Field, layout: Layout) -> bool:
@@ -309,36 +313,45 @@ def interfaces(family_pair: FamilyPair) -> Iterator[Change]:
 
 
 def _compare_interface(family_pair: FamilyPair, subject: Subject, old: Interface, new: Interface) -> Iterator[Change]:
+    """Compare the electrical side, the timings and the frames of an interface.
+
+    An interface that changes between RS-485 and a clocked one has neither a port nor a clock to compare.
+    """
     if isinstance(new, Rs485) and isinstance(old, Rs485):
-        yield from compare_members(family_pair, subject.inside("port", subject.label), old.port, new.port)
-        yield from compare_parts(
-            family_pair, "data-id", old.data_ids, new.data_ids, subject.inside("data_ids", "data ID")
-        )
+        port_subject = subject.inside("port", subject.label)
+        yield from compare_members(family_pair, port_subject, old.port, new.port)
+        data_id_subject = subject.inside("data_ids", "data ID")
+        yield from compare_parts(family_pair, "data-id", old.data_ids, new.data_ids, data_id_subject)
     elif not isinstance(new, Rs485) and not isinstance(old, Rs485):
-        yield from compare_members(family_pair, subject.inside("clock", subject.label), old.clock, new.clock)
+        clock_subject = subject.inside("clock", subject.label)
+        yield from compare_members(family_pair, clock_subject, old.clock, new.clock)
     if isinstance(old, Biss) and isinstance(new, Biss):
         control_subject = subject.inside("control_data", "control frame: field")
         yield from compare_parts(
             family_pair, "control-field", old.control_data, new.control_data, control_subject, _compare_control_values
         )
     yield from timings(family_pair, subject, old.timings, new.timings)
-    frame_changes = compare_parts(
-        family_pair, "frame", old.layouts, new.layouts, subject.inside("layouts", "frame"), _compare_frame
-    )
+    frame_subject = subject.inside("layouts", "frame")
+    frame_changes = compare_parts(family_pair, "frame", old.layouts, new.layouts, frame_subject, _compare_frame)
     yield from without_explained_lengths(list(frame_changes))
 
 
 def _compare_frame(family_pair: FamilyPair, subject: Subject, old: Layout, new: Layout) -> Iterator[Change]:
+    """Compare the fields, the position range and the needed decisions of a frame. Decisions have their new names."""
     unnamed = subject.unnamed
     yield from layout(family_pair, unnamed, old, new)
     yield from _compare_position_range(family_pair, unnamed, old.position_range, new.position_range)
-    old_decisions = {family_pair.to_new("decision", decision.name) for decision in family_pair.old.alternatives_of(old)}
-    new_decisions = {decision.name for decision in family_pair.new.alternatives_of(new)}
-    inner = unnamed.inside("alternatives", unnamed.label)
-    for name in sorted(old_decisions - new_decisions):
-        yield family_pair.change("frame-decision", inner, f": no longer needs the decision {name}", name, None)
-    for name in sorted(new_decisions - old_decisions):
-        yield family_pair.change("frame-decision", inner, f": needs the decision {name}", None, name)
+    old_alternatives = family_pair.old.alternatives_of(old)
+    new_alternatives = family_pair.new.alternatives_of(new)
+    old_decisions = {family_pair.to_new("decision", alternative.name) for alternative in old_alternatives}
+    new_decisions = {alternative.name for alternative in new_alternatives}
+    decision_subject = unnamed.inside("alternatives", unnamed.label)
+    for decision in sorted(old_decisions - new_decisions):
+        description = f": no longer needs the decision {decision}"
+        yield family_pair.change("frame-decision", decision_subject, description, decision, None)
+    for decision in sorted(new_decisions - old_decisions):
+        description = f": needs the decision {decision}"
+        yield family_pair.change("frame-decision", decision_subject, description, None, decision)
 
 
 def _compare_position_range(

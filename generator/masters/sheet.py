@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..language.check import check_document
 from ..language.files import packaged_masters
@@ -395,14 +395,25 @@ class GroupSheets:
 def sheets_of(device: Device, masters: Sequence[Master]) -> tuple[GroupSheets, ...]:
     """Return the sheets of each interface with an order code for masters. Those of the last family are remembered."""
     master_ids = tuple(map(id, masters))
-    if not _LATEST or _LATEST[0][0] is not device or _LATEST[0][1] != master_ids:
-        _LATEST[:] = [(device, master_ids, tuple(_computed_sheets(device, masters)))]
-    _, _, interface_sheets = _LATEST[0]
-    return interface_sheets
+    for remembered in _LATEST:
+        if remembered.device is device and remembered.master_ids == master_ids:
+            return remembered.sheets
+    sheets = tuple(_computed_sheets(device, masters))
+    _LATEST[:] = [_FamilySheets(device, master_ids, sheets)]
+    return sheets
 
 
+class _FamilySheets(NamedTuple):
+    """Sheets of a family for the masters with these identities."""
+
+    device: Device
+    master_ids: tuple[int, ...]
+    sheets: tuple[GroupSheets, ...]
+
+
+#: Sheets of the last family, or nothing before the first.
 #: Families are compared by identity, because comparing their members takes longer than making the sheets.
-_LATEST: list[tuple[Device, tuple[int, ...], tuple[GroupSheets, ...]]] = []
+_LATEST: list[_FamilySheets] = []
 
 
 def _computed_sheets(device: Device, masters: Sequence[Master]) -> Iterator[GroupSheets]:

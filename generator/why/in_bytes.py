@@ -11,7 +11,7 @@ from .in_bits import POLYNOMIALS, OtherCrc, as_sent
 from .tries import NOT_INVERTED, Try, read_as
 
 #: More extra bytes than this do not come from an echoed request.
-_MOST_MORE = 4
+_MOST_ECHOED_BYTES = 4
 
 
 def tries_with_bytes(
@@ -29,7 +29,7 @@ def tries_with_bytes(
         if crc is None or crc.width != 8:
             continue
         if expected is not None and expected.name == placed.name and 8 * len(data) == placed.bits:
-            yield from _computed_otherwise(placed, crc, data)
+            yield from _other_crc_tries(placed, crc, data)
         yield from _moved_byte_tries(placed, crc, data)
 
 
@@ -39,17 +39,17 @@ def is_valid_in_bytes(device: Device, placed: PlacedLayout, data: bytes) -> bool
     return crc is not None and crc.width == 8 and _read_as("", "", placed, crc, data).fits
 
 
-def _computed_otherwise(placed: PlacedLayout, crc: Crc, data: bytes) -> Iterator[Try]:
-    """Yield tries of the frame as sent with another CRC."""
+def _other_crc_tries(placed: PlacedLayout, crc: Crc, data: bytes) -> Iterator[Try]:
+    """Yield tries of the frame as sent with another CRC. The last byte of ``data`` is the received CRC."""
     try_as_sent = _over_bytes(as_sent(placed, crc, number_from_bytes(placed.layout, data)), data)
     for kind, description, other_crc in other_crcs(crc):
         yield replace(try_as_sent, kind=kind, text=description, crc=other_crc)
-    without_first_byte = int.from_bytes(data[1:-1], "big")
+    bytes_without_first_and_crc = data[1:-1]
     yield replace(
         try_as_sent,
         kind="first_byte_left_out",
         text="the CRC does not cover the first byte",
-        data=without_first_byte,
+        data=int.from_bytes(bytes_without_first_and_crc, "big"),
         bits=try_as_sent.bits - 8,
     )
 
@@ -76,20 +76,29 @@ def other_crcs(crc: Crc) -> Iterator[OtherCrc]:
 
 def _moved_byte_tries(placed: PlacedLayout, crc: Crc, data: bytes) -> Iterator[Try]:
     """Yield tries in which the bytes do not begin and end with the frame, or are inverted."""
-    size = placed.bits // 8
-    extra_bytes = len(data) - size
-    if 0 < extra_bytes <= _MOST_MORE:
-        plural = f"{extra_bytes} extra bytes" if extra_bytes > 1 else "an extra byte"
-        description = f"{plural} before the frame, such as an echo of the request"
-        yield _read_as("bytes_in_front", description, placed, crc, data[extra_bytes:])
-        yield _read_as("bytes_behind", f"{plural} after the frame", placed, crc, data[:size])
-    if extra_bytes in (-1, 0):
-        for first in _first_bytes(placed):
-            behind = "" if extra_bytes else ", and an extra byte follows the frame"
-            description = f"the first byte ({first:02X}) is missing{behind}"
-            yield _read_as("first_byte_lost", description, placed, crc, bytes([first, *data[: size - 1]]))
-    if extra_bytes == 0:
-        yield _read_as("all_inverted", "every bit is inverted", placed, crc, bytes(byte ^ 0xFF for byte in data))
+
+    def try_of(kind: str, description: str, frame: bytes) -> Try:
+        return _read_as(kind, description, placed, crc, frame)
+
+    frame_length = placed.bits // 8
+    extra_bytes = len(data) - frame_length
+    if 0 < extra_bytes <= _MOST_ECHOED_BYTES:
+        counted_bytes = f"{extra_bytes} extra bytes" if extra_bytes > 1 else "an extra byte"
+        description = f"{counted_bytes} before the frame, such as an echo of the request"
+        yield try_of("bytes_in_front", description, data[extra_bytes:])
+        yield try_of("bytes_behind", f"{counted_bytes} after the frame", data[:frame_length])
+    is_right_length = extra_bytes == 0
+    is_one_byte_short = extra_bytes == -1
+    if is_right_length or is_one_byte_short:
+        # With the right length, a byte that follows the frame replaces the one that is missing.
+        following_byte = ", and an extra byte follows the frame" if is_right_length else ""
+        for first_byte in _first_bytes(placed):
+            description = f"the first byte ({first_byte:02X}) is missing{following_byte}"
+            frame = bytes([first_byte]) + data[: frame_length - 1]
+            yield try_of("first_byte_lost", description, frame)
+    if is_right_length:
+        inverted_frame = bytes(byte ^ 0xFF for byte in data)
+        yield try_of("all_inverted", "every bit is inverted", inverted_frame)
 
 
 def _read_as(kind: str, description: str, placed: PlacedLayout, crc: Crc, data: bytes) -> Try:
