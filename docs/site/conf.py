@@ -9,7 +9,7 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 
 project = "codewheel"
-extensions = ["myst_parser", "mirror", "site_search", "tables", "search_entries", "page_heads"]
+extensions = ["myst_parser", "mirror", "site_search", "marks", "tables", "search_entries", "page_heads"]
 # Links use the paths of the repository. mirror.py turns them into links between pages.
 myst_all_links_external = True
 # Code, names and addresses stay as they are written.

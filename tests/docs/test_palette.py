@@ -16,7 +16,7 @@ COLOUR = re.compile(r"#[0-9a-fA-F]{3,8}\b(?![-_])|\b(?:rgba?|hsla?|color-mix|lab
 #: Names of colours and of system colours in a declaration. In ``transparent`` and ``currentColor`` there is no colour.
 NAMED = re.compile(
     r"(?:color|background|border[a-z-]*|outline|fill|stroke)\s*:[^;}\n]*?"
-    r"\b(white|black|red|green|blue|gr[ae]y|orange|yellow|Canvas(?:Text)?|GrayText|Field(?:Text)?|LinkText)\b"
+    r"(?<![-\w])(white|black|red|green|blue|gr[ae]y|orange|yellow|Canvas(?:Text)?|GrayText|Field(?:Text)?)(?![-\w])"
 )
 USED = re.compile(r"var\(--codewheel-([a-z-]+)")
 DEFINED = re.compile(r"--codewheel-([a-z-]+):\s*(#[0-9a-f]{6});")
