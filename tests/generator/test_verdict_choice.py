@@ -223,7 +223,8 @@ def test_the_pages_state_the_question_and_both_answers(pages: dict[str, str]) ->
     assert with_answer in lines
     error = next(line for line in lines if "`error`</small> | 0 |" in line)
     warning = next(line for line in lines if "`warning`</small> | 0 |" in line)
-    assert "| ✕ **not usable** |" in error and "| ✕ **not usable** |" in warning
+    assert "| ✕ **not usable** |" in error
+    assert "| ✕ **not usable** |" in warning
     assert '<a id="alternative-warning_cause"></a>' in page
     assert "warning_cause" not in pages["docs/amm5/AMM5A21-1SC1.md"]
     usable = pages["docs/usable-or-not.md"].splitlines()
