@@ -9,15 +9,15 @@ HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
 
 project = "codewheel"
-extensions = ["myst_parser", "mirror", "site_search", "tables", "search_entries", "page_heads"]
+extensions = ["myst_parser", "mirror", "site_search", "marks", "tables", "search_entries", "page_heads"]
 # Links use the paths of the repository. mirror.py turns them into links between pages.
 myst_all_links_external = True
 # Code, names and addresses stay as they are written.
 smartquotes = False
 html_theme = "furo"
 templates_path = ["templates"]
-html_static_path = ["static"]
-html_css_files = ["site.css"]
+html_static_path = ["static", str(HERE.parents[1] / "runtime" / "browser" / "palette.css")]
+html_css_files = ["palette.css", "site.css"]
 html_js_files = ["site.js"]
 html_show_sphinx = False
 html_title = "codewheel"

@@ -9,6 +9,7 @@ from pathlib import Path
 from codewheel.loading.library import load_library
 from codewheel.model import Device, Flag, Layout, PlacedField, PlacedLayout, Variant, choices
 from codewheel.say.evidence import GRADES
+from codewheel.say.layout import box_colour
 from codewheel.say.names_and_places import words
 
 #: Fields with fewer bits, or with a smaller part of the frame, have room for a letter only, which the caption explains.
@@ -139,10 +140,9 @@ def _bits(placed: PlacedLayout) -> str:
 
 def _span(placed: PlacedLayout, field: PlacedField) -> str:
     size = _size(field)
-    is_flag = size == 1 or isinstance(field.field.kind, Flag)
-    kind = "flag" if is_flag else "position"
-    if field.field == placed.layout.crc_field:
-        kind = "crc"
+    kind = f"bits-{box_colour(field.field)}"
+    if size == 1 or isinstance(field.field.kind, Flag):
+        kind += " flag"
     label = f"{escape(words(field.name))}<br>{_places(field)}"
     if _is_narrow(placed, field):
         kind, label = f"{kind} narrow", _letter(field)

@@ -6,9 +6,12 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from xml.sax.saxutils import escape
+
+from codewheel.targets.palette import palette
 
 
 @dataclass(frozen=True)
@@ -89,21 +92,28 @@ DECODED = Panel(
     ),
 )
 PANELS = (SPEC, C, PYTHON, DECODED)
-STYLE = """
-    rect { fill: #f6f8fa; stroke: #d0d7de; }
-    rect.spec { fill: #ddf4ff; stroke: #0969da; }
-    text { fill: #1f2328; font: 13px ui-monospace, Consolas, Menlo, monospace; white-space: pre; }
-    text.title { font: 600 13px system-ui, sans-serif; fill: #57606a; }
-    @media (prefers-color-scheme: dark) {
-      rect { fill: #161b22; stroke: #30363d; }
-      rect.spec { fill: #0c2d6b; stroke: #58a6ff; }
-      text { fill: #e6edf3; }
-      text.title { fill: #adbac7; }
-    }"""
 ABOUT = (
     "One frame of an encoder as YAML on the left. On the right the same frame in C, in Python, and decoded on the "
     "command line: multiturn 0, singleturn 1000003, no active error, position 171.6619 degrees."
 )
+
+
+def _colours(name_of: Callable[[str], str]) -> str:
+    """Return the rules with colours. ``name_of`` returns the colour of a name."""
+    return f"""
+    rect {{ fill: {name_of("surface")}; stroke: {name_of("border")}; }}
+    rect.spec {{ fill: {name_of("bits-data")}; stroke: {name_of("link")}; }}
+    text {{ fill: {name_of("ink")}; }}
+    text.title {{ fill: {name_of("soft-ink")}; }}"""
+
+
+def _style() -> str:
+    colours = palette()
+    return f"""
+    text {{ font: 13px ui-monospace, Consolas, Menlo, monospace; white-space: pre; }}
+    text.title {{ font: 600 13px system-ui, sans-serif; }}{_colours(colours.light.__getitem__)}
+    @media (prefers-color-scheme: dark) {{{_colours(colours.on_dark)}
+    }}"""
 
 
 def picture() -> str:
@@ -115,7 +125,7 @@ def picture() -> str:
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="-1 -1 {width + 2} {height + 2}" width="{width}" '
         f'height="{height}" role="img" aria-labelledby="front-title front-text">\n'
         f'  <title id="front-title">From a spec to decoded frames</title>\n'
-        f'  <desc id="front-text">{escape(ABOUT)}</desc>\n  <style>{STYLE}\n  </style>\n{drawn}\n</svg>\n'
+        f'  <desc id="front-text">{escape(ABOUT)}</desc>\n  <style>{_style()}\n  </style>\n{drawn}\n</svg>\n'
     )
 
 

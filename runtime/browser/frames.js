@@ -95,7 +95,8 @@ function fieldsOf(item, number, plain) {
   const sent = bits(plain, low, width);
   const entry = {
     name: field.name, raw: bits(number, low, width), value: sent, unit: field.unit ?? "",
-    scale: field.scale, meaning: field.meaning ?? "", high: low + width - 1, low, ...meantBy(field, sent, width),
+    scale: field.scale, meaning: field.meaning ?? "", high: low + width - 1, low, colour: field.colour,
+    ...meantBy(field, sent, width),
   };
   const runs = (field.runs ?? []).map(([name, divisor, modulus, meaning = ""]) => {
     const part = (sent / big(divisor)) % big(modulus);

@@ -53,11 +53,8 @@ function inUnits(item) {
 /** A name that may wrap after each of its words. */
 const breakable = (name) => name.split("_").flatMap((word, place) => (place ? ["_", element("wbr"), word] : [word]));
 
-/** The kind of a field, for its colour: a flag, an active flag, the CRC, or a number. */
-function kindOf(found, item) {
-  if (item.name === found.crc?.field) return "crc";
-  return typeof item.value !== "boolean" ? "number" : item.value ? "active" : "flag";
-}
+/** The colour of a field as in the pictures. An active flag has its own. */
+const colourOf = (item) => (item.value === true ? "active" : item.colour);
 
 /** The bits of a frame as a row of its fields. Pointed at or focused, a field shows its value and source below. */
 function bitsOf(found, table) {
@@ -82,7 +79,7 @@ function bitsOf(found, table) {
       ? item.name : breakable(item.name);
     const longest = size > 2 ? Math.max(...item.name.split("_").map((word) => word.length)) : 0;
     const cell = element("button", {
-      type: "button", class: `${CLASS}-cell ${CLASS}-cell-${kindOf(found, item)}`,
+      type: "button", class: `${CLASS}-cell ${CLASS}-cell-${colourOf(item)}`,
       "aria-label": `${item.name}${told}${from}`,
     }, part("span", "bits", item.raw.toString(2).padStart(size, "0")), size > 2 ? part("span", "name", name) : "");
     // The policy of the page allows this, but no attribute.
@@ -218,7 +215,7 @@ function reasonOf(at, { text, oneIn, number, parts = [] }) {
 
 /** The parts of a recording, drawn like the bits of a frame. */
 const drawnParts = (parts) => part("div", "drawing", parts.map(([name, some]) =>
-  part("span", `cell ${CLASS}-cell-${name === "frame" ? "number" : "flag"}`,
+  part("span", `cell ${CLASS}-cell-${name === "frame" ? "data" : "flag"}`,
     part("span", "bits", some), part("span", "name", name.replaceAll("_", "-")))));
 
 const byteOf = (at, bit) => (at.layout.order === "little" ? bit >> 3 : at.bits / 8 - 1 - (bit >> 3));

@@ -1,9 +1,9 @@
 // Licence 0BSD: use, modify and distribute this file without any condition.
-// Style of the box, which inherits its colours from the page.
+// Style of the box. Its colours are those of palette.css, which comes before it.
 
 function sheet() {
   const made = new CSSStyleSheet();
-  made.replaceSync(`
+  made.replaceSync(`${PALETTE}
     div.${CLASS} { container-type: inline-size; text-align: start; }
     div.${CLASS} * { box-sizing: border-box; }
     div.${CLASS} [hidden] { display: none; }
@@ -11,28 +11,28 @@ function sheet() {
     .${CLASS}-item > label { display: block; font-weight: 600; }
     div.${CLASS} :is(input:not([type]), select, textarea) {
       display: block; width: 100%; font: inherit; padding: .45rem .5rem; color: inherit;
-      background: transparent; border: 1px solid GrayText; border-radius: 4px;
+      background: transparent; border: 1px solid var(--codewheel-control); border-radius: 4px;
     }
-    div.${CLASS} :is(option, optgroup) { background: Field; color: FieldText; }
+    div.${CLASS} :is(option, optgroup) { background: var(--codewheel-page); color: var(--codewheel-ink); }
     div.${CLASS} :is(textarea, pre, input, input:not([type])) { font-family: ui-monospace, monospace; }
-    div.${CLASS} [aria-invalid=true] { border-color: #c62828; }
+    div.${CLASS} [aria-invalid=true] { border-color: var(--codewheel-not-usable); }
     .${CLASS}-hint, .${CLASS}-meaning, .${CLASS}-raw, .${CLASS}-source { font-size: .875em; opacity: .85; }
     .${CLASS}-meaning, .${CLASS}-raw { display: block; font-weight: 400; }
     .${CLASS}-raw { font-family: ui-monospace, monospace; }
-    div.${CLASS} fieldset { margin: 0 0 1rem; min-width: 0; border: 1px solid GrayText; border-radius: 4px; }
+    div.${CLASS} fieldset { margin: 0 0 1rem; min-width: 0; border: 1px solid var(--codewheel-control); border-radius: 4px; }
     div.${CLASS} fieldset > label { display: block; margin: .3rem 0; }
     div.${CLASS} details { margin: 0 0 1rem; }
     div.${CLASS} summary { margin: 0 0 .5rem; cursor: pointer; }
     div.${CLASS} button {
       font: inherit; padding: .3rem .6rem; margin: 0 .4rem .4rem 0; color: inherit; background: transparent;
-      border: 1px solid GrayText; border-radius: 4px; cursor: pointer;
+      border: 1px solid var(--codewheel-control); border-radius: 4px; cursor: pointer;
     }
     div.${CLASS} table { display: table; table-layout: fixed; width: 100%; margin: 1rem 0; }
     div.${CLASS} table { border-collapse: collapse; }
     div.${CLASS} caption { text-align: start; font-weight: 600; padding: .3rem 0; }
     div.${CLASS} :is(td, th) {
       padding: .35rem .6rem .35rem .3rem; text-align: start; vertical-align: top;
-      border: 0 solid color-mix(in srgb, currentColor 22%, transparent);
+      border: 0 solid var(--codewheel-border);
       border-bottom-width: 1px; background: transparent; overflow-wrap: anywhere;
     }
     div.${CLASS} thead th { width: 35%; }
@@ -45,41 +45,43 @@ function sheet() {
       div.${CLASS} thead th:is(:first-child, :last-child) { width: 20%; }
     }
     div.${CLASS} pre { margin: 0 0 1rem; padding: .5rem; white-space: pre-wrap; overflow-wrap: anywhere; }
-    div.${CLASS} pre { border: 1px solid GrayText; border-radius: 4px; background: transparent; color: inherit; }
+    div.${CLASS} pre { border: 1px solid var(--codewheel-control); border-radius: 4px; background: transparent; color: inherit; }
     div.${CLASS} a { color: inherit; text-decoration: underline; }
     div.${CLASS} code { background: transparent; color: inherit; }
     .${CLASS}-good, .${CLASS}-bad, .${CLASS}-warning, .${CLASS}-plain {
-      margin: 0 0 1rem; padding: .5rem .8rem; border-inline-start: .4rem solid GrayText; font-weight: 600;
-      border-radius: 4px; font-size: 1.1em;
+      margin: 0 0 1rem; padding: .5rem .8rem; border-inline-start: .4rem solid var(--codewheel-control); font-weight: 600;
+      border-radius: 4px; font-size: 1.1em; color: var(--codewheel-ink);
     }
     div.${CLASS} :is(.${CLASS}-good, .${CLASS}-bad, .${CLASS}-warning, .${CLASS}-plain) > p { margin: 0; }
-    .${CLASS}-good { background: rgb(56 142 60 / 12%); }
-    .${CLASS}-warning { background: rgb(199 119 0 / 14%); }
-    .${CLASS}-bad { background: rgb(211 47 47 / 12%); }
-    .${CLASS}-plain { background: rgb(128 128 128 / 12%); }
+    .${CLASS}-good { background: var(--codewheel-usable-ground); }
+    .${CLASS}-warning { background: var(--codewheel-warning-ground); }
+    .${CLASS}-bad { background: var(--codewheel-not-usable-ground); }
+    .${CLASS}-plain { background: var(--codewheel-unknown-ground); }
     .${CLASS}-angle { font-size: 1.35em; font-weight: 600; margin: 0 0 .8rem; }
     .${CLASS}-drawing { display: flex; flex-wrap: wrap; gap: 2px; margin: .5rem 0 .3rem; }
     div.${CLASS} .${CLASS}-cell {
       margin: 0; padding: .25rem .15rem; min-width: 1.3rem; border: 1px solid transparent; text-align: center;
-      line-height: 1.25; overflow-wrap: anywhere;
+      line-height: 1.25; overflow-wrap: anywhere; color: var(--codewheel-ink);
     }
-    div.${CLASS} .${CLASS}-cell-number { background: rgb(59 130 246 / 20%); }
-    div.${CLASS} .${CLASS}-cell-flag { background: rgb(234 160 0 / 25%); }
-    div.${CLASS} .${CLASS}-cell-active { background: rgb(211 47 47 / 30%); font-weight: 700; }
-    div.${CLASS} .${CLASS}-cell-crc { background: rgb(128 128 128 / 22%); }
+    div.${CLASS} .${CLASS}-cell-data { background: var(--codewheel-bits-data); }
+    div.${CLASS} .${CLASS}-cell-flag { background: var(--codewheel-bits-flag); }
+    div.${CLASS} .${CLASS}-cell-choice { background: var(--codewheel-bits-choice); }
+    div.${CLASS} .${CLASS}-cell-check { background: var(--codewheel-bits-check); }
+    div.${CLASS} .${CLASS}-cell-fixed { background: var(--codewheel-bits-fixed); }
+    div.${CLASS} .${CLASS}-cell-active { background: var(--codewheel-bits-active); font-weight: 700; }
     div.${CLASS} .${CLASS}-cell.${CLASS}-lit { border-color: currentColor; }
-    div.${CLASS} tr.${CLASS}-lit > * { background: rgb(59 130 246 / 14%); }
+    div.${CLASS} tr.${CLASS}-lit > * { background: var(--codewheel-chosen); color: var(--codewheel-ink); }
     .${CLASS}-bits { display: block; font: .85em ui-monospace, monospace; }
     .${CLASS}-name { display: block; font-size: .75em; }
     .${CLASS}-about { min-height: 1.6em; font-size: .92em; margin: 0 0 .5rem; }
-    .${CLASS}-good > p::before { content: "✓ "; color: #388e3c; }
-    .${CLASS}-warning > p::before { content: "▲ "; color: #c77700; }
-    .${CLASS}-bad > p::before { content: "✕ "; color: #d32f2f; }
+    .${CLASS}-good > p::before { content: "✓ "; color: var(--codewheel-usable); }
+    .${CLASS}-warning > p::before { content: "▲ "; color: var(--codewheel-warning); }
+    .${CLASS}-bad > p::before { content: "✕ "; color: var(--codewheel-not-usable); }
     .${CLASS}-badge { white-space: nowrap; font-weight: 600; }
     .${CLASS}-badge::before { content: "? "; }
-    .${CLASS}-badge-good::before { content: "✓ "; color: #388e3c; }
-    .${CLASS}-badge-warning::before { content: "▲ "; color: #c77700; }
-    .${CLASS}-badge-bad::before { content: "✕ "; color: #d32f2f; }
+    .${CLASS}-badge-good::before { content: "✓ "; color: var(--codewheel-usable); }
+    .${CLASS}-badge-warning::before { content: "▲ "; color: var(--codewheel-warning); }
+    .${CLASS}-badge-bad::before { content: "✕ "; color: var(--codewheel-not-usable); }
     div.${CLASS} table.${CLASS}-many { table-layout: auto; }
     div.${CLASS} table.${CLASS}-many :is(th, td) { width: auto; overflow-wrap: break-word; }
     div.${CLASS} table.${CLASS}-many code { font-family: ui-monospace, monospace; font-size: .9em; }
@@ -89,9 +91,9 @@ function sheet() {
       div.${CLASS} .${CLASS}-frame { display: none; }
       .${CLASS}-badge { white-space: normal; }
     }
-    .${CLASS}-good { border-color: #388e3c; }
-    .${CLASS}-warning { border-color: #c77700; }
-    .${CLASS}-bad { border-color: #d32f2f; }
+    .${CLASS}-good { border-color: var(--codewheel-usable); }
+    .${CLASS}-warning { border-color: var(--codewheel-warning); }
+    .${CLASS}-bad { border-color: var(--codewheel-not-usable); }
     .${CLASS}-wrong { font-weight: 600; }
   `);
   return made;

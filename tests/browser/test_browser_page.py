@@ -277,7 +277,7 @@ COLOURS = r"""
 def colour(red: int, green: int, blue: int) -> str:
     if red > 2 * green:
         return "red"
-    if green > red:
+    if green > max(red, blue):
         return "green"
     return "amber" if green > blue else "grey"
 

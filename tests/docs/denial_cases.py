@@ -84,6 +84,7 @@ from codewheel.targets.docs import (
     wiring_tables,
 )
 from codewheel.targets.docs import order_code_tables as frame_facts
+from codewheel.targets.docs.verdict_table import verdict_table
 from codewheel.targets.registry import load_target
 
 EXAMPLE = Path(__file__).resolve().parents[2] / "docs" / "example"
@@ -394,8 +395,10 @@ def with_flag(kind: Any, *more: Field) -> Device:
 
 def frame_text(device: Device) -> str:
     variant = device.variants_over("ssi")[0]
-    facts = frame_facts.frame_facts(device, interface_of("ssi", device).layouts[0], variant)
-    return "\n".join(": ".join(pair) for pair in facts)
+    layout = interface_of("ssi", device).layouts[0]
+    facts = frame_facts.frame_facts(device, layout, variant)
+    _, rows = verdict_table(device, device, layout, variant)
+    return "\n".join([*(": ".join(pair) for pair in facts), *(" | ".join(row) for row in rows)])
 
 
 def verdict_rows(device: Device) -> str:
@@ -405,6 +408,7 @@ def verdict_rows(device: Device) -> str:
 
 ERROR, IRRELEVANT = Flag(makes_position=Verdict.NOT_USABLE), Flag(makes_position=Verdict.USABLE)
 case("confirms", lambda: frame_text(with_flag(IRRELEVANT)), lambda: frame_text(with_flag(ERROR)))
+case("none_of_the_bits", lambda: frame_text(with_flag(ERROR)), lambda: frame_text(with_flag(IRRELEVANT)))
 case("not_usable", lambda: frame_text(with_flag(ERROR)), lambda: frame_text(with_flag(IRRELEVANT)))
 
 

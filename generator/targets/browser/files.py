@@ -37,6 +37,7 @@ from ...why.exchanges import ECHO_TEXT, FRAMES_TEXT, LEAST_EVIDENCE, MOST_BYTES
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, Line, line_name
 from ...why.tries import ACTIVE, IDLE, MISTAKES
 from .. import NO_OPTIONS, Library, Options, Target
+from ..palette import palette_css
 from ..registry import licence_in, our_runtime
 from .layouts import (
     Data,
@@ -273,6 +274,7 @@ class Page(TypedDict):
     example: Annotated[str, "an order code"]
     table: Annotated[Data, "data of the script: messages, mistakes with a frame, and the families"]
     runtime: Annotated[Mapping[str, str], "the parts of the script that are the same for all encoders, by name"]
+    palette: Annotated[str, "style sheet with the colours as custom properties"]
 
 
 def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
@@ -284,6 +286,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         "example": codes[0] if codes else "",
         "table": script_table(library),
         "runtime": {path.stem: _code_without_comment(path) for path in our_runtime("browser").glob("*.js")},
+        "palette": palette_css().rstrip("\n"),
     }
     names = ("README.md", "decode.html", "decode.js")
     files = {f"browser/{name}": TEMPLATES.render(f"{name}.jinja", page, library.own_templates) for name in names}

@@ -29,6 +29,7 @@ from ...plan.operations import (
     ZerosAbove,
 )
 from ...plan.verdicts import ReportCause, Reporting, explained
+from ...say.layout import box_colour
 from ...say.names_and_places import register_at, title
 from ...say.register import facts
 from ...say.report import alarm_of, meaning, of_older_edition, remedy, source, states
@@ -227,6 +228,7 @@ def _field_data(codec: Codec, description: Description) -> Iterator[Data]:
             runs=[_digits_data(run) for run in field.runs],
             unit=field.unit,
             equals=_documented_value(field),
+            colour=box_colour(field),
         )
         yield plain_data(column) | texts | _encoding_data(terms.get(field.name))
 

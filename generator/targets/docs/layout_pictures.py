@@ -17,33 +17,29 @@ from ...plan.values import Active, meaning_of
 from ...say.layout import box_colour, box_label, name_as_words
 from ...say.names_and_places import bit_range
 from ...say.plain_text import plain
+from ..palette import palette
 
 #: Width that fits on the screen of a phone: 375 pixels minus the margins of a page.
 WIDE = 340.0
 #: Average character width of sans-serif fonts as a fraction of the font size, deliberately a little too high.
 _LETTER_WIDTH = 0.58
-#: Class, property, colour on a light screen, colour on a dark screen.
+#: Class of an element, its property, and the name of the colour in the palette.
 _CLASS_COLOURS = (
-    ("card", "fill", "#ffffff", "#0f172a"),
-    ("card", "stroke", "#cbd5e1", "#475569"),
-    ("ink", "fill", "#0f172a", "#f1f5f9"),
-    ("faint", "fill", "#475569", "#cbd5e1"),
-    ("line", "stroke", "#64748b", "#94a3b8"),
-    ("wave", "stroke", "#0f172a", "#f1f5f9"),
-    ("data", "fill", "#dbeafe", "#1e3a5f"),
-    ("group", "fill", "#fdf0d0", "#5b4a1e"),
-    ("flag", "fill", "#fde2e2", "#6b2a2a"),
-    ("check", "fill", "#e6dcfb", "#453070"),
-    ("fixed", "fill", "#eef1f5", "#334155"),
-    ("choice", "fill", "#dcf5e3", "#1f4d33"),
-    ("nothing", "fill", "#ffffff", "#0f172a"),
+    ("card", "fill", "page"),
+    ("card", "stroke", "border"),
+    ("ink", "fill", "ink"),
+    ("faint", "fill", "soft-ink"),
+    ("line", "stroke", "line"),
+    ("wave", "stroke", "ink"),
+    *((kind, "fill", f"bits-{kind}") for kind in ("data", "group", "flag", "check", "fixed", "choice", "nothing")),
 )
 
 
 def _style_element() -> str:
-    light = "".join(f".{name}{{{property_name}:{colour}}}" for name, property_name, colour, _ in _CLASS_COLOURS)
-    dark = "".join(f".{name}{{{property_name}:{colour}}}" for name, property_name, _, colour in _CLASS_COLOURS)
-    always = ".line,.wave{fill:none}rect{stroke:#64748b}"
+    colours = palette()
+    light = "".join(f".{name}{{{key}:{colours.light[colour]}}}" for name, key, colour in _CLASS_COLOURS)
+    dark = "".join(f".{name}{{{key}:{colours.on_dark(colour)}}}" for name, key, colour in _CLASS_COLOURS)
+    always = f".line,.wave{{fill:none}}rect{{stroke:{colours.light['line']}}}"
     return f"<style>{always}{light}@media(prefers-color-scheme:dark){{{dark}}}</style>"
 
 

@@ -38,6 +38,7 @@ from .inline_errata import ErrataLinks
 from .interface_page import InterfaceValues, Section, Sections, interface_values, page_sections
 from .order_code_tables import patterns
 from .page_pictures import Pictures, pictures_of_family, pictures_of_order_codes
+from .verdict_table import verdict_table
 from .wiring_tables import no_leds, no_supply
 
 
@@ -122,7 +123,9 @@ class CodePage(Sections, InterfaceValues):
     no_supply: Annotated[str, "text in place of the supply"]
     no_leds: Annotated[str, "sentence in place of LEDs, or empty"]
     speed: Annotated[wiring_tables.SpeedSection, "clock or baud rate by cable length: title, facts, head, rows"]
-    frame: Annotated[Section | None, "frame with the position: title, name, size, questions, wide, narrow, facts"]
+    frame: Annotated[
+        Section | None, "frame with the position: title, name, size, questions, wide, narrow, facts, verdicts"
+    ]
     sending: Annotated[
         bytes_to_send.SendingSection, "bytes to send: facts, requests, commands, command_errata, other_value"
     ]
@@ -317,6 +320,10 @@ def lead_sentences(note: str) -> str:
 def _frame_section(group: CodeGroup, layout: Layout, pictures: Pictures) -> Section:
     crc = group.family.crc_of(layout)
     choices = [alternative.name for alternative in group.device.alternatives]
+    # The layout of the page has other notes. Verdicts are known for that of the family.
+    family_layouts = group.family.interface(group.interface.name).layouts
+    family_layout = next(candidate for candidate in family_layouts if candidate.name == layout.name)
+    verdict_head, verdict_rows = verdict_table(group.family, group.device, family_layout, group.variants[0])
     return {
         "title": title(layout),
         "name": layout.name,
@@ -326,6 +333,8 @@ def _frame_section(group: CodeGroup, layout: Layout, pictures: Pictures) -> Sect
         "narrower": wide_pictures.SCREEN - 1,
         "questions": list(order_code_tables.open_questions(group.device, layout)),
         "facts": list(order_code_tables.frame_facts(group.family, layout, group.variants[0], choices)),
+        "verdict_head": verdict_head,
+        "verdict_rows": verdict_rows,
         "crc_path": [f"crcs.{crc.name}"] if crc is not None else [],
     }
 

@@ -13,6 +13,7 @@ from dataclasses import replace
 from ...model import Connector, Contact, Device, Layout, Register
 from ...model.record import dataclass
 from ...say.names_and_places import Titled, title
+from ..palette import palette
 from . import layout_tables
 from .layout_pictures import WIDE, Stack, card, rect, stacks_picture, swatch, text, text_alternative, wrapped
 from .wide_pictures import wide_picture
@@ -20,21 +21,6 @@ from .wide_pictures import wide_picture
 _MARGIN, _ROW, _LINE, _SIZE = 10.0, 28.0, 15.0, 12
 #: Left edges of the names of wires, and of the signals in a table with wires and in one with pins only.
 _NAME, _SIGNAL_AFTER_WIRES, _SIGNAL_AFTER_PINS = 46.0, 136.0, 52.0
-#: Colours of wires, on light and on dark screens.
-_WIRE_COLOURS = {
-    "black": "#000000",
-    "blue": "#1d4ed8",
-    "brown": "#7b3f00",
-    "green": "#15803d",
-    "grey": "#8a8f98",
-    "orange": "#f97316",
-    "pink": "#f9a8d4",
-    "red": "#dc2626",
-    "turquoise": "#2dd4bf",
-    "violet": "#7e22ce",
-    "white": "#ffffff",
-    "yellow": "#facc15",
-}
 _BETWEEN_COLOURS = re.compile(r"[^a-z]+")
 FACE_UNKNOWN = "Pins in the order of the manual's table. Their arrangement on the connector face is not known."
 
@@ -84,10 +70,11 @@ def _contact_elements(contact: Contact, top: float) -> Iterator[str]:
         yield text(_MARGIN + 14, top + 18, contact.contact, _SIZE, "middle", bold=True)
         return
     words = _BETWEEN_COLOURS.split(contact.contact.lower())
-    if all(word in _WIRE_COLOURS for word in words):
+    wire_colours = palette().wires
+    if all(word in wire_colours for word in words):
         colour_width = 28.0 / len(words)
         for index, word in enumerate(words):
-            yield swatch(_MARGIN + colour_width * index, top + 5, colour_width, 18, _WIRE_COLOURS[word])
+            yield swatch(_MARGIN + colour_width * index, top + 5, colour_width, 18, wire_colours[word])
     for line in wrapped(contact.contact, _SIGNAL_AFTER_WIRES - _NAME - 6, _SIZE)[:1]:
         yield text(_NAME, top + 18, line, _SIZE, "start")
 

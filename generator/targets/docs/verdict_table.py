@@ -1,0 +1,177 @@
+"""Table of the bits of a frame that say whether its position is usable, on the page of an order code."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+
+from ...model import Device, Field, Layout, PlacedLayout, Unused, Variant, Verdict
+from ...order_codes.parameters import with_answers
+from ...plan.values import Active, meaning_of
+from ...plan.verdicts import Judgement, Match, VerdictCause, reportings
+from ...say.markdown import STYLE, code, joined, link, text
+from ...say.names_and_places import bits, frame_bytes, heading
+from ...say.report import alarm_of, by_hand, conditions, deciding, remedy_text
+from ...say.text import WORTH, sentence, statement
+
+Row = tuple[str, ...]
+#: Verdicts as cells of the table.
+_EFFECTS = {
+    Verdict.USABLE: "✓ usable",
+    Verdict.USABLE_WITH_WARNING: "▲ usable with a warning",
+    Verdict.NOT_USABLE: "✕ **not usable**",
+    Verdict.UNKNOWN: "? unknown",
+}
+_HEAD = ("Bit", "Flag", "Active at", "Position", "What to do")
+
+
+def judgement_of(family: Device, layout: Layout) -> Judgement | None:
+    """Return how the verdict on a frame follows from its bits, or None for a frame without a position."""
+    judgements = (reporting.judgement for reporting in reportings(family) if reporting.codec.layout.name == layout.name)
+    return next(judgements, None)
+
+
+def verdict_table(family: Device, device: Device, layout: Layout, variant: Variant) -> tuple[Row, list[Row]]:
+    """Return the head and the rows of the table. Columns without any content are left out.
+
+    ``device`` is the family with the order codes of the page, and has the alarms and remedies for these only.
+    """
+    judgement = judgement_of(family, layout)
+    causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
+    if judgement is not None:
+        judgement = judgement.for_parameters(variant.parameters)
+        causes_by_verdict = _applicable_causes(judgement, variant)
+    placed = layout.place(variant.parameters)
+    rows = list(_cause_rows(device, placed, causes_by_verdict))
+    rows += _rows_of_other_flags(device, placed, causes_by_verdict, judgement)
+    if judgement is not None and causes_by_verdict:
+        with_crc = "" if family.crc_of(layout) is None else ", and the CRC is correct"
+        rows.append(("", f"none of these{with_crc}", "", _EFFECTS[judgement.otherwise], ""))
+    used_columns = [index for index in range(len(_HEAD)) if any(row[index] for row in rows)]
+    return _columns(_HEAD, used_columns), [_columns(row, used_columns) for row in rows]
+
+
+def _columns(row: Row, indexes: Iterable[int]) -> Row:
+    return tuple(row[index] for index in indexes)
+
+
+def _cause_rows(
+    device: Device, placed: PlacedLayout, causes_by_verdict: dict[Verdict, list[VerdictCause]]
+) -> Iterator[Row]:
+    """Yield a row for each cause of a verdict, the worst verdict first."""
+    for verdict, causes in causes_by_verdict.items():
+        for cause in causes:
+            if isinstance(cause.by, Match):
+                yield _row_of_match(placed, cause.by, _EFFECTS[verdict])
+            else:
+                field = cause.by.field
+                level = deciding(field) + _while_inactive(cause)
+                yield _row(device, placed, field, level, _EFFECTS[verdict])
+
+
+def _rows_of_other_flags(
+    device: Device,
+    placed: PlacedLayout,
+    causes_by_verdict: dict[Verdict, list[VerdictCause]],
+    judgement: Judgement | None,
+) -> Iterator[Row]:
+    """Yield a row for each flag that leads to no verdict for this order code."""
+    names = {cause.by.field.name for causes in causes_by_verdict.values() for cause in causes}
+    effect = "unchanged" if judgement is not None else ""
+    for field in (placed_field.field for placed_field in placed.fields):
+        if isinstance(meaning_of(field), Active) and field.name not in names:
+            yield _row(device, placed, field, deciding(field), effect)
+
+
+def _row(device: Device, placed: PlacedLayout, field: Field, level: str, effect: str) -> Row:
+    alarm = alarm_of(device, field)
+    remedy = sentence(remedy_text(field, alarm)) if remedy_text(field, alarm) else ""
+    described = {characteristic.name for characteristic in device.characteristics}
+    names = [name for name in by_hand(field, alarm) if name in described]
+    steps = [link("Step by step", f"hardware.md#by-hand-{name}") + "." for name in names]
+    return _place(placed, field.name), _name(field), level, effect, joined([text(remedy), *steps], " ")
+
+
+def _name(field: Field) -> str:
+    """Return the name of a field in words, and as it is printed and used in programs."""
+    if isinstance(field.kind, Unused) and not field.printed_name:
+        return f"Reserved <small>{code(field.name)}</small>"
+    words = heading(field.name)
+    is_same = field.printed_name.lower() in {"", words.lower()}
+    printed = "" if is_same else f"{text(field.printed_name)} "
+    return f"{text(words)} <small>{printed}{code(field.name)}</small>"
+
+
+def _row_of_match(placed: PlacedLayout, match: Match, effect: str) -> Row:
+    """Return the row of values that lead to a verdict together."""
+    places = ", ".join(_place(placed, part.field.name) for part, _ in match.conditions)
+    phrase = STYLE.phrase(conditions((part.field, value) for part, value in match.conditions))
+    return places, phrase, "", effect, ""
+
+
+def _place(placed: PlacedLayout, name: str) -> str:
+    """Return the bit of a field, or its byte and bit in a frame of bytes."""
+    field = next(candidate for candidate in placed.fields if candidate.name == name)
+    if placed.layout.in_bytes:
+        return frame_bytes(placed.layout, placed.bits, field.high, field.low)
+    return bits(field.high, field.low)
+
+
+def _while_inactive(cause: VerdictCause) -> str:
+    """Return the flags that must be inactive if a flag that combines them is to lead to the verdict."""
+    if not cause.unless:
+        return ""
+    flags = " and ".join(code(part.field.name) for part in cause.unless)
+    return f", while {flags} {'is' if len(cause.unless) == 1 else 'are'} inactive"
+
+
+def verdict_facts(
+    family: Device, layout: Layout, variant: Variant, choices: Sequence[str]
+) -> Iterator[tuple[str, str]]:
+    """Yield the verdict of a frame that no bit decides, and those that answers other than the defaults change."""
+    judgement = judgement_of(family, layout)
+    if judgement is None:
+        return
+    narrowed = judgement.for_parameters(variant.parameters)
+    if not _applicable_causes(narrowed, variant):
+        yield "Position", STYLE.phrase(statement(WORTH[narrowed.otherwise]))
+    alternatives = [alternative for alternative in family.verdict_alternatives(layout) if alternative.name in choices]
+    for alternative in alternatives:
+        for answer in alternative.answers[1:]:
+            variant_with_answer = with_answers(family, variant, {alternative.name: answer.name})
+            changed_verdicts = _changed_verdicts(judgement, variant, variant_with_answer)
+            if changed_verdicts:
+                with_answer = link(f"With {code(answer.name)}", f"#alternative-{alternative.name}")
+                yield with_answer, "; ".join(changed_verdicts)
+
+
+def _applicable_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, list[VerdictCause]]:
+    """Return the causes of each verdict that apply to an order code, the worst verdict first."""
+    causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
+    for verdict, causes in judgement.worst_first:
+        applicable_causes = [cause for cause in causes if _applies(cause, variant)]
+        if applicable_causes:
+            causes_by_verdict[verdict] = applicable_causes
+    return causes_by_verdict
+
+
+def _changed_verdicts(judgement: Judgement, variant: Variant, variant_with_answer: Variant) -> list[str]:
+    """Return the verdicts to which an answer adds causes that ``variant``, with the defaults, lacks."""
+    default_causes = _applicable_causes(judgement, variant)
+    changed_verdicts = []
+    for verdict, causes in _applicable_causes(judgement, variant_with_answer).items():
+        default_fields = [cause.by for cause in default_causes.get(verdict, ())]
+        added_causes = [cause for cause in causes if cause.by not in default_fields]
+        if added_causes:
+            changed_verdicts.append(f"{_EFFECTS[verdict]} if {', or if '.join(map(_cause_text, added_causes))}")
+    return changed_verdicts
+
+
+def _cause_text(cause: VerdictCause) -> str:
+    if isinstance(cause.by, Match):
+        return STYLE.phrase(conditions((part.field, value) for part, value in cause.by.conditions))
+    return f"{code(cause.by.field.name)} is {deciding(cause.by.field)}{_while_inactive(cause)}"
+
+
+def _applies(cause: VerdictCause, variant: Variant) -> bool:
+    """Return whether all conditions of a cause hold for an order code and the answers chosen for it."""
+    return all(bool(variant.parameters.get(only.parameter, 0)) == only.holds for only in cause.conditions)

@@ -1,0 +1,44 @@
+"""Colours of pages and pictures, from ``runtime/browser/palette.css``, for light and dark screens."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from functools import cache
+
+from ..model.record import dataclass
+from .registry import our_runtime
+
+_PROPERTY = re.compile(r"--codewheel-([a-z-]+): (#[0-9a-f]{6});")
+_DARK = "@media (prefers-color-scheme: dark)"
+#: Start of the names of wire colours.
+WIRE = "wire-"
+
+
+@dataclass(frozen=True)
+class Palette:
+    """Colours by name, such as ``bits-flag``. A colour that is the same on both screens is in ``light`` only."""
+
+    light: Mapping[str, str]
+    dark: Mapping[str, str]
+
+    def on_dark(self, name: str) -> str:
+        """Return a colour on a dark screen."""
+        return self.dark.get(name, self.light[name])
+
+    @property
+    def wires(self) -> dict[str, str]:
+        """Return the colours of wires by the English word."""
+        return {name.removeprefix(WIRE): colour for name, colour in self.light.items() if name.startswith(WIRE)}
+
+
+def palette_css() -> str:
+    """Return the custom properties as a style sheet, without the comment at its top."""
+    css = (our_runtime("browser") / "palette.css").read_text(encoding="utf-8")
+    return css.partition("\n\n")[2]
+
+
+@cache
+def palette() -> Palette:
+    light, _, dark = palette_css().partition(_DARK)
+    return Palette(dict(_PROPERTY.findall(light)), dict(_PROPERTY.findall(dark)))
