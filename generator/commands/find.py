@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 EXAMPLES = (
     "codewheel find biss --bits 30 0x02EFCADC 0x02FF6BCE 0x031254F2",
-    "codewheel find ssi --positions 0,45,90 0b0000000000000 0b0011000000000 0b0110000000000",
+    "codewheel find ssi --positions 0,45,90 0b00000 0b00110 0b01100",
 )
 JSON_VERSION = 1
 _ABOUT = (
