@@ -87,7 +87,7 @@ def _unexpected(parser: argparse.ArgumentParser, argument: str) -> str:
 def add_examples(parser: Parser, name: str, examples: Sequence[str]) -> None:
     """Add the examples to the help of a command, and the parser to its arguments."""
     parser.set_defaults(parser=parser)
-    needs_spec = name not in ("new", "explain")
+    needs_spec = name not in ("new", "explain", "find")
     condition = ", with the spec that codewheel new my_encoder writes" if needs_spec else ""
     example_lines = [f"examples{condition}:", *(f"  {line}" for line in examples)]
     epilog_lines = [textwrap.fill(parser.epilog, _WIDTH), ""] if parser.epilog else []

@@ -29,6 +29,7 @@ COMMANDS: Mapping[str, str] = {
     "list": "list the families",
     "show": "show a family or an order code",
     "decode": "decode a frame",
+    "find": "find the layout of an unknown encoder",
     "master": "show the settings for a BiSS or SSI master",
     "simulate": "run a virtual encoder",
     "diff": "list the changes between two versions of specs",

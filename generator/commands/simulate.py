@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from .arguments import Parser, a_path, add_choose_option, add_register_option, bytes_by_address, cache_for
-from .line_encoder import refuse_line
+from .line_encoder import OR_A_LINE, encoder_in_line, is_line
 from .terminal import Stop
 
 if TYPE_CHECKING:
@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 EXAMPLES = (
     "codewheel simulate MY-ENCODER-13-SC --position 1000",
     "codewheel simulate MY-ENCODER-13-SC --position sine:1Hz:90deg --fault flip",
+    "codewheel simulate ssi,gray:position=13,error=high --position ramp:100",
 )
 _HOW_TO_USE = (
     "For RS-485, open the printed device like a serial port, at any baud rate. With --tcp, and on systems without "
@@ -30,7 +31,7 @@ _HOW_TO_USE = (
 def add_arguments(parser: Parser) -> None:
     """Add the arguments of the command."""
     parser.description = "Answer like an encoder on a pseudo-terminal or over TCP, and print the device or URL to open."
-    parser.add_argument("order_code", metavar="ORDER-CODE", help="the code on the label")
+    parser.add_argument("order_code", metavar="ORDER-CODE", help=f"the code on the label{OR_A_LINE}")
     parser.add_argument(
         "--position",
         default="0",
@@ -91,9 +92,11 @@ def run(chosen: argparse.Namespace) -> int:
     from .find_encoder import find_order_code
     from .read_specs import specs_to_read
 
-    refuse_line(chosen.order_code, "cannot be simulated")
-    cache = cache_for(chosen)
-    _, _, paths = find_order_code(specs_to_read(chosen.specs), chosen.order_code, cache)
+    paths: Sequence[Path] = ()
+    if is_line(chosen.order_code):
+        encoder_in_line(chosen.order_code)
+    else:
+        _, _, paths = find_order_code(specs_to_read(chosen.specs), chosen.order_code, cache_for(chosen))
     try:
         encoder = _encoder(chosen, paths)
     except ValueError as error:

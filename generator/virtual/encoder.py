@@ -30,6 +30,8 @@ from ..model import (
     Variant,
     assert_never,
 )
+from ..one_line.encoder import device_of_line
+from ..one_line.parse import is_line
 from ..order_codes.labels import Match, UnknownOrderCode, find
 from ..order_codes.parameters import with_answers
 from ..reference import codec
@@ -47,7 +49,7 @@ class VirtualEncoder:
     ``Rs485Line``, ``BissLine`` and ``SsiLine`` send its position in frames.
 
     Args:
-        order_code: Order code, as on the label.
+        order_code: Order code, as on the label, or the encoder in one line.
         position: Position in counts, or a function of the time in seconds that returns it.
         choose: Answers to questions that the manual leaves open, by name.
         registers: Initial bytes of registers, by name.
@@ -406,6 +408,10 @@ def _is_special(device: Device, text: str) -> bool:
 
 
 def _find_code(text: str, specs: tuple[Path, ...], edition: str) -> tuple[Device, Match]:
+    if is_line(text):
+        if edition:
+            raise ValueError("an encoder in one line has no editions; leave the edition out")
+        return device_of_line(text)
     reason = ""
     special_families = [family for family in _families(specs) if _is_special(family.device, text)]
     for family in (*special_families, *(family for family in _families(specs) if not family.device.base)):

@@ -6,13 +6,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 from ..model import Answer, Crc, Device, Flag, Kind, Number, PlacedLayout, Unused, Variant, choices
+from ..model.known_crcs import KNOWN_CRCS
 from ..reference.bits import binary_to_gray, gray_to_binary, reflect
 from .recordings import LINES, FrameOffset, line_name, recorded_bits, recording_tries, window_tries
 from .tries import NOT_INVERTED, BitText, Try, covered_number, fixed_bits, likelihood, other_codes, read_as
 
-#: Polynomials, including their top bit, that BiSS masters offer: those of the Microchip dsPIC33A by length, and 0x97,
-#: which Beckhoff names next to 0x43.
-POLYNOMIALS = (0x190D9, 0x12F, 0x89, 0x97, 0x43, 0x25, 0x13, 0xB)
+#: Polynomials, including their top bit, that BiSS masters offer.
+POLYNOMIALS = tuple(known.polynomial for known in KNOWN_CRCS if known.in_masters)
 #: A kind of mistake, its text, and the CRC of a frame with that mistake.
 OtherCrc = tuple[str, str, Crc]
 

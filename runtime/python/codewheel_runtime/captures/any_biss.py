@@ -163,7 +163,7 @@ def _shape(fields: Sequence[_Field], widths: Mapping[str, int], joins: tuple[Joi
         checks=tuple(checks),
         crc=crc,
         position="position" if "position" in widths else "",
-        otherwise=Verdict.USABLE if "error" in widths else Verdict.UNKNOWN,
+        otherwise=Verdict.USABLE if _FLAGS.keys() & widths.keys() else Verdict.UNKNOWN,
         speaks=tuple(Speaks(verdict, flag) for flag, verdict in _FLAGS.items() if flag in widths),
     )
 

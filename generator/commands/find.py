@@ -1,0 +1,192 @@
+"""``codewheel find``: propose the layout of an unknown encoder from several of its frames."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ..say.plain_text import counted
+from .arguments import Parser
+from .line_encoder import command_for_spec
+from .terminal import Stop, print_json
+
+if TYPE_CHECKING:
+    import argparse
+
+    from ..layout_search.answers import Answer
+    from ..layout_search.frames import Recording
+
+EXAMPLES = (
+    "codewheel find biss --bits 30 0x02EFCADC 0x02FF6BCE 0x031254F2",
+    "codewheel find ssi --positions 0,45,90 0b00000 0b00110 0b01100",
+)
+JSON_VERSION = 1
+_ABOUT = (
+    "All frames have one length and begin with the first data bit. 0b... shows every bit. 0x... has four bits for each "
+    "digit, unless --bits says how many. For RS-485, a frame is a sequence of bytes in hexadecimal. Turn the shaft "
+    "between the frames: a bit that never changes has no name. The exit code is 0 if there is a proposal, and 1 if all "
+    "frames are equal."
+)
+#: Bits of the longest frame of a line.
+_LONGEST = {"rs485": 1024}
+_LONGEST_IN_BITS = 64
+
+
+def add_arguments(parser: Parser) -> None:
+    """Add the arguments of the command."""
+    parser.description = "Propose widths, code and CRC of an unknown encoder, each as a line for decode."
+    parser.epilog = _ABOUT
+    parser.add_argument("interface", choices=("biss", "ssi", "spi", "rs485"), help="interface of the encoder")
+    parser.add_argument(
+        "frame", nargs="+", metavar="FRAME", help="the frames, each as one argument, or - to read one frame per line"
+    )
+    parser.add_argument(
+        "--positions",
+        metavar="NUMBER,...",
+        help="position that you turned to for each frame, in any unit and from any zero, separated by commas",
+    )
+    parser.add_argument("--bits", type=int, metavar="NUMBER", help="bits of a frame, if 0x... does not show them")
+    parser.add_argument("--json", action="store_true", help="print JSON")
+
+
+def run(chosen: argparse.Namespace) -> int:
+    """Print the proposals, the most likely first.
+
+    Raises:
+        Stop: A frame or a position is malformed (exit code 2), or all frames are equal (exit code 1).
+    """
+    from ..layout_search.answers import answer
+    from ..layout_search.frames import NoLayout
+    from ..layout_search.search import find_layouts
+
+    recording = _recording(chosen)
+    try:
+        layouts = find_layouts(recording)
+    except NoLayout as error:
+        raise Stop(str(error), 1) from None
+    answers = [answer(recording, layout) for layout in layouts]
+    if chosen.json:
+        print_json(_data(recording, answers))
+    else:
+        print(*_text(recording, answers, _frame_texts(chosen.frame)[0]), sep="\n")
+    return 0
+
+
+def _recording(chosen: argparse.Namespace) -> Recording:
+    """Return the frames of the arguments.
+
+    Raises:
+        Stop: They are not frames of one length. The exit code is 2.
+    """
+    from ..layout_search.frames import FEWEST, Recording
+
+    texts = _frame_texts(chosen.frame)
+    if len(texts) < FEWEST:
+        raise Stop("one frame does not show a layout; give at least 2, and turn the shaft between them", 2)
+    numbers = [_number(chosen.interface, text, chosen.bits) for text in texts]
+    lengths = sorted({bits for _, bits in numbers})
+    if len(lengths) > 1:
+        reason = f"the frames have {lengths[0]} to {lengths[-1]} bits; give frames of one length"
+        raise Stop(f"{reason}, with all leading zeros, or --bits", 2)
+    longest = _LONGEST.get(chosen.interface, _LONGEST_IN_BITS)
+    if not 0 < lengths[0] <= longest:
+        raise Stop(f"the frames have {lengths[0]} bits; a line has at most {longest}", 2)
+    positions = _positions(chosen.positions, len(texts)) if chosen.positions is not None else ()
+    return Recording(chosen.interface, lengths[0], tuple(number for number, _ in numbers), positions)
+
+
+def _frame_texts(arguments: Sequence[str]) -> list[str]:
+    """Return the text of each frame: an argument, a line of one, or for ``-`` a line of standard input."""
+    from .decode.decoding import argument_lines
+
+    if list(arguments) == ["-"]:
+        return [line.text for line in argument_lines(arguments)]
+    return [line.text for argument in arguments for line in argument_lines([argument])]
+
+
+def _number(interface: str, text: str, bits: int | None) -> tuple[int, int]:
+    """Return a frame as a number, and its length in bits.
+
+    Raises:
+        Stop: The text is not a frame. The exit code is 2.
+    """
+    import re
+
+    from .decode.frames import FrameTextError, frame_bytes, undecorated
+
+    try:
+        plain_text = undecorated(text)
+        compact_text = re.sub(r"[\s_]", "", plain_text)
+        if interface != "rs485" and re.fullmatch(r"0[bB][01]+", compact_text):
+            return _fitted(int(compact_text, 2), len(compact_text) - 2, None, text)
+        if interface != "rs485" and re.fullmatch(r"0[xX][0-9A-Fa-f]+", compact_text):
+            return _fitted(int(compact_text, 16), 4 * (len(compact_text) - 2), bits, text)
+        if interface != "rs485" and len(plain_text.split()) == 1:
+            raise Stop(f"'{plain_text[:40]}' is not a frame; write 0b... with every bit, 0x..., or hex bytes", 2)
+        data = frame_bytes(plain_text)
+    except FrameTextError as error:
+        raise Stop(str(error), 2) from None
+    return _fitted(int.from_bytes(data, "big"), 8 * len(data), bits, text)
+
+
+def _fitted(number: int, written_bits: int, bits: int | None, text: str) -> tuple[int, int]:
+    """Return a number with the length that the user gives, or as written."""
+    if bits is None:
+        return number, written_bits
+    if number.bit_length() > bits:
+        raise Stop(f"'{text[:40]}' has more than {bits} bits", 2)
+    return number, bits
+
+
+def _positions(text: str, count: int) -> tuple[float, ...]:
+    """Return the positions in a text, one for each frame.
+
+    Raises:
+        Stop: It has other text, or another number of positions. The exit code is 2.
+    """
+    from math import isfinite
+
+    try:
+        positions = tuple(float(piece) for piece in text.split(","))
+    except ValueError:
+        raise Stop(f"'{text[:40]}' is not a list of numbers; write it like --positions 0,45,90", 2) from None
+    if len(positions) != count:
+        raise Stop(f"{counted(len(positions), 'position')} for {counted(count, 'frame')}; give one for each frame", 2)
+    if not all(map(isfinite, positions)):
+        raise Stop("a position is not a finite number; write it like --positions 0,45,90", 2)
+    return positions
+
+
+def _data(recording: Recording, answers: Sequence[Answer]) -> dict[str, Any]:
+    return {
+        "version": JSON_VERSION,
+        "frames": len(recording.frames),
+        "bits": recording.bits,
+        "layouts": [_answer_data(found_answer) for found_answer in answers],
+    }
+
+
+def _answer_data(found_answer: Answer) -> dict[str, Any]:
+    return {
+        "line": found_answer.line,
+        "equal": [{"line": equal.line, "reason": equal.reason} for equal in found_answer.equal_lines],
+        "notes": list(found_answer.notes),
+    }
+
+
+def _text(recording: Recording, answers: Sequence[Answer], frame_text: str) -> Iterator[str]:
+    """Yield the lines of the answer, and the commands to go on with."""
+    yield f"{counted(len(recording.frames), 'frame')} of {counted(recording.bits, 'bit')}, most likely layout first"
+    for rank, found_answer in enumerate(answers, 1):
+        yield ""
+        yield f"{rank}. {found_answer.line}"
+        yield from (f"   {note}" for note in found_answer.notes)
+        for equal in found_answer.equal_lines:
+            yield f"   or {equal.line}"
+            yield f"      {equal.reason}"
+    line = answers[0].line
+    yield ""
+    yield "To go on with the first one:"
+    yield f"  codewheel decode {shlex.quote(line)} {shlex.quote(frame_text)}"
+    yield f"  {command_for_spec(line)}"

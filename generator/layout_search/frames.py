@@ -1,0 +1,68 @@
+"""Frames of one length, as they were recorded."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+#: Fewest frames from which a layout can be found.
+FEWEST = 2
+#: Frames whose values are compared. All of them must satisfy a CRC.
+MOST_FRAMES = 60
+
+
+class NoLayout(ValueError):
+    """The frames cannot show a layout. The message says which frames could."""
+
+
+@dataclass(frozen=True)
+class Recording:
+    """Frames of ``bits`` bits over an interface, each as a number whose highest bit is the first one sent.
+
+    ``positions`` has the positions that the user turned to, one for each frame, or nothing.
+    """
+
+    interface: str
+    bits: int
+    frames: tuple[int, ...]
+    positions: tuple[float, ...] = ()
+
+    @cached_property
+    def differences(self) -> tuple[int, ...]:
+        """The bits in which each frame differs from the first one, without those that do not differ."""
+        return tuple(frame ^ self.frames[0] for frame in self.frames if frame != self.frames[0])
+
+    @cached_property
+    def changing(self) -> tuple[bool, ...]:
+        """Which bits change, in the order in which they are sent."""
+        changes = 0
+        for difference in self.differences:
+            changes |= difference
+        return tuple(bool(changes >> place & 1) for place in range(self.bits - 1, -1, -1))
+
+    @cached_property
+    def independent(self) -> int:
+        """Number of frames that are not the sum of others in GF(2). Only these prove something about a CRC."""
+        return rank(self.differences)
+
+    def values(self, start: int, end: int) -> list[int]:
+        """Return the number in the bits from ``start`` to before ``end``, for each of the first frames."""
+        mask = (1 << (end - start)) - 1
+        return [frame >> (self.bits - end) & mask for frame in self.frames[:MOST_FRAMES]]
+
+    def level(self, place: int) -> int:
+        """Return the value of a constant bit."""
+        return self.frames[0] >> (self.bits - 1 - place) & 1
+
+
+def rank(numbers: Sequence[int]) -> int:
+    """Return the rank of numbers as vectors over GF(2)."""
+    pivots: dict[int, int] = {}
+    for number in numbers:
+        rest = number
+        while rest and rest.bit_length() in pivots:
+            rest ^= pivots[rest.bit_length()]
+        if rest:
+            pivots[rest.bit_length()] = rest
+    return len(pivots)

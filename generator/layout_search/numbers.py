@@ -1,0 +1,71 @@
+"""Measure how many bits it takes to describe the values of a field: a position that moves smoothly needs few."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from math import e, log2
+
+#: Bits that describe the scale of the steps of a number.
+_SCALE_BITS = 4.0
+
+
+def uniform_cost(width: int, count: int) -> float:
+    """Return the bits of ``count`` random numbers."""
+    return float(width * count)
+
+
+def smooth_cost(values: Sequence[int], width: int) -> float:
+    """Return the bits of values that change by similar steps, or by steps that change little."""
+    steps = [signed(after - before, width) for before, after in itertools.pairwise(values)]
+    changes_of_steps = [signed(after - before, width) for before, after in itertools.pairwise(steps)]
+    by_steps = width + _spread_cost(steps, width)
+    if not changes_of_steps:
+        return by_steps
+    return min(by_steps, 2 * width + _spread_cost(changes_of_steps, width))
+
+
+def _spread_cost(numbers: Sequence[float], width: int) -> float:
+    """Return the bits of numbers around zero with a common scale, at most ``width`` each."""
+    mean = sum(map(abs, numbers)) / len(numbers)
+    bits_each = min(log2(2 * e * (mean + 0.25)), float(width))
+    return len(numbers) * max(bits_each, 0.5) + _SCALE_BITS
+
+
+def signed(number: int, width: int) -> int:
+    """Return a number modulo 2^width as one between -2^(width-1) and 2^(width-1)."""
+    half = 1 << (width - 1)
+    return ((number + half) & ((1 << width) - 1)) - half
+
+
+def cost_beside_positions(values: Sequence[int], width: int, positions: Sequence[float]) -> float:
+    """Return the bits of values of which the user knows the positions, in any unit and from any zero.
+
+    The values are the positions times a factor, or times the factors of counts and of degrees across the wrap.
+    """
+    costs = [_spread_cost(_residuals_of_line(values, width, positions), width)]
+    for factor in (1.0, -1.0, (1 << width) / 360, -(1 << width) / 360):
+        costs.append(_spread_cost(_residuals_of_factor(values, width, positions, factor), width))
+    return 2 * width + min(costs)
+
+
+def _residuals_of_line(values: Sequence[int], width: int, positions: Sequence[float]) -> list[float]:
+    """Return the differences of the values from the line that fits best, without a wrap."""
+    middle_position = sorted(positions)[len(positions) // 2]
+    middle_value = values[list(positions).index(middle_position)]
+    heights = [signed(value - middle_value, width) for value in values]
+    mean_position, mean_height = sum(positions) / len(positions), sum(heights) / len(heights)
+    variance = sum((position - mean_position) ** 2 for position in positions)
+    products = zip(positions, heights, strict=True)
+    covariance = sum((position - mean_position) * (height - mean_height) for position, height in products)
+    slope = covariance / variance if variance else 0.0
+    pairs = zip(positions, heights, strict=True)
+    return [height - mean_height - slope * (position - mean_position) for position, height in pairs]
+
+
+def _residuals_of_factor(values: Sequence[int], width: int, positions: Sequence[float], factor: float) -> list[float]:
+    """Return the differences of the values from the positions times a factor, across the wrap."""
+    offsets = [value - round(position * factor) for value, position in zip(values, positions, strict=True)]
+    residuals = [signed(offset - offsets[0], width) for offset in offsets]
+    mean = sum(residuals) / len(residuals)
+    return [residual - mean for residual in residuals]
