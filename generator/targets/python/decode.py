@@ -75,6 +75,12 @@ class FrameReports:
             conditions[Verdict.UNKNOWN] = [self._has_no_judge(self._judgement.judging_bits)]
         return [(verdict.name, conditions[verdict]) for verdict in Verdict if verdict in conditions]
 
+    @property
+    def reasons(self) -> dict[str, list[str]]:
+        """Meaning of each flag or other cause that leads to a verdict, by the name of the verdict."""
+        judged = self._judgement.worst_first if self._judgement is not None else ()
+        return {verdict.name: list(dict.fromkeys(map(_reason, causes))) for verdict, causes in judged}
+
     def _has_no_judge(self, judging_bits: Expression) -> str:
         """Return the condition that the frames of the encoder have no bits that judge the position."""
         variant = self._own("variant")
@@ -137,6 +143,17 @@ class FrameReports:
         # The flag comes first, because it is rarely active. The other conditions are then skipped.
         conditions = [*active, *map(self._holds, only), *inactive]
         return str(conditions[0]) if len(conditions) == 1 else f"({joined('and', conditions)})"
+
+
+def _reason(cause: VerdictCause) -> str:
+    """Return the meaning of a cause while it is active, for a comment."""
+    if isinstance(cause.by, Reserved):
+        return "unused: bits that the manual leaves unused differ from it."
+    by_field = cause.by.field
+    active = by_field.kind.when_active if isinstance(by_field.kind, Flag) else ""
+    # Texts of the spec can have several lines.
+    text = " ".join((active or by_field.meaning).split()) or "active"
+    return f"{by_field.name}: {text.rstrip('.')}."
 
 
 def holding(only: Only, member: str) -> Expr:
@@ -317,7 +334,7 @@ class Decoder:
         ones = mask((1 << TABLE_BITS) - 1)
         masked_high = [f"{shifted} & {ones}" for shifted in shifted_high[:-1]]
         indices = ["low", *masked_high, *shifted_high[-1:]][: self.tables]
-        return " ^ ".join(f"crc_table_{place}[{index}]" for place, index in enumerate(indices))
+        return " ^ ".join(f"table_{place}[{index}]" for place, index in enumerate(indices))
 
     @staticmethod
     def listed(name: str, count: int) -> str:

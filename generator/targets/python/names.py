@@ -138,7 +138,7 @@ LOCAL_NAMES = [
     *"handle_error high isinstance len length low number padding received_crc self sent type unused".split(),
     *"valid_first_bytes values variant word".split(),
     *(f"b{place}" for place in range(16)),
-    *(f"crc_table_{place}" for place in range(16)),
+    *(f"table_{place}" for place in range(16)),
     *FUNCTIONS,
 ]
 #: Names that the functions of procedures use. An argument with such a name gets a trailing underscore.
