@@ -756,6 +756,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # unused: bits that the manual leaves unused differ from it.
         if self.unused & 0x2:
             return Verdict.NOT_USABLE
         return Verdict.UNKNOWN
@@ -813,12 +814,13 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @classmethod
     def _make_decoder(cls, variant: BissEncoder, handle_error: ErrorHandler) -> Callable[..., SingleCycleData]:
         """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
-        frame_bits = variant.used_singleturn_bits + variant.used_multiturn_bits + 8  # 8 = error (1) + warning (1) + crc (6)
+        # 8 = error (1) + warning (1) + crc (6)
+        frame_bits = variant.used_singleturn_bits + variant.used_multiturn_bits + 8
         gray_bits = variant.used_multiturn_bits + variant.used_singleturn_bits
         multiturn_low = variant.used_singleturn_bits + 8  # 8 = error (1) + warning (1) + crc (6)
         singleturn_mask = (1 << variant.used_singleturn_bits) - 1
         # A table for each 16 bits of the frame. The XOR of their entries is 0 if the CRC is correct.
-        crc_table_0, crc_table_1, crc_table_2 = crc_tables(crc_biss_6, covered=38, width=6, count=3)
+        table_0, table_1, table_2 = crc_tables(crc_biss_6, covered=38, width=6, count=3)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
             try:
@@ -827,7 +829,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                     raise too_long_error(word, frame_bits)
                 low = word & 0xFFFF
                 high = word >> 16
-                crc_difference = crc_table_0[low] ^ crc_table_1[high & 0xFFFF] ^ crc_table_2[high >> 16]
+                crc_difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
                 if crc_difference:
                     received_crc = word & 0x3F
                     raise CrcError(received_crc, received_crc ^ crc_difference)

@@ -900,11 +900,14 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # error: error active in the system.
+        # warning: warning active in the system.
         if (
             self.error
             or (self.warning and self.variant.multiturn_bits and not self.variant.low_battery_only)
         ):
             return Verdict.NOT_USABLE
+        # warning: warning active in the system.
         if (
             (self.warning and self.variant.multiturn_bits and self.variant.low_battery_only)
             or (self.warning and not self.variant.multiturn_bits)
@@ -976,7 +979,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         multiturn_low = variant.singleturn_bits + 8  # 8 = error (1) + warning (1) + crc (6)
         singleturn_mask = (1 << variant.singleturn_bits) - 1
         # A table for each 16 bits of the frame. The XOR of their entries is 0 if the CRC is correct.
-        crc_table_0, crc_table_1, crc_table_2 = crc_tables(crc_biss_6, covered=41, width=6, count=3)
+        table_0, table_1, table_2 = crc_tables(crc_biss_6, covered=41, width=6, count=3)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
             try:
@@ -985,7 +988,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                     raise too_long_error(word, frame_bits)
                 low = word & 0xFFFF
                 high = word >> 16
-                crc_difference = crc_table_0[low] ^ crc_table_1[high & 0xFFFF] ^ crc_table_2[high >> 16]
+                crc_difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
                 if crc_difference:
                     received_crc = word & 0x3F
                     raise CrcError(received_crc, received_crc ^ crc_difference)
@@ -1405,8 +1408,12 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # status_st_error: ST error.
+        # status_other_error: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
+        # are 0.
         if self.status_st_error or self.status_other_error:
             return Verdict.NOT_USABLE
+        # unused: bits that the manual leaves unused differ from it.
         if self.unused:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
@@ -1552,8 +1559,12 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # status_st_error: ST error.
+        # status_other_error: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
+        # are 0.
         if self.status_st_error or self.status_other_error:
             return Verdict.NOT_USABLE
+        # unused: bits that the manual leaves unused differ from it.
         if self.unused:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
@@ -1834,6 +1845,13 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # status_st_error: ST error.
+        # status_other_error: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
+        # are 0.
+        # busy: not ready after power-on or during a reset. All position data are 0.
+        # st_error: counted and calculated data disagree.
+        # ps_error: singleturn and multiturn count inconsistent, or a counting error.
+        # mt_error: external battery below 3.05 V.
         if (
             self.status_st_error
             or (self.status_other_error and not (self.battery_alarm or self.mt_error))
@@ -1843,6 +1861,9 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             or (self.mt_error and self.variant.multiturn_bits)
         ):
             return Verdict.NOT_USABLE
+        # mt_error: external battery below 3.05 V.
+        # battery_alarm: external battery below 3.15 V.
+        # unused: bits that the manual leaves unused differ from it.
         if (self.mt_error and not self.variant.multiturn_bits) or self.battery_alarm or self.unused:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE

@@ -620,8 +620,10 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # error: error active in the system.
         if self.error:
             return Verdict.NOT_USABLE
+        # warning: warning active in the system.
         if self.warning:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
@@ -660,7 +662,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
     def _make_decoder(cls, variant: BissEncoder, handle_error: ErrorHandler) -> Callable[..., SingleCycleData]:
         """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
         # A table for each 16 bits of the frame. The XOR of their entries is 0 if the CRC is correct.
-        crc_table_0, crc_table_1, crc_table_2 = crc_tables(crc_biss_6, covered=28, width=6, count=3)
+        table_0, table_1, table_2 = crc_tables(crc_biss_6, covered=28, width=6, count=3)
 
         def decode(frame: Any, bits: int | None = None, zero_bit: ZeroBit | None = None) -> SingleCycleData:
             try:
@@ -671,7 +673,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
                     raise too_long_error(word, length)
                 low = word & 0xFFFF
                 high = word >> 16
-                crc_difference = crc_table_0[low] ^ crc_table_1[high & 0xFFFF] ^ crc_table_2[high >> 16]
+                crc_difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
                 if crc_difference:
                     received_crc = word & 0x3F
                     raise CrcError(received_crc, received_crc ^ crc_difference)

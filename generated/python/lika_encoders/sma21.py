@@ -795,6 +795,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # error: an error is present and the LED is red.
         if self.error:
             return Verdict.NOT_USABLE
         return Verdict.USABLE
@@ -913,8 +914,10 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # error: an error is present and the LED is red.
         if self.error:
             return Verdict.NOT_USABLE
+        # warning: warning active.
         if self.warning:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
@@ -956,7 +959,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         padding_low = variant.scd_value_bits + 8  # 8 = error (1) + warning (1) + crc (6)
         position_mask = (1 << variant.scd_value_bits) - 1
         # A table for each 16 bits of the frame. The XOR of their entries is 0 if the CRC is correct.
-        crc_table_0, crc_table_1, crc_table_2 = crc_tables(crc_biss_6, covered=27, width=6, count=3)
+        table_0, table_1, table_2 = crc_tables(crc_biss_6, covered=27, width=6, count=3)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
             try:
@@ -965,7 +968,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                     raise too_long_error(word, frame_bits)
                 low = word & 0xFFFF
                 high = word >> 16
-                crc_difference = crc_table_0[low] ^ crc_table_1[high & 0xFFFF] ^ crc_table_2[high >> 16]
+                crc_difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
                 if crc_difference:
                     received_crc = word & 0x3F
                     raise CrcError(received_crc, received_crc ^ crc_difference)
@@ -1153,6 +1156,15 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # status_error: encoder error, the logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor
+        # must stop.
+        # overspeed: speed too high.
+        # initialization_error: error during the initialization, or absolute position not found.
+        # hardware_error: error in the EEPROM.
+        # encoder_inharmonious_error: an alarm that is no longer in manual 1.1 of November 2023. An older encoder may
+        # have it. Its cause is not known.
+        # higher_track_error: Not implemented.
+        # low_amplitude_error: amplitude of the signal too low.
         if (
             self.status_error
             or self.overspeed
@@ -1163,6 +1175,11 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
             or self.low_amplitude_error
         ):
             return Verdict.NOT_USABLE
+        # status_alarm: encoder alarm (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the
+        # position is correct.
+        # signal_strength_alarm: Not implemented.
+        # temperature_alarm: Not implemented.
+        # unused: bits that the manual leaves unused differ from it.
         if self.status_alarm or self.signal_strength_alarm or self.temperature_alarm or self.unused:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
@@ -1325,8 +1342,13 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # status_error: encoder error, the logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor
+        # must stop.
         if self.status_error:
             return Verdict.NOT_USABLE
+        # status_alarm: encoder alarm (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the
+        # position is correct.
+        # unused: bits that the manual leaves unused differ from it.
         if self.status_alarm or self.unused:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
@@ -1486,6 +1508,15 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # status_error: encoder error, the logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor
+        # must stop.
+        # overspeed: speed too high.
+        # initialization_error: error during the initialization, or absolute position not found.
+        # hardware_error: error in the EEPROM.
+        # encoder_inharmonious_error: an alarm that is no longer in manual 1.1 of November 2023. An older encoder may
+        # have it. Its cause is not known.
+        # higher_track_error: Not implemented.
+        # low_amplitude_error: amplitude of the signal too low.
         if (
             self.status_error
             or self.overspeed
@@ -1496,6 +1527,11 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
             or self.low_amplitude_error
         ):
             return Verdict.NOT_USABLE
+        # status_alarm: encoder alarm (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the
+        # position is correct.
+        # signal_strength_alarm: Not implemented.
+        # temperature_alarm: Not implemented.
+        # unused: bits that the manual leaves unused differ from it.
         if self.status_alarm or self.signal_strength_alarm or self.temperature_alarm or self.unused:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE

@@ -382,8 +382,10 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # error: an error is active.
         if self.error:
             return Verdict.NOT_USABLE
+        # warning: a warning is active.
         if self.warning:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
@@ -424,7 +426,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         zero_mask = (1 << variant.zero_bits) - 1
         position_low = variant.zero_bits + 8  # 8 = error (1) + warning (1) + crc (6)
         # A table for each 16 bits of the frame. The XOR of their entries is 0 if the CRC is correct.
-        crc_table_0, crc_table_1, crc_table_2, crc_table_3 = crc_tables(crc_biss_6, covered=47, width=6, count=4)
+        table_0, table_1, table_2, table_3 = crc_tables(crc_biss_6, covered=47, width=6, count=4)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
             try:
@@ -433,7 +435,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                     raise too_long_error(word, frame_bits)
                 low = word & 0xFFFF
                 high = word >> 16
-                crc_difference = crc_table_0[low] ^ crc_table_1[high & 0xFFFF] ^ crc_table_2[high >> 16 & 0xFFFF] ^ crc_table_3[high >> 32]
+                crc_difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16 & 0xFFFF] ^ table_3[high >> 32]
                 if crc_difference:
                     received_crc = word & 0x3F
                     raise CrcError(received_crc, received_crc ^ crc_difference)
