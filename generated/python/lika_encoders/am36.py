@@ -829,10 +829,10 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                     raise too_long_error(word, frame_bits)
                 low = word & 0xFFFF
                 high = word >> 16
-                crc_difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
-                if crc_difference:
+                difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
+                if difference:
                     received_crc = word & 0x3F
-                    raise CrcError(received_crc, received_crc ^ crc_difference)
+                    raise CrcError(received_crc, received_crc ^ difference)
                 if variant.biss_gray:
                     word = from_gray(word, 8, gray_bits)
                 values = (

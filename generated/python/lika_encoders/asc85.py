@@ -673,10 +673,10 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
                     raise too_long_error(word, length)
                 low = word & 0xFFFF
                 high = word >> 16
-                crc_difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
-                if crc_difference:
+                difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
+                if difference:
                     received_crc = word & 0x3F
-                    raise CrcError(received_crc, received_crc ^ crc_difference)
+                    raise CrcError(received_crc, received_crc ^ difference)
                 zero = word >> 8 & ((1 << zero_bit.zero_bits) - 1)
                 if zero:
                     raise ConstantError("zero", zero, 0)
