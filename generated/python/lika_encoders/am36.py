@@ -57,19 +57,19 @@ from codewheel_runtime.codec import (
     choice,
     crc_of_bits,
     crc_tables,
+    create,
     from_gray,
-    made,
-    too_long,
+    too_long_error,
 )
 from codewheel_runtime.encoder import (
-    Failed,
+    ErrorHandler,
     Positioned,
     check_encoder,
-    fact,
-    looked_up,
-    reported,
-    returned,
-    wrong_encoder,
+    load_fact,
+    look_up,
+    raise_frame_error,
+    return_frame_error,
+    wrong_encoder_error,
 )
 from codewheel_runtime.measures import Rotary, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
@@ -83,10 +83,17 @@ from codewheel_runtime.frames.base import (
     encode_many,
     with_bytes,
 )
-from codewheel_runtime.frames.decoders import decoder, raised
-from codewheel_runtime.registers import Held, agrees, held_bytes, held_parameters, held_text, whole
+from codewheel_runtime.frames.decoders import cached_decoder, raise_error
+from codewheel_runtime.registers import (
+    RegisterParameter,
+    bytes_by_address,
+    encode_register,
+    is_consistent,
+    parameters_in,
+    parameters_text,
+)
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
-from codewheel_runtime.steps import Modify, Read, Step, Verify, Wait, writes
+from codewheel_runtime.steps import Modify, Read, Step, Verify, Wait, byte_writes
 
 if TYPE_CHECKING:
     from typing import Literal as _Literal
@@ -122,7 +129,7 @@ else:
 
     def __getattr__(name: str) -> object:
         """Return a table of facts. The first access loads all tables."""
-        return fact(__name__, name)
+        return load_fact(__name__, name)
 
 
 __all__ = [
@@ -269,7 +276,7 @@ class Variant(Rotary, Wrapping):
         """
         return 1 - self.output_code
 
-    def with_registers(self: _Same, held: Mapping[int, int]) -> _Same:
+    def with_registers(self: _Same, contents: Mapping[int, int]) -> _Same:
         """Return the encoder with other register contents.
 
         The following registers affect the decoding of frames or a limit: singleturn_bits_used at 56h,
@@ -277,7 +284,7 @@ class Variant(Rotary, Wrapping):
         49h.
 
         Args:
-            held: Register bytes by address. Other registers keep their contents, which are the factory defaults at
+            contents: Register bytes by address. Other registers keep their contents, which are the factory defaults at
                 first.
 
         Returns:
@@ -287,7 +294,7 @@ class Variant(Rotary, Wrapping):
             RangeError: The value of a register is not allowed.
             ValueError: A register does not affect this encoder.
         """
-        return self._replaced(**held_parameters(_HELD, held, self))
+        return self._replaced(**parameters_in(_REGISTER_PARAMETERS, contents, self))
 
     @property
     def counts_per_turn(self) -> int:
@@ -304,7 +311,7 @@ class Variant(Rotary, Wrapping):
         return (1 << self.used_singleturn_bits) * self.used_revolutions
 
     def __repr__(self) -> str:
-        return f"<{self.code}{self.special_code}{held_text(_HELD, self)}>"
+        return f"<{self.code}{self.special_code}{parameters_text(_REGISTER_PARAMETERS, self)}>"
 
 
 class SsiEncoder(Variant):
@@ -331,8 +338,8 @@ class SsiEncoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-
-        return self._decoder(reported)(frame, bits)
+        decode_frame = self._get_decoder(raise_frame_error)
+        return decode_frame(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -349,11 +356,12 @@ class SsiEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return self._decoder(returned)(frame, bits)
+        decode_frame = self._get_decoder(return_frame_error)
+        return decode_frame(frame, bits)
 
-    def _decoder(self, failed: Failed) -> Callable[..., SsiWord]:
-        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
-        return decoder(SsiWord._decoder, self, failed)
+    def _get_decoder(self, handle_error: ErrorHandler) -> Callable[..., SsiWord]:
+        """Return the function that decodes frames of this encoder. ``handle_error`` raises or returns an error."""
+        return cached_decoder(SsiWord._make_decoder, self, handle_error)
 
     def decode_many(self, frames: Words) -> Table[_SsiWordColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
@@ -406,8 +414,8 @@ class BissEncoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-
-        return self._decoder(reported)(frame, bits)
+        decode_frame = self._get_decoder(raise_frame_error)
+        return decode_frame(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -424,11 +432,12 @@ class BissEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return self._decoder(returned)(frame, bits)
+        decode_frame = self._get_decoder(return_frame_error)
+        return decode_frame(frame, bits)
 
-    def _decoder(self, failed: Failed) -> Callable[..., SingleCycleData]:
-        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
-        return decoder(SingleCycleData._decoder, self, failed)
+    def _get_decoder(self, handle_error: ErrorHandler) -> Callable[..., SingleCycleData]:
+        """Return the function that decodes frames of this encoder. ``handle_error`` raises or returns an error."""
+        return cached_decoder(SingleCycleData._make_decoder, self, handle_error)
 
     def decode_many(self, frames: Words) -> Table[_SingleCycleDataColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
@@ -487,7 +496,7 @@ def lookup(label: str) -> Variant:
             order codes.
         TypeError: ``label`` is not a string.
     """
-    return looked_up(label, VARIANTS, __name__)
+    return look_up(label, VARIANTS, __name__)
 
 
 # CRCs
@@ -621,7 +630,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
         if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder(variant, Variant, _SSI)
+            raise wrong_encoder_error(variant, Variant, _SSI)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         return multiturn << variant.singleturn_bits | singleturn
@@ -652,27 +661,33 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder(variant, Variant, _SSI)
-        return decoder(cls._decoder, variant, raised)(word, bits)
+            raise wrong_encoder_error(variant, Variant, _SSI)
+        decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
+        return decode_frame(word, bits)
 
     @classmethod
-    def _decoder(cls, variant: SsiEncoder, failed: Failed) -> Callable[..., SsiWord]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
-        size_0 = variant.singleturn_bits + variant.multiturn_bits
-        size_1 = variant.multiturn_bits + variant.singleturn_bits
-        size_2 = variant.singleturn_bits
-        ones_3 = (1 << variant.singleturn_bits) - 1
+    def _make_decoder(cls, variant: SsiEncoder, handle_error: ErrorHandler) -> Callable[..., SsiWord]:
+        """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
+        frame_bits = variant.singleturn_bits + variant.multiturn_bits
+        gray_bits = variant.multiturn_bits + variant.singleturn_bits
+        multiturn_low = variant.singleturn_bits
+        singleturn_mask = (1 << variant.singleturn_bits) - 1
 
         def decode(frame: Any, bits: int | None = None) -> SsiWord:
             try:
-                word = frame if type(frame) is int and bits is None else as_word(frame, size_0, bits)
-                if word >> size_0:
-                    raise too_long(word, size_0)
+                word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
+                if word >> frame_bits:
+                    raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
-                    word = from_gray(word, 0, size_1)
-                return made(cls, (variant, word >> size_2, word & ones_3))
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                    word = from_gray(word, 0, gray_bits)
+                values = (
+                    variant,
+                    word >> multiturn_low,  # multiturn
+                    word & singleturn_mask,  # singleturn
+                )
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -741,6 +756,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # unused: bits that the manual leaves unused differ from it.
         if self.unused & 0x2:
             return Verdict.NOT_USABLE
         return Verdict.UNKNOWN
@@ -758,7 +774,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, Variant, _BISS)
         multiturn = check_width("multiturn", self.multiturn, variant.used_multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.used_singleturn_bits)
         return multiturn << variant.used_singleturn_bits | singleturn
@@ -791,32 +807,43 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        return decoder(cls._decoder, variant, raised)(word, bits)
+            raise wrong_encoder_error(variant, Variant, _BISS)
+        decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
+        return decode_frame(word, bits)
 
     @classmethod
-    def _decoder(cls, variant: BissEncoder, failed: Failed) -> Callable[..., SingleCycleData]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
-        size_0 = variant.used_singleturn_bits + variant.used_multiturn_bits + 8
-        size_1 = variant.used_multiturn_bits + variant.used_singleturn_bits
-        size_2 = variant.used_singleturn_bits + 8
-        ones_3 = (1 << variant.used_singleturn_bits) - 1
-        table_0, table_1, table_2 = crc_tables(crc_biss_6, 38, 6, 3)
+    def _make_decoder(cls, variant: BissEncoder, handle_error: ErrorHandler) -> Callable[..., SingleCycleData]:
+        """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
+        # 8 = error (1) + warning (1) + crc (6)
+        frame_bits = variant.used_singleturn_bits + variant.used_multiturn_bits + 8
+        gray_bits = variant.used_multiturn_bits + variant.used_singleturn_bits
+        multiturn_low = variant.used_singleturn_bits + 8  # 8 = error (1) + warning (1) + crc (6)
+        singleturn_mask = (1 << variant.used_singleturn_bits) - 1
+        # A table for each 16 bits of the frame. The XOR of their entries is 0 if the CRC is correct.
+        table_0, table_1, table_2 = crc_tables(crc_biss_6, covered=38, width=6, count=3)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
             try:
-                word = frame if type(frame) is int and bits is None else as_word(frame, size_0, bits)
-                if word >> size_0:
-                    raise too_long(word, size_0)
+                word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
+                if word >> frame_bits:
+                    raise too_long_error(word, frame_bits)
                 low = word & 0xFFFF
                 high = word >> 16
-                if wrong := table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]:
-                    raise CrcError(word & 0x3F, word & 0x3F ^ wrong)
+                difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
+                if difference:
+                    received_crc = word & 0x3F
+                    raise CrcError(received_crc, received_crc ^ difference)
                 if variant.biss_gray:
-                    word = from_gray(word, 8, size_1)
-                return made(cls, (variant, word >> size_2, word >> 8 & ones_3, word >> 6 & 0x3 ^ 0x3))
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                    word = from_gray(word, 8, gray_bits)
+                values = (
+                    variant,
+                    word >> multiturn_low,  # multiturn
+                    word >> 8 & singleturn_mask,  # singleturn
+                    word >> 6 & 0x3 ^ 0x3,  # unused
+                )
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -894,7 +921,8 @@ class ProfileId(FixedRegister, _ProfileId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return made(cls, (data[0] << 8 | data[1],))
+        profile = data[0] << 8 | data[1]
+        return create(cls, (profile,))
 
 
 class _SerialNumber(NamedTuple):
@@ -939,7 +967,10 @@ class SerialNumber(FixedRegister, _SerialNumber):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        return made(cls, (data[0], data[1], data[2] << 8 | data[3]))
+        year = data[0]
+        week = data[1]
+        number_ = data[2] << 8 | data[3]
+        return create(cls, (year, week, number_))
 
 
 class Command(IntEnum):
@@ -1052,16 +1083,19 @@ class Configuration(FixedRegister, _Configuration):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        if data[0] >> 7:
-            raise ConstantError("zero_above_counting_direction", data[0] >> 7, 0)
-        if data[0] >> 3 & 0x3:
-            raise ConstantError("zero_below_output_code", data[0] >> 3 & 0x3, 0)
-        if data[0] & 0x3:
-            raise ConstantError("zero_below_enable_preset", data[0] & 0x3, 0)
+        zero_above_counting_direction = data[0] >> 7
+        if zero_above_counting_direction:
+            raise ConstantError("zero_above_counting_direction", zero_above_counting_direction, 0)
+        zero_below_output_code = data[0] >> 3 & 0x3
+        if zero_below_output_code:
+            raise ConstantError("zero_below_output_code", zero_below_output_code, 0)
+        zero_below_enable_preset = data[0] & 0x3
+        if zero_below_enable_preset:
+            raise ConstantError("zero_below_enable_preset", zero_below_enable_preset, 0)
         counting_direction = choice(CountingDirection, "counting_direction", data[0] >> 6 & 0x1)
         output_code = choice(OutputCode, "output_code", data[0] >> 5 & 0x1)
         enable_preset = choice(EnablePreset, "enable_preset", data[0] >> 2 & 0x1)
-        return made(cls, (counting_direction, output_code, enable_preset))
+        return create(cls, (counting_direction, output_code, enable_preset))
 
 
 class _InformationPerRevolution(NamedTuple):
@@ -1108,7 +1142,8 @@ class InformationPerRevolution(FixedLimitedRegister, _InformationPerRevolution):
             data = as_bytes(data)
         if len(data) != 3:
             raise LengthError(3, len(data))
-        return with_bytes(made(cls, (data[0] << 16 | data[1] << 8 | data[2],)), data)
+        steps = data[0] << 16 | data[1] << 8 | data[2]
+        return with_bytes(create(cls, (steps,)), data)
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -1161,7 +1196,8 @@ class NumberOfRevolutions(FixedLimitedRegister, _NumberOfRevolutions):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return with_bytes(made(cls, ((data[0] << 8 | data[1]) or 65_536,)), data)
+        revolutions = (data[0] << 8 | data[1]) or 65_536
+        return with_bytes(create(cls, (revolutions,)), data)
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -1221,18 +1257,16 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, Variant, _BISS)
         if type(data) is not bytes:
             data = as_bytes(data)
         if len(data) != 5:
             raise LengthError(5, len(data))
-        if data[0] >> 4:
-            raise ConstantError("zero_above_position", data[0] >> 4, 0)
-        values = (
-            variant,
-            (data[0] & 0xF) << 32 | data[1] << 24 | data[2] << 16 | data[3] << 8 | data[4],
-        )
-        return with_bytes(made(cls, values), data)
+        zero_above_position = data[0] >> 4
+        if zero_above_position:
+            raise ConstantError("zero_above_position", zero_above_position, 0)
+        position = (data[0] & 0xF) << 32 | data[1] << 24 | data[2] << 16 | data[3] << 8 | data[4]
+        return with_bytes(create(cls, (variant, position)), data)
 
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:
@@ -1283,7 +1317,8 @@ class DeviceType(FixedRegister, _DeviceType):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return made(cls, (data[0],))
+        device_type = data[0]
+        return create(cls, (device_type,))
 
 
 class _SingleturnBitsUsed(NamedTuple):
@@ -1323,7 +1358,8 @@ class SingleturnBitsUsed(FixedRegister, _SingleturnBitsUsed):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return made(cls, (data[0],))
+        bits_ = data[0]
+        return create(cls, (bits_,))
 
 
 class _MultiturnBitsUsed(NamedTuple):
@@ -1365,7 +1401,8 @@ class MultiturnBitsUsed(FixedRegister, _MultiturnBitsUsed):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return made(cls, (data[0],))
+        bits_ = data[0]
+        return create(cls, (bits_,))
 
 
 class _DeviceId(NamedTuple):
@@ -1422,12 +1459,12 @@ class DeviceId(FixedRegister, _DeviceId):
         if len(data) != 6:
             raise LengthError(6, len(data))
         values = (
-            data[0:2].decode("latin-1"),
-            data[2:4].decode("latin-1"),
-            data[4:5].decode("latin-1"),
-            data[5:6].decode("latin-1"),
+            data[0:2].decode("latin-1"),  # model
+            data[2:4].decode("latin-1"),  # interface_code
+            data[4:5].decode("latin-1"),  # enclosure
+            data[5:6].decode("latin-1"),  # software_version
         )
-        return made(cls, values)
+        return create(cls, values)
 
 
 class _ManufacturerId(NamedTuple):
@@ -1472,12 +1509,13 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return made(cls, (data[0:2].decode("latin-1"),))
+        name = data[0:2].decode("latin-1")
+        return create(cls, (name,))
 
 
 #: Parameters that registers hold at run time.
-_HELD: Final = (
-    Held(
+_REGISTER_PARAMETERS: Final = (
+    RegisterParameter(
         parameter="used_singleturn_bits",
         interface=Interface.BISS,
         address=Address.SINGLETURN_BITS_USED,
@@ -1488,7 +1526,7 @@ _HELD: Final = (
         min=0,
         max=20,
     ),
-    Held(
+    RegisterParameter(
         parameter="used_multiturn_bits",
         interface=Interface.BISS,
         address=Address.MULTITURN_BITS_USED,
@@ -1499,7 +1537,7 @@ _HELD: Final = (
         min=0,
         max=16,
     ),
-    Held(
+    RegisterParameter(
         parameter="used_revolutions",
         interface=Interface.BISS,
         address=Address.NUMBER_OF_REVOLUTIONS,
@@ -1511,7 +1549,7 @@ _HELD: Final = (
         max=65_536,
         zero_means=65_536,
     ),
-    Held(
+    RegisterParameter(
         parameter="used_information",
         interface=Interface.BISS,
         address=Address.INFORMATION_PER_REVOLUTION,
@@ -1522,7 +1560,7 @@ _HELD: Final = (
         min=1,
         max=1_048_576,
     ),
-    Held(
+    RegisterParameter(
         parameter="output_code",
         interface=Interface.BISS,
         address=Address.CONFIGURATION,
@@ -1552,20 +1590,26 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
     """
     from .facts.am36 import REGISTERS
 
-    held = held_bytes(read, REGISTERS)
+    contents = bytes_by_address(read, REGISTERS)
     return tuple(
         variant.code
         for variant in VARIANTS.values()
-        if isinstance(variant, BissEncoder) and _can_hold(variant, held)
+        if isinstance(variant, BissEncoder) and _has_registers(variant, contents)
     )
 
 
-def _can_hold(variant: BissEncoder, held: Mapping[int, int]) -> bool:
+def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
+    """Return whether the registers of an encoder can have these contents, bytes keyed by address."""
     return (
-        agrees(held, Address.PROFILE_ID, 2, lambda data: ProfileId.decode(data).is_as_documented)
-        and agrees(held, Address.DEVICE_TYPE, 1, lambda data: DeviceType.decode(data).is_as_documented)
-        and agrees(held, Address.DEVICE_ID, 6, lambda data: DeviceId.decode(data).is_as_documented)
-        and agrees(held, Address.MANUFACTURER_ID, 2, lambda data: ManufacturerId.decode(data).is_as_documented)
+        is_consistent(contents, Address.PROFILE_ID, 2, lambda data: ProfileId.decode(data).is_as_documented)
+        and is_consistent(contents, Address.DEVICE_TYPE, 1, lambda data: DeviceType.decode(data).is_as_documented)
+        and is_consistent(contents, Address.DEVICE_ID, 6, lambda data: DeviceId.decode(data).is_as_documented)
+        and is_consistent(
+            contents,
+            Address.MANUFACTURER_ID,
+            2,
+            lambda data: ManufacturerId.decode(data).is_as_documented,
+        )
     )
 
 
@@ -1608,16 +1652,16 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
-    Configuration.decode(whole("configuration", Configuration, configuration, 1, "big"))
+    Configuration.decode(encode_register("configuration", Configuration, configuration, 1, "big"))
     return (
-        *writes(
+        *byte_writes(
             "configuration",
             Address.CONFIGURATION,
-            whole("configuration", Configuration, configuration, 1, "big"),
+            encode_register("configuration", Configuration, configuration, 1, "big"),
             "takes effect immediately",
         ),
         Verify(Address.CONFIGURATION, 1, "configuration", 0xFF),
-        *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save it"),
+        *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save it"),
         Wait(30_000, "EEPROM writing time"),
     )
 
@@ -1648,7 +1692,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "enable writing of the Preset registers"),
-        *writes(
+        *byte_writes(
             "preset",
             Address.PRESET,
             Preset(variant, position=position).encode(),
@@ -1656,7 +1700,12 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
         ),
         Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
         Verify(Address.PRESET, 5, "preset", 0xFFFFFFFFFF, order="big"),
-        *writes("command", Address.COMMAND, Command.SAVE_AND_ACTIVATE_PRESET.encode(), "save and activate the preset"),
+        *byte_writes(
+            "command",
+            Address.COMMAND,
+            Command.SAVE_AND_ACTIVATE_PRESET.encode(),
+            "save and activate the preset",
+        ),
         Wait(30_000, "EEPROM writing time"),
     )
 
@@ -1686,7 +1735,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "enable writing of the Preset registers"),
-        *writes(
+        *byte_writes(
             "preset",
             Address.PRESET,
             Preset(variant, position=position).encode(),
@@ -1694,7 +1743,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
         ),
         Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
         Verify(Address.PRESET, 5, "preset", 0xFFFFFFFFFF, order="big"),
-        *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save the preset"),
+        *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save the preset"),
         Wait(30_000, "EEPROM writing time"),
     )
 
@@ -1717,7 +1766,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
+        *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
         Wait(30_000, "EEPROM writing time"),
     )
 
@@ -1743,7 +1792,7 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *writes("command", Address.COMMAND, Command.SAVE_AND_ACTIVATE_PRESET.encode()),
+        *byte_writes("command", Address.COMMAND, Command.SAVE_AND_ACTIVATE_PRESET.encode()),
         Wait(30_000, "EEPROM writing time"),
     )
 
@@ -1776,7 +1825,7 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *writes("command", Address.COMMAND, Command.RESTORE_DEFAULTS.encode()),
+        *byte_writes("command", Address.COMMAND, Command.RESTORE_DEFAULTS.encode()),
         Wait(30_000, "EEPROM writing time"),
     )
 
@@ -1822,20 +1871,20 @@ def set_resolution(
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     content = InformationPerRevolution(steps=information_per_revolution).encode()
     before: tuple[Step, ...] = (
-        *writes("information_per_revolution", Address.INFORMATION_PER_REVOLUTION, content, "clears the preset"),
+        *byte_writes("information_per_revolution", Address.INFORMATION_PER_REVOLUTION, content, "clears the preset"),
     )
     variant = variant.with_registers(dict(enumerate(content, Address.INFORMATION_PER_REVOLUTION)))
     content = NumberOfRevolutions(revolutions=number_of_revolutions).encode()
     before = (
         *before,
-        *writes("number_of_revolutions", Address.NUMBER_OF_REVOLUTIONS, content, "clears the preset"),
+        *byte_writes("number_of_revolutions", Address.NUMBER_OF_REVOLUTIONS, content, "clears the preset"),
     )
     variant = variant.with_registers(dict(enumerate(content, Address.NUMBER_OF_REVOLUTIONS)))
     return (
         *before,
         Verify(Address.INFORMATION_PER_REVOLUTION, 3, "information_per_revolution", 0xFFFFFF, order="big"),
         Verify(Address.NUMBER_OF_REVOLUTIONS, 2, "number_of_revolutions", 0xFFFF, order="big"),
-        *writes(
+        *byte_writes(
             "command",
             Address.COMMAND,
             Command.SAVE_PARAMETERS.encode(),
@@ -1843,7 +1892,7 @@ def set_resolution(
         ),
         Wait(30_000, "EEPROM writing time"),
         Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "enable writing of the Preset registers"),
-        *writes(
+        *byte_writes(
             "preset",
             Address.PRESET,
             Preset(variant, position=position).encode(),
@@ -1851,7 +1900,12 @@ def set_resolution(
         ),
         Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
         Verify(Address.PRESET, 5, "preset", 0xFFFFFFFFFF, order="big"),
-        *writes("command", Address.COMMAND, Command.SAVE_AND_ACTIVATE_PRESET.encode(), "save and activate the preset"),
+        *byte_writes(
+            "command",
+            Address.COMMAND,
+            Command.SAVE_AND_ACTIVATE_PRESET.encode(),
+            "save and activate the preset",
+        ),
         Wait(30_000, "EEPROM writing time"),
         Read(Address.SINGLETURN_BITS_USED, 1, "singleturn_bits_used", "singleturn bits of all following frames"),
         Read(Address.MULTITURN_BITS_USED, 1, "multiturn_bits_used", "multiturn bits of all following frames"),

@@ -72,19 +72,19 @@ from codewheel_runtime.codec import (
     crc_by_xor,
     crc_of_bits,
     crc_tables,
-    decided,
-    made,
-    too_long,
+    create,
+    require_answer,
+    too_long_error,
 )
 from codewheel_runtime.encoder import (
-    Failed,
+    ErrorHandler,
     Positioned,
     check_encoder,
-    fact,
-    looked_up,
-    reported,
-    returned,
-    wrong_encoder,
+    load_fact,
+    look_up,
+    raise_frame_error,
+    return_frame_error,
+    wrong_encoder_error,
 )
 from codewheel_runtime.measures import Rotary, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError, RangeError
@@ -100,11 +100,11 @@ from codewheel_runtime.frames.base import (
     encode_many,
     with_bytes,
 )
-from codewheel_runtime.frames.decoders import decoder, raised
-from codewheel_runtime.frames.descriptions import needed_by, shape_of
-from codewheel_runtime.registers import agrees, held_bytes
+from codewheel_runtime.frames.decoders import cached_decoder, raise_error
+from codewheel_runtime.frames.descriptions import decoding_arguments, shape_of
+from codewheel_runtime.registers import bytes_by_address, is_consistent
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
-from codewheel_runtime.steps import Send, Step, Verify, Wait, writes
+from codewheel_runtime.steps import Send, Step, Verify, Wait, byte_writes
 
 if TYPE_CHECKING:
     from typing import Literal as _Literal
@@ -148,7 +148,7 @@ else:
 
     def __getattr__(name: str) -> object:
         """Return a table of facts. The first access loads all tables."""
-        return fact(__name__, name)
+        return load_fact(__name__, name)
 
 
 __all__ = [
@@ -283,7 +283,7 @@ class Variant(Rotary, Wrapping):
         Raises:
             TypeError: An answer belongs to another class.
         """
-        decided(WarningCause, warning_cause)
+        require_answer(WarningCause, warning_cause)
         return self._replaced(
             low_battery_only=warning_cause.low_battery_only,
         )
@@ -323,8 +323,8 @@ class SsiEncoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-
-        return self._decoder(reported)(frame, bits)
+        decode_frame = self._get_decoder(raise_frame_error)
+        return decode_frame(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -341,11 +341,12 @@ class SsiEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return self._decoder(returned)(frame, bits)
+        decode_frame = self._get_decoder(return_frame_error)
+        return decode_frame(frame, bits)
 
-    def _decoder(self, failed: Failed) -> Callable[..., SsiWord]:
-        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
-        return decoder(SsiWord._decoder, self, failed)
+    def _get_decoder(self, handle_error: ErrorHandler) -> Callable[..., SsiWord]:
+        """Return the function that decodes frames of this encoder. ``handle_error`` raises or returns an error."""
+        return cached_decoder(SsiWord._make_decoder, self, handle_error)
 
     def decode_many(self, frames: Words) -> Table[_SsiWordColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
@@ -398,8 +399,8 @@ class BissEncoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-
-        return self._decoder(reported)(frame, bits)
+        decode_frame = self._get_decoder(raise_frame_error)
+        return decode_frame(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -416,11 +417,12 @@ class BissEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return self._decoder(returned)(frame, bits)
+        decode_frame = self._get_decoder(return_frame_error)
+        return decode_frame(frame, bits)
 
-    def _decoder(self, failed: Failed) -> Callable[..., SingleCycleData]:
-        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
-        return decoder(SingleCycleData._decoder, self, failed)
+    def _get_decoder(self, handle_error: ErrorHandler) -> Callable[..., SingleCycleData]:
+        """Return the function that decodes frames of this encoder. ``handle_error`` raises or returns an error."""
+        return cached_decoder(SingleCycleData._make_decoder, self, handle_error)
 
     def decode_many(self, frames: Words) -> Table[_SingleCycleDataColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
@@ -469,8 +471,8 @@ class Rs485Encoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames, or a required answer is missing.
         """
-
-        return self._decoder(reported)(frame, eeprom_address)
+        decode_frame = self._get_decoder(raise_frame_error)
+        return decode_frame(frame, eeprom_address)
 
     def try_decode(self, frame: Data, *, eeprom_address: EepromAddress | None = None) -> Reply | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -488,11 +490,12 @@ class Rs485Encoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames, or a required answer is missing.
         """
-        return self._decoder(returned)(frame, eeprom_address)
+        decode_frame = self._get_decoder(return_frame_error)
+        return decode_frame(frame, eeprom_address)
 
-    def _decoder(self, failed: Failed) -> Callable[..., Reply]:
-        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
-        return decoder(_decode_replyr, self, failed)
+    def _get_decoder(self, handle_error: ErrorHandler) -> Callable[..., Reply]:
+        """Return the function that decodes frames of this encoder. ``handle_error`` raises or returns an error."""
+        return cached_decoder(_make_reply_decoder, self, handle_error)
 
     def decode_many(
         self,
@@ -513,7 +516,7 @@ class Rs485Encoder(Variant):
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         check_kind(kind, Reply)
-        return decode_many(frames, kind, self, *needed_by(kind, self, eeprom_address=eeprom_address))
+        return decode_many(frames, kind, self, *decoding_arguments(kind, self, eeprom_address=eeprom_address))
 
     def encode_many(
         self,
@@ -538,7 +541,7 @@ class Rs485Encoder(Variant):
             TypeError: A column is missing or unknown.
         """
         check_kind(kind, Reply)
-        return encode_many(columns, kind, *needed_by(kind, self, eeprom_address=eeprom_address))
+        return encode_many(columns, kind, *decoding_arguments(kind, self, eeprom_address=eeprom_address))
 
 
 @overload
@@ -575,7 +578,7 @@ def lookup(label: str) -> Variant:
             order codes.
         TypeError: ``label`` is not a string.
     """
-    return looked_up(label, VARIANTS, __name__)
+    return look_up(label, VARIANTS, __name__)
 
 
 # CRCs
@@ -772,7 +775,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
         if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder(variant, Variant, _SSI)
+            raise wrong_encoder_error(variant, Variant, _SSI)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         return multiturn << variant.singleturn_bits | singleturn
@@ -803,24 +806,30 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder(variant, Variant, _SSI)
-        return decoder(cls._decoder, variant, raised)(word, bits)
+            raise wrong_encoder_error(variant, Variant, _SSI)
+        decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
+        return decode_frame(word, bits)
 
     @classmethod
-    def _decoder(cls, variant: SsiEncoder, failed: Failed) -> Callable[..., SsiWord]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
-        size_0 = variant.singleturn_bits + variant.multiturn_bits
-        size_1 = variant.singleturn_bits
-        ones_2 = (1 << variant.singleturn_bits) - 1
+    def _make_decoder(cls, variant: SsiEncoder, handle_error: ErrorHandler) -> Callable[..., SsiWord]:
+        """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
+        frame_bits = variant.singleturn_bits + variant.multiturn_bits
+        multiturn_low = variant.singleturn_bits
+        singleturn_mask = (1 << variant.singleturn_bits) - 1
 
         def decode(frame: Any, bits: int | None = None) -> SsiWord:
             try:
-                word = frame if type(frame) is int and bits is None else as_word(frame, size_0, bits)
-                if word >> size_0:
-                    raise too_long(word, size_0)
-                return made(cls, (variant, word >> size_1, word & ones_2))
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
+                if word >> frame_bits:
+                    raise too_long_error(word, frame_bits)
+                values = (
+                    variant,
+                    word >> multiturn_low,  # multiturn
+                    word & singleturn_mask,  # singleturn
+                )
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -891,11 +900,14 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # error: error active in the system.
+        # warning: warning active in the system.
         if (
             self.error
             or (self.warning and self.variant.multiturn_bits and not self.variant.low_battery_only)
         ):
             return Verdict.NOT_USABLE
+        # warning: warning active in the system.
         if (
             (self.warning and self.variant.multiturn_bits and self.variant.low_battery_only)
             or (self.warning and not self.variant.multiturn_bits)
@@ -916,7 +928,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, Variant, _BISS)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         return multiturn << variant.singleturn_bits | singleturn
@@ -956,29 +968,40 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        return decoder(cls._decoder, variant, raised)(word, bits)
+            raise wrong_encoder_error(variant, Variant, _BISS)
+        decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
+        return decode_frame(word, bits)
 
     @classmethod
-    def _decoder(cls, variant: BissEncoder, failed: Failed) -> Callable[..., SingleCycleData]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
-        size_0 = variant.singleturn_bits + variant.multiturn_bits + 8
-        size_1 = variant.singleturn_bits + 8
-        ones_2 = (1 << variant.singleturn_bits) - 1
-        table_0, table_1, table_2 = crc_tables(crc_biss_6, 41, 6, 3)
+    def _make_decoder(cls, variant: BissEncoder, handle_error: ErrorHandler) -> Callable[..., SingleCycleData]:
+        """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
+        frame_bits = variant.singleturn_bits + variant.multiturn_bits + 8  # 8 = error (1) + warning (1) + crc (6)
+        multiturn_low = variant.singleturn_bits + 8  # 8 = error (1) + warning (1) + crc (6)
+        singleturn_mask = (1 << variant.singleturn_bits) - 1
+        # A table for each 16 bits of the frame. The XOR of their entries is 0 if the CRC is correct.
+        table_0, table_1, table_2 = crc_tables(crc_biss_6, covered=41, width=6, count=3)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
             try:
-                word = frame if type(frame) is int and bits is None else as_word(frame, size_0, bits)
-                if word >> size_0:
-                    raise too_long(word, size_0)
+                word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
+                if word >> frame_bits:
+                    raise too_long_error(word, frame_bits)
                 low = word & 0xFFFF
                 high = word >> 16
-                if wrong := table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]:
-                    raise CrcError(word & 0x3F, word & 0x3F ^ wrong)
-                return made(cls, (variant, word >> size_1, word >> 8 & ones_2, not low & 0x80, not low & 0x40))
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
+                if difference:
+                    received_crc = word & 0x3F
+                    raise CrcError(received_crc, received_crc ^ difference)
+                values = (
+                    variant,
+                    word >> multiturn_low,  # multiturn
+                    word >> 8 & singleturn_mask,  # singleturn
+                    not low & 0x80,  # error
+                    not low & 0x40,  # warning
+                )
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -1024,26 +1047,34 @@ class DataRequest(FixedBytes, _DataRequest):
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
         """
-        return decoder(cls._decoder, None, raised)(data)
+        decode_frame = cached_decoder(cls._make_decoder, None, raise_error)
+        return decode_frame(data)
 
     @classmethod
-    def _decoder(cls, variant: object, failed: Failed) -> Callable[..., DataRequest]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+    def _make_decoder(cls, variant: object, handle_error: ErrorHandler) -> Callable[..., DataRequest]:
+        """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
         def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> DataRequest:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 1:
                     raise LengthError(1, len(data))
-                if (data[0] & 0x7) != 0x2:
-                    raise ConstantError("sync", data[0] & 0x7, 0x2)
-                if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
-                    raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-                if (of_data_id := data[0] >> 3 & 0xF) not in (0, 1, 2, 3, 7, 8, 0xC):
-                    raise RangeError("data_id", of_data_id, "one of 0h, 1h, 2h, 3h, 7h, 8h, Ch")
-                return made(cls, (DataId(of_data_id),))
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                sync = data[0] & 0x7
+                if sync != 0x2:
+                    raise ConstantError("sync", sync, 0x2)
+                data_id = data[0] >> 3 & 0xF
+                parity = data[0] >> 7
+                expected = data_id.bit_count() & 1
+                if parity != expected:
+                    raise ConstantError("parity", parity, expected)
+                if data_id not in (0, 1, 2, 3, 7, 8, 0xC):
+                    raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 7h, 8h, Ch")
+                values = (
+                    DataId(data_id),  # data_id
+                )
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -1103,38 +1134,44 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
         """
-        return decoder(cls._decoder, None, raised)(data, eeprom_address=eeprom_address)
+        decode_frame = cached_decoder(cls._make_decoder, None, raise_error)
+        return decode_frame(data, eeprom_address=eeprom_address)
 
     @classmethod
-    def _decoder(cls, variant: object, failed: Failed) -> Callable[..., EepromWriteRequest]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+    def _make_decoder(cls, variant: object, handle_error: ErrorHandler) -> Callable[..., EepromWriteRequest]:
+        """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
         def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> EepromWriteRequest:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 4:
                     raise LengthError(4, len(data))
-                computed = data[0] ^ data[1] ^ data[2]
-                if computed != data[3]:
-                    raise CrcError(data[3], computed)
-                eeprom_address = decided(EepromAddress, eeprom_address)
+                computed_crc = data[0] ^ data[1] ^ data[2]
+                if computed_crc != data[3]:
+                    raise CrcError(data[3], computed_crc)
+                eeprom_address = require_answer(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
-                if (number & 0x7) != 0x2:
-                    raise ConstantError("sync", number & 0x7, 0x2)
-                if (number >> 7 & 0x1) != ((number >> 3 & 0xF).bit_count() & 1):
-                    raise ConstantError("parity", number >> 7 & 0x1, (number >> 3 & 0xF).bit_count() & 1)
-                if number >> (eeprom_address.mem_busy_bit + 8) & 0x1:
-                    raise ConstantError("mem_busy", number >> (eeprom_address.mem_busy_bit + 8) & 0x1, 0)
-                if (number >> 3 & 0xF) != 6:
-                    raise RangeError("data_id", number >> 3 & 0xF, "6h")
+                sync = number & 0x7
+                if sync != 0x2:
+                    raise ConstantError("sync", sync, 0x2)
+                data_id = number >> 3 & 0xF
+                parity = number >> 7 & 0x1
+                expected = data_id.bit_count() & 1
+                if parity != expected:
+                    raise ConstantError("parity", parity, expected)
+                mem_busy = number >> (eeprom_address.mem_busy_bit + 8) & 0x1
+                if mem_busy:
+                    raise ConstantError("mem_busy", mem_busy, 0)
+                if data_id != 6:
+                    raise RangeError("data_id", data_id, "6h")
                 values = (
                     eeprom_address,
-                    number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,
-                    number >> 16 & 0xFF,
+                    number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,  # address
+                    number >> 16 & 0xFF,  # data_
                 )
-                return made(cls, values)
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -1227,33 +1264,43 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
         """
-        return decoder(cls._decoder, None, raised)(data, eeprom_address=eeprom_address)
+        decode_frame = cached_decoder(cls._make_decoder, None, raise_error)
+        return decode_frame(data, eeprom_address=eeprom_address)
 
     @classmethod
-    def _decoder(cls, variant: object, failed: Failed) -> Callable[..., EepromReadRequest]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+    def _make_decoder(cls, variant: object, handle_error: ErrorHandler) -> Callable[..., EepromReadRequest]:
+        """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
         def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> EepromReadRequest:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 3:
                     raise LengthError(3, len(data))
-                computed = data[0] ^ data[1]
-                if computed != data[2]:
-                    raise CrcError(data[2], computed)
-                eeprom_address = decided(EepromAddress, eeprom_address)
+                computed_crc = data[0] ^ data[1]
+                if computed_crc != data[2]:
+                    raise CrcError(data[2], computed_crc)
+                eeprom_address = require_answer(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
-                if (number & 0x7) != 0x2:
-                    raise ConstantError("sync", number & 0x7, 0x2)
-                if (number >> 7 & 0x1) != ((number >> 3 & 0xF).bit_count() & 1):
-                    raise ConstantError("parity", number >> 7 & 0x1, (number >> 3 & 0xF).bit_count() & 1)
-                if number >> (eeprom_address.mem_busy_bit + 8) & 0x1:
-                    raise ConstantError("mem_busy", number >> (eeprom_address.mem_busy_bit + 8) & 0x1, 0)
-                if (number >> 3 & 0xF) != 0xD:
-                    raise RangeError("data_id", number >> 3 & 0xF, "Dh")
-                return made(cls, (eeprom_address, number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F))
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                sync = number & 0x7
+                if sync != 0x2:
+                    raise ConstantError("sync", sync, 0x2)
+                data_id = number >> 3 & 0xF
+                parity = number >> 7 & 0x1
+                expected = data_id.bit_count() & 1
+                if parity != expected:
+                    raise ConstantError("parity", parity, expected)
+                mem_busy = number >> (eeprom_address.mem_busy_bit + 8) & 0x1
+                if mem_busy:
+                    raise ConstantError("mem_busy", mem_busy, 0)
+                if data_id != 0xD:
+                    raise RangeError("data_id", data_id, "Dh")
+                values = (
+                    eeprom_address,
+                    number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,  # address
+                )
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -1361,8 +1408,12 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # status_st_error: ST error.
+        # status_other_error: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
+        # are 0.
         if self.status_st_error or self.status_other_error:
             return Verdict.NOT_USABLE
+        # unused: bits that the manual leaves unused differ from it.
         if self.unused:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
@@ -1384,14 +1435,16 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        return decoder(cls._decoder, variant, raised)(data)
+            raise wrong_encoder_error(variant, Variant, _RS485)
+        decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
+        return decode_frame(data)
 
     @classmethod
-    def _decoder(cls, variant: Rs485Encoder, failed: Failed) -> Callable[..., SingleturnReply]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
-        size_0 = variant.singleturn_bits
-        heads = {
+    def _make_decoder(cls, variant: Rs485Encoder, handle_error: ErrorHandler) -> Callable[..., SingleturnReply]:
+        """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
+        singleturn_bits = variant.singleturn_bits
+        # Valid first bytes of the frame, each with its data_id.
+        valid_first_bytes = {
             0x02: DataId.SINGLETURN,
             0x62: DataId.RESET_MULTITURN_AND_ERRORS,
             0xBA: DataId.RESET_ERRORS,
@@ -1404,21 +1457,36 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
                 if len(data) != 6:
                     raise LengthError(6, len(data))
                 b0, b1, b2, b3, b4, b5 = data
-                computed = b0 ^ b1 ^ b2 ^ b3 ^ b4
-                if computed != b5:
-                    raise CrcError(b5, computed)
-                if (of_singleturn := b2 | b3 << 8 | b4 << 16) >> size_0 or b0 not in heads:
-                    if (b0 & 0x7) != 0x2:
-                        raise ConstantError("sync", b0 & 0x7, 0x2)
-                    if (b0 >> 7) != ((b0 >> 3 & 0xF).bit_count() & 1):
-                        raise ConstantError("parity", b0 >> 7, (b0 >> 3 & 0xF).bit_count() & 1)
-                    if (of_singleturn := b2 | b3 << 8 | b4 << 16) >> size_0:
-                        raise ConstantError("singleturn_padding", of_singleturn >> size_0, 0)
-                    if (of_data_id := b0 >> 3 & 0xF) not in (0, 7, 8, 0xC):
-                        raise RangeError("data_id", of_data_id, "one of 0h, 7h, 8h, Ch")
-                return made(cls, (variant, heads[b0], (b1 & 0x10) != 0, (b1 & 0x20) != 0, of_singleturn, b1 & 0xCF))
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4
+                if computed_crc != b5:
+                    raise CrcError(b5, computed_crc)
+                singleturn = b2 | b3 << 8 | b4 << 16
+                if singleturn >> singleturn_bits or b0 not in valid_first_bytes:
+                    # The first wrong field is reported.
+                    sync = b0 & 0x7
+                    if sync != 0x2:
+                        raise ConstantError("sync", sync, 0x2)
+                    data_id = b0 >> 3 & 0xF
+                    parity = b0 >> 7
+                    expected = data_id.bit_count() & 1
+                    if parity != expected:
+                        raise ConstantError("parity", parity, expected)
+                    padding = singleturn >> singleturn_bits
+                    if padding:
+                        raise ConstantError("singleturn_padding", padding, 0)
+                    if data_id not in (0, 7, 8, 0xC):
+                        raise RangeError("data_id", data_id, "one of 0h, 7h, 8h, Ch")
+                values = (
+                    variant,
+                    valid_first_bytes[b0],  # data_id
+                    (b1 & 0x10) != 0,  # status_st_error
+                    (b1 & 0x20) != 0,  # status_other_error
+                    singleturn,
+                    b1 & 0xCF,  # unused
+                )
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -1491,8 +1559,12 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # status_st_error: ST error.
+        # status_other_error: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
+        # are 0.
         if self.status_st_error or self.status_other_error:
             return Verdict.NOT_USABLE
+        # unused: bits that the manual leaves unused differ from it.
         if self.unused:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
@@ -1514,13 +1586,14 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        return decoder(cls._decoder, variant, raised)(data)
+            raise wrong_encoder_error(variant, Variant, _RS485)
+        decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
+        return decode_frame(data)
 
     @classmethod
-    def _decoder(cls, variant: Rs485Encoder, failed: Failed) -> Callable[..., MultiturnReply]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
-        size_0 = variant.multiturn_bits
+    def _make_decoder(cls, variant: Rs485Encoder, handle_error: ErrorHandler) -> Callable[..., MultiturnReply]:
+        """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
+        multiturn_bits = variant.multiturn_bits
 
         def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> MultiturnReply:
             try:
@@ -1528,21 +1601,35 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
                 if len(data) != 6:
                     raise LengthError(6, len(data))
                 b0, b1, b2, b3, b4, b5 = data
-                computed = b0 ^ b1 ^ b2 ^ b3 ^ b4
-                if computed != b5:
-                    raise CrcError(b5, computed)
-                if (of_multiturn := b2 | b3 << 8 | b4 << 16) >> size_0 or b0 != 0x8A:
-                    if (b0 & 0x7) != 0x2:
-                        raise ConstantError("sync", b0 & 0x7, 0x2)
-                    if (b0 >> 7) != ((b0 >> 3 & 0xF).bit_count() & 1):
-                        raise ConstantError("parity", b0 >> 7, (b0 >> 3 & 0xF).bit_count() & 1)
-                    if (of_multiturn := b2 | b3 << 8 | b4 << 16) >> size_0:
-                        raise ConstantError("multiturn_padding", of_multiturn >> size_0, 0)
-                    if (b0 >> 3 & 0xF) != 1:
-                        raise RangeError("data_id", b0 >> 3 & 0xF, "1h")
-                return made(cls, (variant, (b1 & 0x10) != 0, (b1 & 0x20) != 0, of_multiturn, b1 & 0xCF))
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4
+                if computed_crc != b5:
+                    raise CrcError(b5, computed_crc)
+                multiturn = b2 | b3 << 8 | b4 << 16
+                if multiturn >> multiturn_bits or b0 != 0x8A:
+                    # The first wrong field is reported.
+                    sync = b0 & 0x7
+                    if sync != 0x2:
+                        raise ConstantError("sync", sync, 0x2)
+                    data_id = b0 >> 3 & 0xF
+                    parity = b0 >> 7
+                    expected = data_id.bit_count() & 1
+                    if parity != expected:
+                        raise ConstantError("parity", parity, expected)
+                    padding = multiturn >> multiturn_bits
+                    if padding:
+                        raise ConstantError("multiturn_padding", padding, 0)
+                    if data_id != 1:
+                        raise RangeError("data_id", data_id, "1h")
+                values = (
+                    variant,
+                    (b1 & 0x10) != 0,  # status_st_error
+                    (b1 & 0x20) != 0,  # status_other_error
+                    multiturn,
+                    b1 & 0xCF,  # unused
+                )
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -1621,11 +1708,12 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
         """
-        return decoder(cls._decoder, None, raised)(data)
+        decode_frame = cached_decoder(cls._make_decoder, None, raise_error)
+        return decode_frame(data)
 
     @classmethod
-    def _decoder(cls, variant: object, failed: Failed) -> Callable[..., EncoderIdReply]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+    def _make_decoder(cls, variant: object, handle_error: ErrorHandler) -> Callable[..., EncoderIdReply]:
+        """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
         def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> EncoderIdReply:
             try:
@@ -1633,19 +1721,30 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
                 if len(data) != 4:
                     raise LengthError(4, len(data))
                 b0, b1, b2, b3 = data
-                computed = b0 ^ b1 ^ b2
-                if computed != b3:
-                    raise CrcError(b3, computed)
+                computed_crc = b0 ^ b1 ^ b2
+                if computed_crc != b3:
+                    raise CrcError(b3, computed_crc)
                 if b0 != 0x92:
-                    if (b0 & 0x7) != 0x2:
-                        raise ConstantError("sync", b0 & 0x7, 0x2)
-                    if (b0 >> 7) != ((b0 >> 3 & 0xF).bit_count() & 1):
-                        raise ConstantError("parity", b0 >> 7, (b0 >> 3 & 0xF).bit_count() & 1)
-                    if (b0 >> 3 & 0xF) != 2:
-                        raise RangeError("data_id", b0 >> 3 & 0xF, "2h")
-                return made(cls, ((b1 & 0x10) != 0, (b1 & 0x20) != 0, b2, b1 & 0xCF))
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                    # The first wrong field is reported.
+                    sync = b0 & 0x7
+                    if sync != 0x2:
+                        raise ConstantError("sync", sync, 0x2)
+                    data_id = b0 >> 3 & 0xF
+                    parity = b0 >> 7
+                    expected = data_id.bit_count() & 1
+                    if parity != expected:
+                        raise ConstantError("parity", parity, expected)
+                    if data_id != 2:
+                        raise RangeError("data_id", data_id, "2h")
+                values = (
+                    (b1 & 0x10) != 0,  # status_st_error
+                    (b1 & 0x20) != 0,  # status_other_error
+                    b2,  # encoder_id
+                    b1 & 0xCF,  # unused
+                )
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -1746,6 +1845,13 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # status_st_error: ST error.
+        # status_other_error: BUSY flag, PS error, battery alarm or MT error. While BUSY is active, all position data
+        # are 0.
+        # busy: not ready after power-on or during a reset. All position data are 0.
+        # st_error: counted and calculated data disagree.
+        # ps_error: singleturn and multiturn count inconsistent, or a counting error.
+        # mt_error: external battery below 3.05 V.
         if (
             self.status_st_error
             or (self.status_other_error and not (self.battery_alarm or self.mt_error))
@@ -1755,6 +1861,9 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             or (self.mt_error and self.variant.multiturn_bits)
         ):
             return Verdict.NOT_USABLE
+        # mt_error: external battery below 3.05 V.
+        # battery_alarm: external battery below 3.15 V.
+        # unused: bits that the manual leaves unused differ from it.
         if (self.mt_error and not self.variant.multiturn_bits) or self.battery_alarm or self.unused:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
@@ -1779,7 +1888,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
         if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
+            raise wrong_encoder_error(variant, Variant, _RS485)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         return multiturn << variant.singleturn_bits | singleturn
@@ -1834,14 +1943,15 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        return decoder(cls._decoder, variant, raised)(data)
+            raise wrong_encoder_error(variant, Variant, _RS485)
+        decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
+        return decode_frame(data)
 
     @classmethod
-    def _decoder(cls, variant: Rs485Encoder, failed: Failed) -> Callable[..., CompleteReply]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
-        size_0 = variant.singleturn_bits
-        size_1 = variant.multiturn_bits
+    def _make_decoder(cls, variant: Rs485Encoder, handle_error: ErrorHandler) -> Callable[..., CompleteReply]:
+        """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
+        singleturn_bits = variant.singleturn_bits
+        multiturn_bits = variant.multiturn_bits
 
         def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> CompleteReply:
             try:
@@ -1849,41 +1959,46 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
                 if len(data) != 11:
                     raise LengthError(11, len(data))
                 b0, b1, b2, b3, b4, b5, b6, b7, b8, b9, b10 = data
-                computed = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7 ^ b8 ^ b9
-                if computed != b10:
-                    raise CrcError(b10, computed)
-                if (
-                    (of_singleturn := b2 | b3 << 8 | b4 << 16) >> size_0
-                    or (of_multiturn := b6 | b7 << 8 | b8 << 16) >> size_1
-                    or b0 != 0x1A
-                ):
-                    if (b0 & 0x7) != 0x2:
-                        raise ConstantError("sync", b0 & 0x7, 0x2)
-                    if (b0 >> 7) != ((b0 >> 3 & 0xF).bit_count() & 1):
-                        raise ConstantError("parity", b0 >> 7, (b0 >> 3 & 0xF).bit_count() & 1)
-                    if (of_singleturn := b2 | b3 << 8 | b4 << 16) >> size_0:
-                        raise ConstantError("singleturn_padding", of_singleturn >> size_0, 0)
-                    if (of_multiturn := b6 | b7 << 8 | b8 << 16) >> size_1:
-                        raise ConstantError("multiturn_padding", of_multiturn >> size_1, 0)
-                    if (b0 >> 3 & 0xF) != 3:
-                        raise RangeError("data_id", b0 >> 3 & 0xF, "3h")
+                computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7 ^ b8 ^ b9
+                if computed_crc != b10:
+                    raise CrcError(b10, computed_crc)
+                singleturn = b2 | b3 << 8 | b4 << 16
+                multiturn = b6 | b7 << 8 | b8 << 16
+                if singleturn >> singleturn_bits or multiturn >> multiturn_bits or b0 != 0x1A:
+                    # The first wrong field is reported.
+                    sync = b0 & 0x7
+                    if sync != 0x2:
+                        raise ConstantError("sync", sync, 0x2)
+                    data_id = b0 >> 3 & 0xF
+                    parity = b0 >> 7
+                    expected = data_id.bit_count() & 1
+                    if parity != expected:
+                        raise ConstantError("parity", parity, expected)
+                    padding = singleturn >> singleturn_bits
+                    if padding:
+                        raise ConstantError("singleturn_padding", padding, 0)
+                    padding = multiturn >> multiturn_bits
+                    if padding:
+                        raise ConstantError("multiturn_padding", padding, 0)
+                    if data_id != 3:
+                        raise RangeError("data_id", data_id, "3h")
                 values = (
                     variant,
-                    (b1 & 0x10) != 0,
-                    (b1 & 0x20) != 0,
-                    of_singleturn,
-                    b5,
-                    of_multiturn,
-                    (b9 & 0x02) != 0,
-                    (b9 & 0x04) != 0,
-                    (b9 & 0x20) != 0,
-                    (b9 & 0x40) != 0,
-                    (b9 & 0x80) != 0,
-                    b1 & 0xCF | (b9 & 0x19) << 8,
+                    (b1 & 0x10) != 0,  # status_st_error
+                    (b1 & 0x20) != 0,  # status_other_error
+                    singleturn,
+                    b5,  # encoder_id
+                    multiturn,
+                    (b9 & 0x02) != 0,  # busy
+                    (b9 & 0x04) != 0,  # st_error
+                    (b9 & 0x20) != 0,  # ps_error
+                    (b9 & 0x40) != 0,  # mt_error
+                    (b9 & 0x80) != 0,  # battery_alarm
+                    b1 & 0xCF | (b9 & 0x19) << 8,  # unused
                 )
-                return made(cls, values)
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -1945,37 +2060,42 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
         """
-        return decoder(cls._decoder, None, raised)(data, eeprom_address=eeprom_address)
+        decode_frame = cached_decoder(cls._make_decoder, None, raise_error)
+        return decode_frame(data, eeprom_address=eeprom_address)
 
     @classmethod
-    def _decoder(cls, variant: object, failed: Failed) -> Callable[..., EepromWriteReply]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+    def _make_decoder(cls, variant: object, handle_error: ErrorHandler) -> Callable[..., EepromWriteReply]:
+        """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
         def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> EepromWriteReply:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 4:
                     raise LengthError(4, len(data))
-                computed = data[0] ^ data[1] ^ data[2]
-                if computed != data[3]:
-                    raise CrcError(data[3], computed)
-                eeprom_address = decided(EepromAddress, eeprom_address)
+                computed_crc = data[0] ^ data[1] ^ data[2]
+                if computed_crc != data[3]:
+                    raise CrcError(data[3], computed_crc)
+                eeprom_address = require_answer(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
-                if (number & 0x7) != 0x2:
-                    raise ConstantError("sync", number & 0x7, 0x2)
-                if (number >> 7 & 0x1) != ((number >> 3 & 0xF).bit_count() & 1):
-                    raise ConstantError("parity", number >> 7 & 0x1, (number >> 3 & 0xF).bit_count() & 1)
-                if (number >> 3 & 0xF) != 6:
-                    raise RangeError("data_id", number >> 3 & 0xF, "6h")
+                sync = number & 0x7
+                if sync != 0x2:
+                    raise ConstantError("sync", sync, 0x2)
+                data_id = number >> 3 & 0xF
+                parity = number >> 7 & 0x1
+                expected = data_id.bit_count() & 1
+                if parity != expected:
+                    raise ConstantError("parity", parity, expected)
+                if data_id != 6:
+                    raise RangeError("data_id", data_id, "6h")
                 values = (
                     eeprom_address,
-                    number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,
-                    (number >> (eeprom_address.mem_busy_bit + 8) & 1) != 0,
-                    number >> 16 & 0xFF,
+                    number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,  # address
+                    (number >> (eeprom_address.mem_busy_bit + 8) & 1) != 0,  # mem_busy
+                    number >> 16 & 0xFF,  # data_
                 )
-                return made(cls, values)
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -2072,37 +2192,42 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
         """
-        return decoder(cls._decoder, None, raised)(data, eeprom_address=eeprom_address)
+        decode_frame = cached_decoder(cls._make_decoder, None, raise_error)
+        return decode_frame(data, eeprom_address=eeprom_address)
 
     @classmethod
-    def _decoder(cls, variant: object, failed: Failed) -> Callable[..., EepromReadReply]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+    def _make_decoder(cls, variant: object, handle_error: ErrorHandler) -> Callable[..., EepromReadReply]:
+        """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
         def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> EepromReadReply:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 4:
                     raise LengthError(4, len(data))
-                computed = data[0] ^ data[1] ^ data[2]
-                if computed != data[3]:
-                    raise CrcError(data[3], computed)
-                eeprom_address = decided(EepromAddress, eeprom_address)
+                computed_crc = data[0] ^ data[1] ^ data[2]
+                if computed_crc != data[3]:
+                    raise CrcError(data[3], computed_crc)
+                eeprom_address = require_answer(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
-                if (number & 0x7) != 0x2:
-                    raise ConstantError("sync", number & 0x7, 0x2)
-                if (number >> 7 & 0x1) != ((number >> 3 & 0xF).bit_count() & 1):
-                    raise ConstantError("parity", number >> 7 & 0x1, (number >> 3 & 0xF).bit_count() & 1)
-                if (number >> 3 & 0xF) != 0xD:
-                    raise RangeError("data_id", number >> 3 & 0xF, "Dh")
+                sync = number & 0x7
+                if sync != 0x2:
+                    raise ConstantError("sync", sync, 0x2)
+                data_id = number >> 3 & 0xF
+                parity = number >> 7 & 0x1
+                expected = data_id.bit_count() & 1
+                if parity != expected:
+                    raise ConstantError("parity", parity, expected)
+                if data_id != 0xD:
+                    raise RangeError("data_id", data_id, "Dh")
                 values = (
                     eeprom_address,
-                    number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,
-                    (number >> (eeprom_address.mem_busy_bit + 8) & 1) != 0,
-                    number >> 16 & 0xFF,
+                    number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,  # address
+                    (number >> (eeprom_address.mem_busy_bit + 8) & 1) != 0,  # mem_busy
+                    number >> 16 & 0xFF,  # data_
                 )
-                return made(cls, values)
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -2171,16 +2296,18 @@ def decode_request(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromA
         TypeError: An answer that the request depends on is missing.
     """
     if not isinstance(variant, Rs485Encoder):
-        raise wrong_encoder(variant, Variant, _RS485)
-    return decoder(_decode_requestr, variant, raised)(data, eeprom_address)
+        raise wrong_encoder_error(variant, Variant, _RS485)
+    decode_frame = cached_decoder(_make_request_decoder, variant, raise_error)
+    return decode_frame(data, eeprom_address)
 
 
-def _decode_requestr(variant: Rs485Encoder, failed: Failed) -> Callable[..., Request]:
-    """Return the decoder for an encoder. It determines the class of a frame."""
-    kinds: dict[int, Callable[..., Request]] = {
-        **dict.fromkeys((0, 1, 2, 3, 7, 8, 0xC), DataRequest._decoder(variant, failed)),
-        6: EepromWriteRequest._decoder(variant, failed),
-        0xD: EepromReadRequest._decoder(variant, failed),
+def _make_request_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> Callable[..., Request]:
+    """Create the function that decodes any request of one encoder. ``handle_error`` raises or returns an error."""
+    # The decoder of each class, by the value of data_id.
+    decoders: dict[int, Callable[..., Request]] = {
+        **dict.fromkeys((0, 1, 2, 3, 7, 8, 0xC), DataRequest._make_decoder(variant, handle_error)),
+        6: EepromWriteRequest._make_decoder(variant, handle_error),
+        0xD: EepromReadRequest._make_decoder(variant, handle_error),
     }
 
     def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> Request:
@@ -2188,12 +2315,13 @@ def _decode_requestr(variant: Rs485Encoder, failed: Failed) -> Callable[..., Req
             data = frame if type(frame) is bytes else as_bytes(frame)
             if len(data) < 1:
                 raise LengthError(1, len(data))
-            found = kinds.get(data[0] >> 3 & 0xF)
-            if found is None:
-                raise RangeError("data_id", data[0] >> 3 & 0xF, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
-        except (FrameError, TypeError) as error:
-            return failed(error, frame, variant)
-        return found(frame, eeprom_address)
+            data_id = data[0] >> 3 & 0xF
+            decode_kind = decoders.get(data_id)
+            if decode_kind is None:
+                raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
+        except (FrameError, TypeError) as exception:
+            return handle_error(exception, frame, variant)
+        return decode_kind(frame, eeprom_address)
 
     return decode
 
@@ -2230,19 +2358,21 @@ def decode_reply(data: Data, variant: Rs485Encoder, *, eeprom_address: EepromAdd
         TypeError: An answer that the reply depends on is missing.
     """
     if not isinstance(variant, Rs485Encoder):
-        raise wrong_encoder(variant, Variant, _RS485)
-    return decoder(_decode_replyr, variant, raised)(data, eeprom_address)
+        raise wrong_encoder_error(variant, Variant, _RS485)
+    decode_frame = cached_decoder(_make_reply_decoder, variant, raise_error)
+    return decode_frame(data, eeprom_address)
 
 
-def _decode_replyr(variant: Rs485Encoder, failed: Failed) -> Callable[..., Reply]:
-    """Return the decoder for an encoder. It determines the class of a frame."""
-    kinds: dict[int, Callable[..., Reply]] = {
-        **dict.fromkeys((0, 7, 8, 0xC), SingleturnReply._decoder(variant, failed)),
-        1: MultiturnReply._decoder(variant, failed),
-        2: EncoderIdReply._decoder(variant, failed),
-        3: CompleteReply._decoder(variant, failed),
-        6: EepromWriteReply._decoder(variant, failed),
-        0xD: EepromReadReply._decoder(variant, failed),
+def _make_reply_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> Callable[..., Reply]:
+    """Create the function that decodes any reply of one encoder. ``handle_error`` raises or returns an error."""
+    # The decoder of each class, by the value of data_id.
+    decoders: dict[int, Callable[..., Reply]] = {
+        **dict.fromkeys((0, 7, 8, 0xC), SingleturnReply._make_decoder(variant, handle_error)),
+        1: MultiturnReply._make_decoder(variant, handle_error),
+        2: EncoderIdReply._make_decoder(variant, handle_error),
+        3: CompleteReply._make_decoder(variant, handle_error),
+        6: EepromWriteReply._make_decoder(variant, handle_error),
+        0xD: EepromReadReply._make_decoder(variant, handle_error),
     }
 
     def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> Reply:
@@ -2250,12 +2380,13 @@ def _decode_replyr(variant: Rs485Encoder, failed: Failed) -> Callable[..., Reply
             data = frame if type(frame) is bytes else as_bytes(frame)
             if len(data) < 1:
                 raise LengthError(1, len(data))
-            found = kinds.get(data[0] >> 3 & 0xF)
-            if found is None:
-                raise RangeError("data_id", data[0] >> 3 & 0xF, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
-        except (FrameError, TypeError) as error:
-            return failed(error, frame, variant)
-        return found(frame, eeprom_address)
+            data_id = data[0] >> 3 & 0xF
+            decode_kind = decoders.get(data_id)
+            if decode_kind is None:
+                raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
+        except (FrameError, TypeError) as exception:
+            return handle_error(exception, frame, variant)
+        return decode_kind(frame, eeprom_address)
 
     return decode
 
@@ -2334,7 +2465,7 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
         """``multiturn`` and ``singleturn`` as one number, ``multiturn`` most significant."""
         variant = self.variant
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, Variant, _BISS)
         multiturn = check_width("multiturn", self.multiturn, variant.multiturn_bits)
         singleturn = check_width("singleturn", self.singleturn, variant.singleturn_bits)
         return multiturn << variant.singleturn_bits | singleturn
@@ -2365,24 +2496,24 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, Variant, _BISS)
         if type(data) is not bytes:
             data = as_bytes(data)
         if len(data) != 7:
             raise LengthError(7, len(data))
         number = int.from_bytes(data, "little")
-        if number >> 49:
-            raise ConstantError("zero_above_multiturn", number >> 49, 0)
-        if number >> 33 & ((1 << (16 - variant.multiturn_bits)) - 1):
-            raise ConstantError("zero_below_multiturn", number >> 33 & ((1 << (16 - variant.multiturn_bits)) - 1), 0)
-        if number & ((1 << (33 - variant.singleturn_bits)) - 1):
-            raise ConstantError("zero_below_singleturn", number & ((1 << (33 - variant.singleturn_bits)) - 1), 0)
-        values = (
-            variant,
-            number >> (49 - variant.multiturn_bits) & ((1 << variant.multiturn_bits) - 1),
-            number >> (33 - variant.singleturn_bits) & ((1 << variant.singleturn_bits) - 1),
-        )
-        return with_bytes(made(cls, values), data)
+        zero_above_multiturn = number >> 49
+        if zero_above_multiturn:
+            raise ConstantError("zero_above_multiturn", zero_above_multiturn, 0)
+        zero_below_multiturn = number >> 33 & ((1 << (16 - variant.multiturn_bits)) - 1)
+        if zero_below_multiturn:
+            raise ConstantError("zero_below_multiturn", zero_below_multiturn, 0)
+        zero_below_singleturn = number & ((1 << (33 - variant.singleturn_bits)) - 1)
+        if zero_below_singleturn:
+            raise ConstantError("zero_below_singleturn", zero_below_singleturn, 0)
+        multiturn = number >> (49 - variant.multiturn_bits) & ((1 << variant.multiturn_bits) - 1)
+        singleturn = number >> (33 - variant.singleturn_bits) & ((1 << variant.singleturn_bits) - 1)
+        return with_bytes(create(cls, (variant, multiturn, singleturn)), data)
 
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:
@@ -2481,9 +2612,13 @@ class SerialNumber(FixedRegister, _SerialNumber):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        if (serial := int.from_bytes(data, "big")) >= 1_000_000_000:
+        serial = int.from_bytes(data, "big")
+        if serial > 999_999_999:
             raise RangeError("serial", serial, "at most 999999999")
-        return made(cls, (serial // 10_000_000, serial // 100_000 % 100, serial % 100_000))
+        year = serial // 10_000_000
+        week = serial // 100_000 % 100
+        number_ = serial % 100_000
+        return create(cls, (year, week, number_))
 
 
 class Command(IntEnum):
@@ -2570,7 +2705,9 @@ class DeviceId(FixedRegister, _DeviceId):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        return made(cls, (data[0:4].decode("latin-1"), data[4] << 8 | data[5]))
+        name = data[0:4].decode("latin-1")
+        release = data[4] << 8 | data[5]
+        return create(cls, (name, release))
 
 
 class _ManufacturerId(NamedTuple):
@@ -2610,7 +2747,8 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return made(cls, (data[0:2].decode("latin-1"),))
+        name = data[0:2].decode("latin-1")
+        return create(cls, (name,))
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
@@ -2629,18 +2767,24 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
     """
     from .facts.amm5 import REGISTERS
 
-    held = held_bytes(read, REGISTERS)
+    contents = bytes_by_address(read, REGISTERS)
     return tuple(
         variant.code
         for variant in VARIANTS.values()
-        if isinstance(variant, BissEncoder) and _can_hold(variant, held)
+        if isinstance(variant, BissEncoder) and _has_registers(variant, contents)
     )
 
 
-def _can_hold(variant: BissEncoder, held: Mapping[int, int]) -> bool:
+def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
+    """Return whether the registers of an encoder can have these contents, bytes keyed by address."""
     return (
-        agrees(held, Address.DEVICE_ID, 6, lambda data: DeviceId.decode(data).is_as_documented)
-        and agrees(held, Address.MANUFACTURER_ID, 2, lambda data: ManufacturerId.decode(data).is_as_documented)
+        is_consistent(contents, Address.DEVICE_ID, 6, lambda data: DeviceId.decode(data).is_as_documented)
+        and is_consistent(
+            contents,
+            Address.MANUFACTURER_ID,
+            2,
+            lambda data: ManufacturerId.decode(data).is_as_documented,
+        )
     )
 
 
@@ -2677,29 +2821,29 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *writes(
+        *byte_writes(
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
             PresetSettingEnable.ENABLE.encode(),
             "open the Preset registers",
         ),
-        *writes(
+        *byte_writes(
             "preset",
             Address.PRESET,
             Preset.from_position(variant, position).encode(),
             "write the seven Preset registers",
         ),
         Verify(Address.PRESET, 7, "preset", 0xFFFFFFFFFFFFFF, order="little"),
-        *writes(
+        *byte_writes(
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
             PresetSettingEnable.DISABLE.encode(),
             "close the Preset registers before saving",
             closes=True,
         ),
-        *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save the preset"),
+        *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save the preset"),
         Wait(30_000, "EEPROM writing time"),
-        *writes("command", Address.COMMAND, Command.ACTIVATE_PRESET.encode(), "activate the preset"),
+        *byte_writes("command", Address.COMMAND, Command.ACTIVATE_PRESET.encode(), "activate the preset"),
         Wait(30_000, "EEPROM writing time"),
     )
 
@@ -2727,27 +2871,27 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *writes(
+        *byte_writes(
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
             PresetSettingEnable.ENABLE.encode(),
             "open the Preset registers",
         ),
-        *writes(
+        *byte_writes(
             "preset",
             Address.PRESET,
             Preset.from_position(variant, position).encode(),
             "write the seven Preset registers",
         ),
         Verify(Address.PRESET, 7, "preset", 0xFFFFFFFFFFFFFF, order="little"),
-        *writes(
+        *byte_writes(
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
             PresetSettingEnable.DISABLE.encode(),
             "close the Preset registers before saving",
             closes=True,
         ),
-        *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save the preset"),
+        *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save the preset"),
         Wait(30_000, "EEPROM writing time"),
     )
 
@@ -2774,7 +2918,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
+        *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
         Wait(30_000, "EEPROM writing time"),
     )
 
@@ -2803,7 +2947,7 @@ def activate_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *writes("command", Address.COMMAND, Command.ACTIVATE_PRESET.encode()),
+        *byte_writes("command", Address.COMMAND, Command.ACTIVATE_PRESET.encode()),
         Wait(30_000, "EEPROM writing time"),
     )
 

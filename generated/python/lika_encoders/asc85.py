@@ -54,20 +54,20 @@ from codewheel_runtime.codec import (
     choice,
     crc_of_bits,
     crc_tables,
-    decided,
+    create,
     from_gray,
-    made,
-    too_long,
+    require_answer,
+    too_long_error,
 )
 from codewheel_runtime.encoder import (
-    Failed,
+    ErrorHandler,
     Positioned,
     check_encoder,
-    fact,
-    looked_up,
-    reported,
-    returned,
-    wrong_encoder,
+    load_fact,
+    look_up,
+    raise_frame_error,
+    return_frame_error,
+    wrong_encoder_error,
 )
 from codewheel_runtime.measures import Rotary, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
@@ -81,11 +81,11 @@ from codewheel_runtime.frames.base import (
     decode_many,
     encode_many,
 )
-from codewheel_runtime.frames.decoders import decoder, raised
+from codewheel_runtime.frames.decoders import cached_decoder, raise_error
 from codewheel_runtime.frames.descriptions import shape_of
-from codewheel_runtime.registers import agrees, held_bytes
+from codewheel_runtime.registers import bytes_by_address, is_consistent
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
-from codewheel_runtime.steps import Poll, Read, Step, writes
+from codewheel_runtime.steps import Poll, Read, Step, byte_writes
 
 if TYPE_CHECKING:
     from typing import Literal as _Literal
@@ -121,7 +121,7 @@ else:
 
     def __getattr__(name: str) -> object:
         """Return a table of facts. The first access loads all tables."""
-        return fact(__name__, name)
+        return load_fact(__name__, name)
 
 
 __all__ = [
@@ -249,8 +249,8 @@ class SsiEncoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-
-        return self._decoder(reported)(frame, bits)
+        decode_frame = self._get_decoder(raise_frame_error)
+        return decode_frame(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -267,11 +267,12 @@ class SsiEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return self._decoder(returned)(frame, bits)
+        decode_frame = self._get_decoder(return_frame_error)
+        return decode_frame(frame, bits)
 
-    def _decoder(self, failed: Failed) -> Callable[..., SsiWord]:
-        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
-        return decoder(SsiWord._decoder, self, failed)
+    def _get_decoder(self, handle_error: ErrorHandler) -> Callable[..., SsiWord]:
+        """Return the function that decodes frames of this encoder. ``handle_error`` raises or returns an error."""
+        return cached_decoder(SsiWord._make_decoder, self, handle_error)
 
     def decode_many(self, frames: Words) -> Table[_SsiWordColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
@@ -321,8 +322,8 @@ class BissEncoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames, or a required answer is missing.
         """
-
-        return self._decoder(reported)(frame, bits, zero_bit)
+        decode_frame = self._get_decoder(raise_frame_error)
+        return decode_frame(frame, bits, zero_bit)
 
     def try_decode(self, frame: Word, *, bits: int | None = None, zero_bit: ZeroBit) -> SingleCycleData | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -341,11 +342,12 @@ class BissEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames, or a required answer is missing.
         """
-        return self._decoder(returned)(frame, bits, zero_bit)
+        decode_frame = self._get_decoder(return_frame_error)
+        return decode_frame(frame, bits, zero_bit)
 
-    def _decoder(self, failed: Failed) -> Callable[..., SingleCycleData]:
-        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
-        return decoder(SingleCycleData._decoder, self, failed)
+    def _get_decoder(self, handle_error: ErrorHandler) -> Callable[..., SingleCycleData]:
+        """Return the function that decodes frames of this encoder. ``handle_error`` raises or returns an error."""
+        return cached_decoder(SingleCycleData._make_decoder, self, handle_error)
 
     def decode_many(self, frames: Words, *, zero_bit: ZeroBit) -> Table[_SingleCycleDataColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
@@ -408,7 +410,7 @@ def lookup(label: str) -> Variant:
             order codes.
         TypeError: ``label`` is not a string.
     """
-    return looked_up(label, VARIANTS, __name__)
+    return look_up(label, VARIANTS, __name__)
 
 
 # CRCs
@@ -539,24 +541,29 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder(variant, Variant, _SSI)
-        return decoder(cls._decoder, variant, raised)(word, bits)
+            raise wrong_encoder_error(variant, Variant, _SSI)
+        decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
+        return decode_frame(word, bits)
 
     @classmethod
-    def _decoder(cls, variant: SsiEncoder, failed: Failed) -> Callable[..., SsiWord]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
-        size_0 = variant.position_bits
+    def _make_decoder(cls, variant: SsiEncoder, handle_error: ErrorHandler) -> Callable[..., SsiWord]:
+        """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
+        frame_bits = variant.position_bits
 
         def decode(frame: Any, bits: int | None = None) -> SsiWord:
             try:
-                word = frame if type(frame) is int and bits is None else as_word(frame, size_0, bits)
-                if word >> size_0:
-                    raise too_long(word, size_0)
+                word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
+                if word >> frame_bits:
+                    raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
-                    word = from_gray(word, 0, size_0)
-                return made(cls, (variant, word))
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                    word = from_gray(word, 0, frame_bits)
+                values = (
+                    variant,
+                    word,  # position
+                )
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -613,8 +620,10 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # error: error active in the system.
         if self.error:
             return Verdict.NOT_USABLE
+        # warning: warning active in the system.
         if self.warning:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
@@ -645,30 +654,42 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        return decoder(cls._decoder, variant, raised)(word, bits, zero_bit=zero_bit)
+            raise wrong_encoder_error(variant, Variant, _BISS)
+        decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
+        return decode_frame(word, bits, zero_bit=zero_bit)
 
     @classmethod
-    def _decoder(cls, variant: BissEncoder, failed: Failed) -> Callable[..., SingleCycleData]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
-        table_0, table_1, table_2 = crc_tables(crc_biss_6, 28, 6, 3)
+    def _make_decoder(cls, variant: BissEncoder, handle_error: ErrorHandler) -> Callable[..., SingleCycleData]:
+        """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
+        # A table for each 16 bits of the frame. The XOR of their entries is 0 if the CRC is correct.
+        table_0, table_1, table_2 = crc_tables(crc_biss_6, covered=28, width=6, count=3)
 
         def decode(frame: Any, bits: int | None = None, zero_bit: ZeroBit | None = None) -> SingleCycleData:
             try:
-                zero_bit = decided(ZeroBit, zero_bit)
+                zero_bit = require_answer(ZeroBit, zero_bit)
                 length = zero_bit.zero_bits + variant.position_bits + 8
                 word = frame if type(frame) is int and bits is None else as_word(frame, length, bits)
                 if word >> length:
-                    raise too_long(word, length)
+                    raise too_long_error(word, length)
                 low = word & 0xFFFF
                 high = word >> 16
-                if wrong := table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]:
-                    raise CrcError(word & 0x3F, word & 0x3F ^ wrong)
-                if word >> 8 & ((1 << zero_bit.zero_bits) - 1):
-                    raise ConstantError("zero", word >> 8 & ((1 << zero_bit.zero_bits) - 1), 0)
-                return made(cls, (variant, zero_bit, word >> (zero_bit.zero_bits + 8), not low & 0x80, not low & 0x40))
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
+                if difference:
+                    received_crc = word & 0x3F
+                    raise CrcError(received_crc, received_crc ^ difference)
+                zero = word >> 8 & ((1 << zero_bit.zero_bits) - 1)
+                if zero:
+                    raise ConstantError("zero", zero, 0)
+                values = (
+                    variant,
+                    zero_bit,
+                    word >> (zero_bit.zero_bits + 8),  # position
+                    not low & 0x80,  # error
+                    not low & 0x40,  # warning
+                )
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -790,7 +811,9 @@ class ProfileId(FixedRegister, _ProfileId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return made(cls, (data[0], data[1]))
+        variant_ = data[0]
+        data_length = data[1]
+        return create(cls, (variant_, data_length))
 
 
 class _SerialNumber(NamedTuple):
@@ -828,7 +851,8 @@ class SerialNumber(FixedRegister, _SerialNumber):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        return made(cls, (int.from_bytes(data, "big"),))
+        serial = int.from_bytes(data, "big")
+        return create(cls, (serial,))
 
 
 class _DiagnosticData(NamedTuple):
@@ -891,16 +915,16 @@ class DiagnosticData(FixedRegister, _DiagnosticData):
         if len(data) != 1:
             raise LengthError(1, len(data))
         values = (
-            (data[0] & 0x80) != 0,
-            (data[0] & 0x40) != 0,
-            (data[0] & 0x20) != 0,
-            (data[0] & 0x10) != 0,
-            (data[0] & 0x08) != 0,
-            (data[0] & 0x04) != 0,
-            (data[0] & 0x02) != 0,
-            (data[0] & 0x01) != 0,
+            (data[0] & 0x80) != 0,  # amplitude_control_maximum_current
+            (data[0] & 0x40) != 0,  # signal_level_maximum_amplitude
+            (data[0] & 0x20) != 0,  # dc_maximum_offset
+            (data[0] & 0x10) != 0,  # ac_maximum_amplitude
+            (data[0] & 0x08) != 0,  # amplitude_control_minimum_current
+            (data[0] & 0x04) != 0,  # signal_level_minimum_amplitude
+            (data[0] & 0x02) != 0,  # dc_minimum_offset
+            (data[0] & 0x01) != 0,  # ac_minimum_amplitude
         )
-        return made(cls, values)
+        return create(cls, values)
 
 
 class Command(IntEnum):
@@ -1038,16 +1062,16 @@ class Status(FixedRegister, _Status):
         if len(data) != 1:
             raise LengthError(1, len(data))
         values = (
-            (data[0] & 0x80) != 0,
-            (data[0] & 0x40) != 0,
-            (data[0] & 0x20) != 0,
-            (data[0] & 0x10) != 0,
-            (data[0] & 0x08) != 0,
-            (data[0] & 0x04) != 0,
-            (data[0] & 0x02) != 0,
-            (data[0] & 0x01) != 0,
+            (data[0] & 0x80) != 0,  # configuration_completed
+            (data[0] & 0x40) != 0,  # error_message
+            (data[0] & 0x20) != 0,  # warning_message
+            (data[0] & 0x10) != 0,  # conf_write_access
+            (data[0] & 0x08) != 0,  # eds_write_access
+            (data[0] & 0x04) != 0,  # internal_data_bus_busy
+            (data[0] & 0x02) != 0,  # absolute_data_valid
+            (data[0] & 0x01) != 0,  # position_data_valid
         )
-        return made(cls, values)
+        return create(cls, values)
 
 
 class _Position(NamedTuple):
@@ -1101,18 +1125,15 @@ class Position(RegisterOf["BissEncoder"], _Position):
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, Variant, _BISS)
         if type(data) is not bytes:
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
         number = int.from_bytes(data, "little")
-        values = (
-            variant,
-            number >> (32 - variant.position_bits),
-            number & (0xFFFFFFFF & ~(((1 << variant.position_bits) - 1) << (32 - variant.position_bits))),
-        )
-        return made(cls, values)
+        position = number >> (32 - variant.position_bits)
+        unused = number & (0xFFFFFFFF & ~(((1 << variant.position_bits) - 1) << (32 - variant.position_bits)))
+        return create(cls, (variant, position, unused))
 
 
 class _ErrorRegister(NamedTuple):
@@ -1177,15 +1198,15 @@ class ErrorRegister(FixedRegister, _ErrorRegister):
         if len(data) != 1:
             raise LengthError(1, len(data))
         values = (
-            (data[0] & 0x40) != 0,
-            (data[0] & 0x20) != 0,
-            (data[0] & 0x10) != 0,
-            (data[0] & 0x08) != 0,
-            (data[0] & 0x02) != 0,
-            (data[0] & 0x01) != 0,
-            data[0] & 0x84,
+            (data[0] & 0x40) != 0,  # absolute_data_error
+            (data[0] & 0x20) != 0,  # interpolation_error
+            (data[0] & 0x10) != 0,  # configuration_error
+            (data[0] & 0x08) != 0,  # synchronization_error
+            (data[0] & 0x02) != 0,  # signal_error
+            (data[0] & 0x01) != 0,  # control_error
+            data[0] & 0x84,  # unused
         )
-        return made(cls, values)
+        return create(cls, values)
 
 
 class _DeviceId(NamedTuple):
@@ -1232,7 +1253,9 @@ class DeviceId(FixedRegister, _DeviceId):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        return made(cls, (data[0:4].decode("latin-1"), data[4:6].decode("latin-1")))
+        name = data[0:4].decode("latin-1")
+        release = data[4:6].decode("latin-1")
+        return create(cls, (name, release))
 
 
 class _ManufacturerId(NamedTuple):
@@ -1272,7 +1295,8 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return made(cls, (data[0:2].decode("latin-1"),))
+        name = data[0:2].decode("latin-1")
+        return create(cls, (name,))
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
@@ -1291,19 +1315,25 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
     """
     from .facts.asc85 import REGISTERS
 
-    held = held_bytes(read, REGISTERS)
+    contents = bytes_by_address(read, REGISTERS)
     return tuple(
         variant.code
         for variant in VARIANTS.values()
-        if isinstance(variant, BissEncoder) and _can_hold(variant, held)
+        if isinstance(variant, BissEncoder) and _has_registers(variant, contents)
     )
 
 
-def _can_hold(variant: BissEncoder, held: Mapping[int, int]) -> bool:
+def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
+    """Return whether the registers of an encoder can have these contents, bytes keyed by address."""
     return (
-        agrees(held, Address.PROFILE_ID, 2, lambda data: ProfileId.decode(data).is_as_documented)
-        and agrees(held, Address.DEVICE_ID, 6, lambda data: DeviceId.decode(data).is_as_documented)
-        and agrees(held, Address.MANUFACTURER_ID, 2, lambda data: ManufacturerId.decode(data).is_as_documented)
+        is_consistent(contents, Address.PROFILE_ID, 2, lambda data: ProfileId.decode(data).is_as_documented)
+        and is_consistent(contents, Address.DEVICE_ID, 6, lambda data: DeviceId.decode(data).is_as_documented)
+        and is_consistent(
+            contents,
+            Address.MANUFACTURER_ID,
+            2,
+            lambda data: ManufacturerId.decode(data).is_as_documented,
+        )
     )
 
 
@@ -1346,7 +1376,7 @@ def request_position(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *writes("command", Address.COMMAND, Command.REQUEST_POSITION.encode()),
+        *byte_writes("command", Address.COMMAND, Command.REQUEST_POSITION.encode()),
         Poll(Address.STATUS, 1, "status", 0x01, 0x01, "0 until the new data are available"),
         Read(Address.POSITION, 4, "position"),
     )
@@ -1378,7 +1408,7 @@ def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *writes("command", Address.COMMAND, Command.SAVE_CONFIGURATION.encode()),
+        *byte_writes("command", Address.COMMAND, Command.SAVE_CONFIGURATION.encode()),
         Poll(Address.STATUS, 1, "status", 0x04, 0x00, "1 while the configuration is being written"),
         Read(Address.ERROR_REGISTER, 1, "error_register", "returns to 0 unless the write failed"),
     )
@@ -1411,7 +1441,7 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *writes("command", Address.COMMAND, Command.READ_ABSOLUTE_DATA.encode()),
+        *byte_writes("command", Address.COMMAND, Command.READ_ABSOLUTE_DATA.encode()),
         Poll(Address.STATUS, 1, "status", 0x02, 0x02, "1 when the data were loaded"),
         Read(Address.ERROR_REGISTER, 1, "error_register", "1 if the data were rejected"),
     )
@@ -1439,7 +1469,7 @@ def software_reset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *writes("command", Address.COMMAND, Command.SOFTWARE_RESET.encode()),
+        *byte_writes("command", Address.COMMAND, Command.SOFTWARE_RESET.encode()),
         Poll(Address.STATUS, 1, "status", 0x80, 0x80, "configuration verified, absolute data read"),
         Read(
             Address.ERROR_REGISTER,
@@ -1472,7 +1502,7 @@ def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *writes("command", Address.COMMAND, Command.VERIFY_CONFIGURATION.encode()),
+        *byte_writes("command", Address.COMMAND, Command.VERIFY_CONFIGURATION.encode()),
         Poll(Address.STATUS, 1, "status", 0x04, 0x00, "1 during the verification"),
         Read(Address.ERROR_REGISTER, 1, "error_register", "returns to 0 unless the verification failed"),
     )
@@ -1496,7 +1526,7 @@ def simulate_error(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *writes("command", Address.COMMAND, Command.SIMULATE_ERROR.encode()),
+        *byte_writes("command", Address.COMMAND, Command.SIMULATE_ERROR.encode()),
         Read(Address.STATUS, 1, "status", "1 while the error is simulated"),
     )
 
@@ -1519,7 +1549,7 @@ def clear_simulated_error(variant: BissEncoder | None = None) -> tuple[Step, ...
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *writes("command", Address.COMMAND, Command.CLEAR_SIMULATED_ERROR.encode()),
+        *byte_writes("command", Address.COMMAND, Command.CLEAR_SIMULATED_ERROR.encode()),
         Read(Address.STATUS, 1, "status", "0 after the simulation"),
     )
 

@@ -67,20 +67,20 @@ from codewheel_runtime.codec import (
     crc_by_xor,
     crc_of_bits,
     crc_tables,
+    create,
     from_gray,
-    made,
     signed,
-    too_long,
+    too_long_error,
 )
 from codewheel_runtime.encoder import (
-    Failed,
+    ErrorHandler,
     Positioned,
     check_encoder,
-    fact,
-    looked_up,
-    reported,
-    returned,
-    wrong_encoder,
+    load_fact,
+    look_up,
+    raise_frame_error,
+    return_frame_error,
+    wrong_encoder_error,
 )
 from codewheel_runtime.measures import Linear, Wrapping
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError, RangeError
@@ -96,11 +96,18 @@ from codewheel_runtime.frames.base import (
     encode_many,
     with_bytes,
 )
-from codewheel_runtime.frames.decoders import decoder, raised
-from codewheel_runtime.frames.descriptions import needed_by
-from codewheel_runtime.registers import Held, agrees, held_bytes, held_parameters, held_text, whole
+from codewheel_runtime.frames.decoders import cached_decoder, raise_error
+from codewheel_runtime.frames.descriptions import decoding_arguments
+from codewheel_runtime.registers import (
+    RegisterParameter,
+    bytes_by_address,
+    encode_register,
+    is_consistent,
+    parameters_in,
+    parameters_text,
+)
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
-from codewheel_runtime.steps import Modify, Read, Send, Step, Verify, Wait, writes
+from codewheel_runtime.steps import Modify, Read, Send, Step, Verify, Wait, byte_writes
 
 if TYPE_CHECKING:
     from typing import Literal as _Literal
@@ -137,7 +144,7 @@ else:
 
     def __getattr__(name: str) -> object:
         """Return a table of facts. The first access loads all tables."""
-        return fact(__name__, name)
+        return load_fact(__name__, name)
 
 
 __all__ = [
@@ -294,13 +301,13 @@ class Variant(Linear, Wrapping):
         """
         return 1 - self.output_code
 
-    def with_registers(self: _Same, held: Mapping[int, int]) -> _Same:
+    def with_registers(self: _Same, contents: Mapping[int, int]) -> _Same:
         """Return the encoder with other register contents.
 
         The following registers affect the decoding of frames or a limit: configuration at 49h.
 
         Args:
-            held: Register bytes by address. Other registers keep their contents, which are the factory defaults at
+            contents: Register bytes by address. Other registers keep their contents, which are the factory defaults at
                 first.
 
         Returns:
@@ -310,7 +317,7 @@ class Variant(Linear, Wrapping):
             RangeError: The value of a register is not allowed.
             ValueError: A register does not affect this encoder.
         """
-        return self._replaced(**held_parameters(_HELD, held, self))
+        return self._replaced(**parameters_in(_REGISTER_PARAMETERS, contents, self))
 
     @property
     def step_um(self) -> int:
@@ -353,7 +360,7 @@ class Variant(Linear, Wrapping):
         raise ValueError(f"no highest over {self.interface.title}: it depends on the frame, see range_of()")
 
     def __repr__(self) -> str:
-        return f"<{self.code}{self.special_code}{held_text(_HELD, self)}>"
+        return f"<{self.code}{self.special_code}{parameters_text(_REGISTER_PARAMETERS, self)}>"
 
 
 class SsiEncoder(Variant):
@@ -380,8 +387,8 @@ class SsiEncoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-
-        return self._decoder(reported)(frame, bits)
+        decode_frame = self._get_decoder(raise_frame_error)
+        return decode_frame(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SsiWord | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -398,11 +405,12 @@ class SsiEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return self._decoder(returned)(frame, bits)
+        decode_frame = self._get_decoder(return_frame_error)
+        return decode_frame(frame, bits)
 
-    def _decoder(self, failed: Failed) -> Callable[..., SsiWord]:
-        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
-        return decoder(SsiWord._decoder, self, failed)
+    def _get_decoder(self, handle_error: ErrorHandler) -> Callable[..., SsiWord]:
+        """Return the function that decodes frames of this encoder. ``handle_error`` raises or returns an error."""
+        return cached_decoder(SsiWord._make_decoder, self, handle_error)
 
     def decode_many(self, frames: Words) -> Table[_SsiWordColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
@@ -455,8 +463,8 @@ class BissEncoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-
-        return self._decoder(reported)(frame, bits)
+        decode_frame = self._get_decoder(raise_frame_error)
+        return decode_frame(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -473,11 +481,12 @@ class BissEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return self._decoder(returned)(frame, bits)
+        decode_frame = self._get_decoder(return_frame_error)
+        return decode_frame(frame, bits)
 
-    def _decoder(self, failed: Failed) -> Callable[..., SingleCycleData]:
-        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
-        return decoder(SingleCycleData._decoder, self, failed)
+    def _get_decoder(self, handle_error: ErrorHandler) -> Callable[..., SingleCycleData]:
+        """Return the function that decodes frames of this encoder. ``handle_error`` raises or returns an error."""
+        return cached_decoder(SingleCycleData._make_decoder, self, handle_error)
 
     def decode_many(self, frames: Words) -> Table[_SingleCycleDataColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
@@ -524,8 +533,8 @@ class Rs485Encoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-
-        return self._decoder(reported)(frame)
+        decode_frame = self._get_decoder(raise_frame_error)
+        return decode_frame(frame)
 
     def try_decode(self, frame: Data) -> Reply | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -541,11 +550,12 @@ class Rs485Encoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return self._decoder(returned)(frame)
+        decode_frame = self._get_decoder(return_frame_error)
+        return decode_frame(frame)
 
-    def _decoder(self, failed: Failed) -> Callable[..., Reply]:
-        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
-        return decoder(_decode_replyr, self, failed)
+    def _get_decoder(self, handle_error: ErrorHandler) -> Callable[..., Reply]:
+        """Return the function that decodes frames of this encoder. ``handle_error`` raises or returns an error."""
+        return cached_decoder(_make_reply_decoder, self, handle_error)
 
     def decode_many(self, frames: Rows, kind: type[Reply]) -> Table[Any, _Unit]:
         """Decode many frames of one ``kind`` into columns. Needs NumPy.
@@ -558,7 +568,7 @@ class Rs485Encoder(Variant):
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         check_kind(kind, Reply)
-        return decode_many(frames, kind, self, *needed_by(kind, self))
+        return decode_many(frames, kind, self, *decoding_arguments(kind, self))
 
     def encode_many(self, columns: Mapping[str, Any] | Table, kind: type[Reply]) -> Any:
         """Encode many frames of one ``kind``. Needs NumPy.
@@ -575,7 +585,7 @@ class Rs485Encoder(Variant):
             TypeError: A column is missing or unknown.
         """
         check_kind(kind, Reply)
-        return encode_many(columns, kind, *needed_by(kind, self))
+        return encode_many(columns, kind, *decoding_arguments(kind, self))
 
     def _ranges(self) -> Mapping[str, PositionRange]:
         return {
@@ -623,7 +633,7 @@ def lookup(label: str) -> Variant:
             order codes.
         TypeError: ``label`` is not a string.
     """
-    return looked_up(label, VARIANTS, __name__)
+    return look_up(label, VARIANTS, __name__)
 
 
 # CRCs
@@ -785,6 +795,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # error: an error is present and the LED is red.
         if self.error:
             return Verdict.NOT_USABLE
         return Verdict.USABLE
@@ -812,25 +823,31 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, SsiEncoder):
-            raise wrong_encoder(variant, Variant, _SSI)
-        return decoder(cls._decoder, variant, raised)(word, bits)
+            raise wrong_encoder_error(variant, Variant, _SSI)
+        decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
+        return decode_frame(word, bits)
 
     @classmethod
-    def _decoder(cls, variant: SsiEncoder, failed: Failed) -> Callable[..., SsiWord]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
-        size_0 = variant.position_bits + 1
-        size_1 = variant.position_bits
+    def _make_decoder(cls, variant: SsiEncoder, handle_error: ErrorHandler) -> Callable[..., SsiWord]:
+        """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
+        frame_bits = variant.position_bits + 1  # error (1)
+        position_bits = variant.position_bits
 
         def decode(frame: Any, bits: int | None = None) -> SsiWord:
             try:
-                word = frame if type(frame) is int and bits is None else as_word(frame, size_0, bits)
-                if word >> size_0:
-                    raise too_long(word, size_0)
+                word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
+                if word >> frame_bits:
+                    raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
-                    word = from_gray(word, 1, size_1)
-                return made(cls, (variant, word >> 1, not word & 0x01))
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                    word = from_gray(word, 1, position_bits)
+                values = (
+                    variant,
+                    word >> 1,  # position
+                    not word & 0x01,  # error
+                )
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -897,8 +914,10 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # error: an error is present and the LED is red.
         if self.error:
             return Verdict.NOT_USABLE
+        # warning: warning active.
         if self.warning:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
@@ -928,34 +947,45 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        return decoder(cls._decoder, variant, raised)(word, bits)
+            raise wrong_encoder_error(variant, Variant, _BISS)
+        decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
+        return decode_frame(word, bits)
 
     @classmethod
-    def _decoder(cls, variant: BissEncoder, failed: Failed) -> Callable[..., SingleCycleData]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
-        size_0 = variant.position_bits + variant.scd_padding_bits + 8
-        size_1 = variant.scd_value_bits
-        size_2 = variant.scd_value_bits + 8
-        ones_3 = (1 << variant.scd_value_bits) - 1
-        table_0, table_1, table_2 = crc_tables(crc_biss_6, 27, 6, 3)
+    def _make_decoder(cls, variant: BissEncoder, handle_error: ErrorHandler) -> Callable[..., SingleCycleData]:
+        """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
+        frame_bits = variant.position_bits + variant.scd_padding_bits + 8  # 8 = error (1) + warning (1) + crc (6)
+        position_bits = variant.scd_value_bits
+        padding_low = variant.scd_value_bits + 8  # 8 = error (1) + warning (1) + crc (6)
+        position_mask = (1 << variant.scd_value_bits) - 1
+        # A table for each 16 bits of the frame. The XOR of their entries is 0 if the CRC is correct.
+        table_0, table_1, table_2 = crc_tables(crc_biss_6, covered=27, width=6, count=3)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
             try:
-                word = frame if type(frame) is int and bits is None else as_word(frame, size_0, bits)
-                if word >> size_0:
-                    raise too_long(word, size_0)
+                word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
+                if word >> frame_bits:
+                    raise too_long_error(word, frame_bits)
                 low = word & 0xFFFF
                 high = word >> 16
-                if wrong := table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]:
-                    raise CrcError(word & 0x3F, word & 0x3F ^ wrong)
+                difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16]
+                if difference:
+                    received_crc = word & 0x3F
+                    raise CrcError(received_crc, received_crc ^ difference)
                 if variant.biss_gray:
-                    word = from_gray(word, 8, size_1)
-                if word >> size_2:
-                    raise ConstantError("padding", word >> size_2, 0)
-                return made(cls, (variant, word >> 8 & ones_3, not word & 0x80, not word & 0x40))
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                    word = from_gray(word, 8, position_bits)
+                padding_ = word >> padding_low
+                if padding_:
+                    raise ConstantError("padding", padding_, 0)
+                values = (
+                    variant,
+                    word >> 8 & position_mask,  # position
+                    not word & 0x80,  # error
+                    not word & 0x40,  # warning
+                )
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -1000,26 +1030,34 @@ class DataRequest(FixedBytes, _DataRequest):
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
         """
-        return decoder(cls._decoder, None, raised)(data)
+        decode_frame = cached_decoder(cls._make_decoder, None, raise_error)
+        return decode_frame(data)
 
     @classmethod
-    def _decoder(cls, variant: object, failed: Failed) -> Callable[..., DataRequest]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+    def _make_decoder(cls, variant: object, handle_error: ErrorHandler) -> Callable[..., DataRequest]:
+        """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
         def decode(frame: Any) -> DataRequest:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 1:
                     raise LengthError(1, len(data))
-                if (data[0] & 0x7) != 0x2:
-                    raise ConstantError("sync", data[0] & 0x7, 0x2)
-                if (data[0] >> 7) != ((data[0] >> 3 & 0xF).bit_count() & 1):
-                    raise ConstantError("parity", data[0] >> 7, (data[0] >> 3 & 0xF).bit_count() & 1)
-                if (of_data_id := data[0] >> 3 & 0xF) not in (4, 5, 0xA, 0xB, 0xF):
-                    raise RangeError("data_id", of_data_id, "one of 4h, 5h, Ah, Bh, Fh")
-                return made(cls, (DataId(of_data_id),))
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                sync = data[0] & 0x7
+                if sync != 0x2:
+                    raise ConstantError("sync", sync, 0x2)
+                data_id = data[0] >> 3 & 0xF
+                parity = data[0] >> 7
+                expected = data_id.bit_count() & 1
+                if parity != expected:
+                    raise ConstantError("parity", parity, expected)
+                if data_id not in (4, 5, 0xA, 0xB, 0xF):
+                    raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
+                values = (
+                    DataId(data_id),  # data_id
+                )
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -1118,6 +1156,15 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # status_error: encoder error, the logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor
+        # must stop.
+        # overspeed: speed too high.
+        # initialization_error: error during the initialization, or absolute position not found.
+        # hardware_error: error in the EEPROM.
+        # encoder_inharmonious_error: an alarm that is no longer in manual 1.1 of November 2023. An older encoder may
+        # have it. Its cause is not known.
+        # higher_track_error: Not implemented.
+        # low_amplitude_error: amplitude of the signal too low.
         if (
             self.status_error
             or self.overspeed
@@ -1128,6 +1175,11 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
             or self.low_amplitude_error
         ):
             return Verdict.NOT_USABLE
+        # status_alarm: encoder alarm (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the
+        # position is correct.
+        # signal_strength_alarm: Not implemented.
+        # temperature_alarm: Not implemented.
+        # unused: bits that the manual leaves unused differ from it.
         if self.status_alarm or self.signal_strength_alarm or self.temperature_alarm or self.unused:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
@@ -1157,14 +1209,16 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        return decoder(cls._decoder, variant, raised)(data)
+            raise wrong_encoder_error(variant, Variant, _RS485)
+        decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
+        return decode_frame(data)
 
     @classmethod
-    def _decoder(cls, variant: Rs485Encoder, failed: Failed) -> Callable[..., PositionReply]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
-        size_0 = variant.rs485_position_bits
-        heads = {0x7A: DataId.RESET_POSITION, 0xA2: DataId.POSITION, 0xDA: DataId.RESET_ERRORS}
+    def _make_decoder(cls, variant: Rs485Encoder, handle_error: ErrorHandler) -> Callable[..., PositionReply]:
+        """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
+        position_bits = variant.rs485_position_bits
+        # Valid first bytes of the frame, each with its data_id.
+        valid_first_bytes = {0x7A: DataId.RESET_POSITION, 0xA2: DataId.POSITION, 0xDA: DataId.RESET_ERRORS}
 
         def decode(frame: Any) -> PositionReply:
             try:
@@ -1172,37 +1226,44 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
                 if len(data) != 7:
                     raise LengthError(7, len(data))
                 b0, b1, b2, b3, b4, b5, b6 = data
-                computed = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5
-                if computed != b6:
-                    raise CrcError(b6, computed)
-                if (of_position := b2 | b3 << 8 | b4 << 16) >> size_0 or b0 not in heads:
-                    if (b0 & 0x7) != 0x2:
-                        raise ConstantError("sync", b0 & 0x7, 0x2)
-                    if (b0 >> 7) != ((b0 >> 3 & 0xF).bit_count() & 1):
-                        raise ConstantError("parity", b0 >> 7, (b0 >> 3 & 0xF).bit_count() & 1)
-                    if (of_position := b2 | b3 << 8 | b4 << 16) >> size_0:
-                        raise ConstantError("position_padding", of_position >> size_0, 0)
-                    if (of_data_id := b0 >> 3 & 0xF) not in (4, 0xB, 0xF):
-                        raise RangeError("data_id", of_data_id, "one of 4h, Bh, Fh")
+                computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5
+                if computed_crc != b6:
+                    raise CrcError(b6, computed_crc)
+                position = b2 | b3 << 8 | b4 << 16
+                if position >> position_bits or b0 not in valid_first_bytes:
+                    # The first wrong field is reported.
+                    sync = b0 & 0x7
+                    if sync != 0x2:
+                        raise ConstantError("sync", sync, 0x2)
+                    data_id = b0 >> 3 & 0xF
+                    parity = b0 >> 7
+                    expected = data_id.bit_count() & 1
+                    if parity != expected:
+                        raise ConstantError("parity", parity, expected)
+                    padding = position >> position_bits
+                    if padding:
+                        raise ConstantError("position_padding", padding, 0)
+                    if data_id not in (4, 0xB, 0xF):
+                        raise RangeError("data_id", data_id, "one of 4h, Bh, Fh")
                 values = (
                     variant,
-                    heads[b0],
-                    (b1 & 0x10) != 0,
-                    (b1 & 0x20) != 0,
-                    of_position,
-                    (b5 & 0x01) != 0,
-                    (b5 & 0x02) != 0,
-                    (b5 & 0x04) != 0,
-                    (b5 & 0x08) != 0,
-                    (b5 & 0x10) != 0,
-                    (b5 & 0x20) != 0,
-                    (b5 & 0x40) != 0,
-                    (b5 & 0x80) != 0,
-                    b1 & 0xCF,
+                    valid_first_bytes[b0],  # data_id
+                    (b1 & 0x10) != 0,  # status_alarm
+                    (b1 & 0x20) != 0,  # status_error
+                    position,
+                    (b5 & 0x01) != 0,  # overspeed
+                    (b5 & 0x02) != 0,  # initialization_error
+                    (b5 & 0x04) != 0,  # hardware_error
+                    (b5 & 0x08) != 0,  # encoder_inharmonious_error
+                    (b5 & 0x10) != 0,  # higher_track_error
+                    (b5 & 0x20) != 0,  # low_amplitude_error
+                    (b5 & 0x40) != 0,  # signal_strength_alarm
+                    (b5 & 0x80) != 0,  # temperature_alarm
+                    b1 & 0xCF,  # unused
                 )
-                return made(cls, values)
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -1281,8 +1342,13 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # status_error: encoder error, the logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor
+        # must stop.
         if self.status_error:
             return Verdict.NOT_USABLE
+        # status_alarm: encoder alarm (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the
+        # position is correct.
+        # unused: bits that the manual leaves unused differ from it.
         if self.status_alarm or self.unused:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
@@ -1308,11 +1374,12 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
             ConstantError: A constant or a parity bit has the wrong value.
             RangeError: A field has an undefined value.
         """
-        return decoder(cls._decoder, None, raised)(data)
+        decode_frame = cached_decoder(cls._make_decoder, None, raise_error)
+        return decode_frame(data)
 
     @classmethod
-    def _decoder(cls, variant: object, failed: Failed) -> Callable[..., WidePositionReply]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
+    def _make_decoder(cls, variant: object, handle_error: ErrorHandler) -> Callable[..., WidePositionReply]:
+        """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
         def decode(frame: Any) -> WidePositionReply:
             try:
@@ -1320,25 +1387,30 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
                 if len(data) != 9:
                     raise LengthError(9, len(data))
                 b0, b1, b2, b3, b4, b5, b6, b7, b8 = data
-                computed = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7
-                if computed != b8:
-                    raise CrcError(b8, computed)
+                computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7
+                if computed_crc != b8:
+                    raise CrcError(b8, computed_crc)
                 if b0 != 0x2A:
-                    if (b0 & 0x7) != 0x2:
-                        raise ConstantError("sync", b0 & 0x7, 0x2)
-                    if (b0 >> 7) != ((b0 >> 3 & 0xF).bit_count() & 1):
-                        raise ConstantError("parity", b0 >> 7, (b0 >> 3 & 0xF).bit_count() & 1)
-                    if (b0 >> 3 & 0xF) != 5:
-                        raise RangeError("data_id", b0 >> 3 & 0xF, "5h")
+                    # The first wrong field is reported.
+                    sync = b0 & 0x7
+                    if sync != 0x2:
+                        raise ConstantError("sync", sync, 0x2)
+                    data_id = b0 >> 3 & 0xF
+                    parity = b0 >> 7
+                    expected = data_id.bit_count() & 1
+                    if parity != expected:
+                        raise ConstantError("parity", parity, expected)
+                    if data_id != 5:
+                        raise RangeError("data_id", data_id, "5h")
                 values = (
-                    (b1 & 0x10) != 0,
-                    (b1 & 0x20) != 0,
-                    signed(int.from_bytes(data[2:8], "little"), 48),
-                    b1 & 0xCF,
+                    (b1 & 0x10) != 0,  # status_alarm
+                    (b1 & 0x20) != 0,  # status_error
+                    signed(int.from_bytes(data[2:8], "little"), 48),  # position
+                    b1 & 0xCF,  # unused
                 )
-                return made(cls, values)
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -1436,6 +1508,15 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # status_error: encoder error, the logical OR of ALMC bits 5 to 0: encoder fault, wrong position, or the motor
+        # must stop.
+        # overspeed: speed too high.
+        # initialization_error: error during the initialization, or absolute position not found.
+        # hardware_error: error in the EEPROM.
+        # encoder_inharmonious_error: an alarm that is no longer in manual 1.1 of November 2023. An older encoder may
+        # have it. Its cause is not known.
+        # higher_track_error: Not implemented.
+        # low_amplitude_error: amplitude of the signal too low.
         if (
             self.status_error
             or self.overspeed
@@ -1446,6 +1527,11 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
             or self.low_amplitude_error
         ):
             return Verdict.NOT_USABLE
+        # status_alarm: encoder alarm (warning), the logical OR of ALMC bits 6 and 7: a fault may follow, but the
+        # position is correct.
+        # signal_strength_alarm: Not implemented.
+        # temperature_alarm: Not implemented.
+        # unused: bits that the manual leaves unused differ from it.
         if self.status_alarm or self.signal_strength_alarm or self.temperature_alarm or self.unused:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
@@ -1475,13 +1561,14 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, Rs485Encoder):
-            raise wrong_encoder(variant, Variant, _RS485)
-        return decoder(cls._decoder, variant, raised)(data)
+            raise wrong_encoder_error(variant, Variant, _RS485)
+        decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
+        return decode_frame(data)
 
     @classmethod
-    def _decoder(cls, variant: Rs485Encoder, failed: Failed) -> Callable[..., IdentificationReply]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
-        size_0 = variant.rs485_position_bits
+    def _make_decoder(cls, variant: Rs485Encoder, handle_error: ErrorHandler) -> Callable[..., IdentificationReply]:
+        """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
+        position_bits = variant.rs485_position_bits
 
         def decode(frame: Any) -> IdentificationReply:
             try:
@@ -1489,40 +1576,49 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
                 if len(data) != 9:
                     raise LengthError(9, len(data))
                 b0, b1, b2, b3, b4, b5, b6, b7, b8 = data
-                computed = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7
-                if computed != b8:
-                    raise CrcError(b8, computed)
-                if (of_position := b2 | b3 << 8 | b4 << 16) >> size_0 or b5 != 0x51 or b6 or b0 != 0x52:
-                    if (b0 & 0x7) != 0x2:
-                        raise ConstantError("sync", b0 & 0x7, 0x2)
-                    if (b0 >> 7) != ((b0 >> 3 & 0xF).bit_count() & 1):
-                        raise ConstantError("parity", b0 >> 7, (b0 >> 3 & 0xF).bit_count() & 1)
-                    if (of_position := b2 | b3 << 8 | b4 << 16) >> size_0:
-                        raise ConstantError("position_padding", of_position >> size_0, 0)
-                    if b5 != 0x51:
-                        raise ConstantError("encoder_id_1", b5, 0x51)
-                    if b6:
-                        raise ConstantError("encoder_id_2", b6, 0)
-                    if (b0 >> 3 & 0xF) != 0xA:
-                        raise RangeError("data_id", b0 >> 3 & 0xF, "Ah")
+                computed_crc = b0 ^ b1 ^ b2 ^ b3 ^ b4 ^ b5 ^ b6 ^ b7
+                if computed_crc != b8:
+                    raise CrcError(b8, computed_crc)
+                position = b2 | b3 << 8 | b4 << 16
+                if position >> position_bits or b5 != 0x51 or b6 or b0 != 0x52:
+                    # The first wrong field is reported.
+                    sync = b0 & 0x7
+                    if sync != 0x2:
+                        raise ConstantError("sync", sync, 0x2)
+                    data_id = b0 >> 3 & 0xF
+                    parity = b0 >> 7
+                    expected = data_id.bit_count() & 1
+                    if parity != expected:
+                        raise ConstantError("parity", parity, expected)
+                    padding = position >> position_bits
+                    if padding:
+                        raise ConstantError("position_padding", padding, 0)
+                    encoder_id_1 = b5
+                    if encoder_id_1 != 0x51:
+                        raise ConstantError("encoder_id_1", encoder_id_1, 0x51)
+                    encoder_id_2 = b6
+                    if encoder_id_2:
+                        raise ConstantError("encoder_id_2", encoder_id_2, 0)
+                    if data_id != 0xA:
+                        raise RangeError("data_id", data_id, "Ah")
                 values = (
                     variant,
-                    (b1 & 0x10) != 0,
-                    (b1 & 0x20) != 0,
-                    of_position,
-                    (b7 & 0x01) != 0,
-                    (b7 & 0x02) != 0,
-                    (b7 & 0x04) != 0,
-                    (b7 & 0x08) != 0,
-                    (b7 & 0x10) != 0,
-                    (b7 & 0x20) != 0,
-                    (b7 & 0x40) != 0,
-                    (b7 & 0x80) != 0,
-                    b1 & 0xCF,
+                    (b1 & 0x10) != 0,  # status_alarm
+                    (b1 & 0x20) != 0,  # status_error
+                    position,
+                    (b7 & 0x01) != 0,  # overspeed
+                    (b7 & 0x02) != 0,  # initialization_error
+                    (b7 & 0x04) != 0,  # hardware_error
+                    (b7 & 0x08) != 0,  # encoder_inharmonious_error
+                    (b7 & 0x10) != 0,  # higher_track_error
+                    (b7 & 0x20) != 0,  # low_amplitude_error
+                    (b7 & 0x40) != 0,  # signal_strength_alarm
+                    (b7 & 0x80) != 0,  # temperature_alarm
+                    b1 & 0xCF,  # unused
                 )
-                return made(cls, values)
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -1549,14 +1645,16 @@ def decode_request(data: Data, variant: Rs485Encoder) -> Request:
         InterfaceError: The encoder has another interface.
     """
     if not isinstance(variant, Rs485Encoder):
-        raise wrong_encoder(variant, Variant, _RS485)
-    return decoder(_decode_requestr, variant, raised)(data)
+        raise wrong_encoder_error(variant, Variant, _RS485)
+    decode_frame = cached_decoder(_make_request_decoder, variant, raise_error)
+    return decode_frame(data)
 
 
-def _decode_requestr(variant: Rs485Encoder, failed: Failed) -> Callable[..., Request]:
-    """Return the decoder for an encoder. It determines the class of a frame."""
-    kinds: dict[int, Callable[..., Request]] = {
-        **dict.fromkeys((4, 5, 0xA, 0xB, 0xF), DataRequest._decoder(variant, failed)),
+def _make_request_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> Callable[..., Request]:
+    """Create the function that decodes any request of one encoder. ``handle_error`` raises or returns an error."""
+    # The decoder of each class, by the value of data_id.
+    decoders: dict[int, Callable[..., Request]] = {
+        **dict.fromkeys((4, 5, 0xA, 0xB, 0xF), DataRequest._make_decoder(variant, handle_error)),
     }
 
     def decode(frame: Any) -> Request:
@@ -1564,12 +1662,13 @@ def _decode_requestr(variant: Rs485Encoder, failed: Failed) -> Callable[..., Req
             data = frame if type(frame) is bytes else as_bytes(frame)
             if len(data) < 1:
                 raise LengthError(1, len(data))
-            found = kinds.get(data[0] >> 3 & 0xF)
-            if found is None:
-                raise RangeError("data_id", data[0] >> 3 & 0xF, "one of 4h, 5h, Ah, Bh, Fh")
-        except (FrameError, TypeError) as error:
-            return failed(error, frame, variant)
-        return found(frame)
+            data_id = data[0] >> 3 & 0xF
+            decode_kind = decoders.get(data_id)
+            if decode_kind is None:
+                raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
+        except (FrameError, TypeError) as exception:
+            return handle_error(exception, frame, variant)
+        return decode_kind(frame)
 
     return decode
 
@@ -1600,16 +1699,18 @@ def decode_reply(data: Data, variant: Rs485Encoder) -> Reply:
         InterfaceError: The encoder has another interface.
     """
     if not isinstance(variant, Rs485Encoder):
-        raise wrong_encoder(variant, Variant, _RS485)
-    return decoder(_decode_replyr, variant, raised)(data)
+        raise wrong_encoder_error(variant, Variant, _RS485)
+    decode_frame = cached_decoder(_make_reply_decoder, variant, raise_error)
+    return decode_frame(data)
 
 
-def _decode_replyr(variant: Rs485Encoder, failed: Failed) -> Callable[..., Reply]:
-    """Return the decoder for an encoder. It determines the class of a frame."""
-    kinds: dict[int, Callable[..., Reply]] = {
-        **dict.fromkeys((4, 0xB, 0xF), PositionReply._decoder(variant, failed)),
-        5: WidePositionReply._decoder(variant, failed),
-        0xA: IdentificationReply._decoder(variant, failed),
+def _make_reply_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> Callable[..., Reply]:
+    """Create the function that decodes any reply of one encoder. ``handle_error`` raises or returns an error."""
+    # The decoder of each class, by the value of data_id.
+    decoders: dict[int, Callable[..., Reply]] = {
+        **dict.fromkeys((4, 0xB, 0xF), PositionReply._make_decoder(variant, handle_error)),
+        5: WidePositionReply._make_decoder(variant, handle_error),
+        0xA: IdentificationReply._make_decoder(variant, handle_error),
     }
 
     def decode(frame: Any) -> Reply:
@@ -1617,12 +1718,13 @@ def _decode_replyr(variant: Rs485Encoder, failed: Failed) -> Callable[..., Reply
             data = frame if type(frame) is bytes else as_bytes(frame)
             if len(data) < 1:
                 raise LengthError(1, len(data))
-            found = kinds.get(data[0] >> 3 & 0xF)
-            if found is None:
-                raise RangeError("data_id", data[0] >> 3 & 0xF, "one of 4h, 5h, Ah, Bh, Fh")
-        except (FrameError, TypeError) as error:
-            return failed(error, frame, variant)
-        return found(frame)
+            data_id = data[0] >> 3 & 0xF
+            decode_kind = decoders.get(data_id)
+            if decode_kind is None:
+                raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
+        except (FrameError, TypeError) as exception:
+            return handle_error(exception, frame, variant)
+        return decode_kind(frame)
 
     return decode
 
@@ -1701,12 +1803,13 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, Variant, _BISS)
         if type(data) is not bytes:
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return made(cls, (variant, data[0] << 8 | data[1]))
+        profile_id = data[0] << 8 | data[1]
+        return create(cls, (variant, profile_id))
 
 
 class _SerialNumber(NamedTuple):
@@ -1748,7 +1851,10 @@ class SerialNumber(FixedRegister, _SerialNumber):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        return made(cls, (data[0], data[1], data[2] << 8 | data[3]))
+        year = data[0]
+        week = data[1]
+        number_ = data[2] << 8 | data[3]
+        return create(cls, (year, week, number_))
 
 
 class Command(IntEnum):
@@ -1845,17 +1951,20 @@ class Configuration(FixedRegister, _Configuration):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        if data[0] >> 7:
-            raise ConstantError("unused_7", data[0] >> 7, 0)
-        if data[0] >> 3 & 0x3:
-            raise ConstantError("unused_3_4", data[0] >> 3 & 0x3, 0)
-        if data[0] & 0x1:
-            raise ConstantError("unused_0", data[0] & 0x1, 0)
+        unused_7 = data[0] >> 7
+        if unused_7:
+            raise ConstantError("unused_7", unused_7, 0)
+        unused_3_4 = data[0] >> 3 & 0x3
+        if unused_3_4:
+            raise ConstantError("unused_3_4", unused_3_4, 0)
+        unused_0 = data[0] & 0x1
+        if unused_0:
+            raise ConstantError("unused_0", unused_0, 0)
         counting_direction = choice(CountingDirection, "counting_direction", data[0] >> 6 & 0x1)
         output_code = choice(OutputCode, "output_code", data[0] >> 5 & 0x1)
         enable_preset_offset = choice(EnablePresetOffset, "enable_preset_offset", data[0] >> 2 & 0x1)
         select_preset_offset = choice(SelectPresetOffset, "select_preset_offset", data[0] >> 1 & 0x1)
-        return made(cls, (counting_direction, output_code, enable_preset_offset, select_preset_offset))
+        return create(cls, (counting_direction, output_code, enable_preset_offset, select_preset_offset))
 
 
 class _AbsoluteResolution(NamedTuple):
@@ -1898,12 +2007,13 @@ class AbsoluteResolution(RegisterOf["BissEncoder"], _AbsoluteResolution):
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
+            raise wrong_encoder_error(variant, Variant, _BISS)
         if type(data) is not bytes:
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return made(cls, (variant, data[0]))
+        absolute_resolution = data[0]
+        return create(cls, (variant, absolute_resolution))
 
 
 class _PresetOffset(NamedTuple):
@@ -1957,7 +2067,8 @@ class PresetOffset(FixedLimitedRegister, _PresetOffset):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        return with_bytes(made(cls, (int.from_bytes(data, "big"),)), data)
+        preset_offset = int.from_bytes(data, "big")
+        return with_bytes(create(cls, (preset_offset,)), data)
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -2014,7 +2125,8 @@ class DeviceType(FixedRegister, _DeviceType):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return made(cls, (data[0],))
+        type_ = data[0]
+        return create(cls, (type_,))
 
 
 class _SineCosineResolution(NamedTuple):
@@ -2054,7 +2166,8 @@ class SineCosineResolution(FixedRegister, _SineCosineResolution):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return made(cls, (data[0],))
+        period = data[0]
+        return create(cls, (period,))
 
 
 class _PositionCheck(NamedTuple):
@@ -2093,7 +2206,8 @@ class PositionCheck(FixedRegister, _PositionCheck):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return made(cls, (data[0],))
+        position_check = data[0]
+        return create(cls, (position_check,))
 
 
 class _DeviceId(NamedTuple):
@@ -2138,7 +2252,9 @@ class DeviceId(FixedRegister, _DeviceId):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        return made(cls, (data[0:4].decode("latin-1"), data[4] << 8 | data[5]))
+        name = data[0:4].decode("latin-1")
+        release = data[4] << 8 | data[5]
+        return create(cls, (name, release))
 
 
 class _ManufacturerId(NamedTuple):
@@ -2178,12 +2294,13 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return made(cls, (data[0:2].decode("latin-1"),))
+        name = data[0:2].decode("latin-1")
+        return create(cls, (name,))
 
 
 #: Parameters that registers hold at run time.
-_HELD: Final = (
-    Held(
+_REGISTER_PARAMETERS: Final = (
+    RegisterParameter(
         parameter="offset_selected",
         interface=Interface.BISS,
         address=Address.CONFIGURATION,
@@ -2194,7 +2311,7 @@ _HELD: Final = (
         min=0,
         max=1,
     ),
-    Held(
+    RegisterParameter(
         parameter="output_code",
         interface=Interface.BISS,
         address=Address.CONFIGURATION,
@@ -2224,32 +2341,38 @@ def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
     """
     from .facts.sma21 import REGISTERS
 
-    held = held_bytes(read, REGISTERS)
+    contents = bytes_by_address(read, REGISTERS)
     return tuple(
         variant.code
         for variant in VARIANTS.values()
-        if isinstance(variant, BissEncoder) and _can_hold(variant, held)
+        if isinstance(variant, BissEncoder) and _has_registers(variant, contents)
     )
 
 
-def _can_hold(variant: BissEncoder, held: Mapping[int, int]) -> bool:
+def _has_registers(variant: BissEncoder, contents: Mapping[int, int]) -> bool:
+    """Return whether the registers of an encoder can have these contents, bytes keyed by address."""
     return (
-        agrees(held, Address.PROFILE_ID, 2, lambda data: ProfileId.decode(data, variant).is_as_documented)
-        and agrees(
-            held,
+        is_consistent(contents, Address.PROFILE_ID, 2, lambda data: ProfileId.decode(data, variant).is_as_documented)
+        and is_consistent(
+            contents,
             Address.ABSOLUTE_RESOLUTION,
             1,
             lambda data: AbsoluteResolution.decode(data, variant).is_as_documented,
         )
-        and agrees(held, Address.DEVICE_TYPE, 1, lambda data: DeviceType.decode(data).is_as_documented)
-        and agrees(
-            held,
+        and is_consistent(contents, Address.DEVICE_TYPE, 1, lambda data: DeviceType.decode(data).is_as_documented)
+        and is_consistent(
+            contents,
             Address.SINE_COSINE_RESOLUTION,
             1,
             lambda data: SineCosineResolution.decode(data).is_as_documented,
         )
-        and agrees(held, Address.DEVICE_ID, 6, lambda data: DeviceId.decode(data).is_as_documented)
-        and agrees(held, Address.MANUFACTURER_ID, 2, lambda data: ManufacturerId.decode(data).is_as_documented)
+        and is_consistent(contents, Address.DEVICE_ID, 6, lambda data: DeviceId.decode(data).is_as_documented)
+        and is_consistent(
+            contents,
+            Address.MANUFACTURER_ID,
+            2,
+            lambda data: ManufacturerId.decode(data).is_as_documented,
+        )
     )
 
 
@@ -2289,16 +2412,16 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
     """
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
-    Configuration.decode(whole("configuration", Configuration, configuration, 1, "big"))
+    Configuration.decode(encode_register("configuration", Configuration, configuration, 1, "big"))
     return (
-        *writes(
+        *byte_writes(
             "configuration",
             Address.CONFIGURATION,
-            whole("configuration", Configuration, configuration, 1, "big"),
+            encode_register("configuration", Configuration, configuration, 1, "big"),
             "active immediately",
         ),
         Verify(Address.CONFIGURATION, 1, "configuration", 0xFF),
-        *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save it permanently"),
+        *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save it permanently"),
         Wait(30_000, "EEPROM writing time"),
     )
 
@@ -2326,14 +2449,19 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     check_limits("position", position, PresetOffset.preset_limits(variant))
     return (
-        *writes(
+        *byte_writes(
             "preset_offset",
             Address.PRESET_OFFSET,
             PresetOffset(preset_offset=position).encode(),
             "write the four Preset / Offset registers",
         ),
         Verify(Address.PRESET_OFFSET, 4, "preset_offset", 0xFFFFFFFF, order="big"),
-        *writes("command", Address.COMMAND, Command.ACTIVATE_PRESET_OFFSET.encode(), "save and activate the preset"),
+        *byte_writes(
+            "command",
+            Address.COMMAND,
+            Command.ACTIVATE_PRESET_OFFSET.encode(),
+            "save and activate the preset",
+        ),
         Wait(30_000, "EEPROM writing time"),
     )
 
@@ -2360,7 +2488,7 @@ def select_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         Modify(Address.CONFIGURATION, 1, "configuration", 0x02, 0x00),
         Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
         Verify(Address.CONFIGURATION, 1, "configuration", 0x02),
-        *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save it permanently"),
+        *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save it permanently"),
         Wait(30_000, "EEPROM writing time"),
     )
 
@@ -2399,16 +2527,26 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
         Modify(Address.CONFIGURATION, 1, "configuration", 0x02, 0x02, "select offset for the register"),
         Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
         Verify(Address.CONFIGURATION, 1, "configuration", 0x02),
-        *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save the configuration permanently"),
+        *byte_writes(
+            "command",
+            Address.COMMAND,
+            Command.SAVE_PARAMETERS.encode(),
+            "save the configuration permanently",
+        ),
         Wait(30_000, "EEPROM writing time"),
-        *writes(
+        *byte_writes(
             "preset_offset",
             Address.PRESET_OFFSET,
             PresetOffset(preset_offset=offset).encode(),
             "write the four Preset / Offset registers",
         ),
         Verify(Address.PRESET_OFFSET, 4, "preset_offset", 0xFFFFFFFF, order="big"),
-        *writes("command", Address.COMMAND, Command.ACTIVATE_PRESET_OFFSET.encode(), "save and activate the offset"),
+        *byte_writes(
+            "command",
+            Address.COMMAND,
+            Command.ACTIVATE_PRESET_OFFSET.encode(),
+            "save and activate the offset",
+        ),
         Wait(30_000, "EEPROM writing time"),
     )
 
@@ -2431,7 +2569,7 @@ def save_parameters(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
+        *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode()),
         Wait(30_000, "EEPROM writing time"),
     )
 
@@ -2456,7 +2594,7 @@ def restore_defaults(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        *writes("command", Address.COMMAND, Command.RESTORE_DEFAULTS.encode()),
+        *byte_writes("command", Address.COMMAND, Command.RESTORE_DEFAULTS.encode()),
         Wait(30_000, "EEPROM writing time"),
     )
 

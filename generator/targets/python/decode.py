@@ -13,7 +13,6 @@ from ...model.record import dataclass
 from ...plan.codec import Codec, parity
 from ...plan.operations import (
     AlwaysIs,
-    AtMost,
     Check,
     IsBetween,
     IsOneOf,
@@ -75,6 +74,12 @@ class FrameReports:
         if self._judgement.may_be_unknown:
             conditions[Verdict.UNKNOWN] = [self._has_no_judge(self._judgement.judging_bits)]
         return [(verdict.name, conditions[verdict]) for verdict in Verdict if verdict in conditions]
+
+    @property
+    def reasons(self) -> dict[str, list[str]]:
+        """Meaning of each flag or other cause that leads to a verdict, by the name of the verdict."""
+        judged = self._judgement.worst_first if self._judgement is not None else ()
+        return {verdict.name: list(dict.fromkeys(map(_reason, causes))) for verdict, causes in judged}
 
     def _has_no_judge(self, judging_bits: Expression) -> str:
         """Return the condition that the frames of the encoder have no bits that judge the position."""
@@ -140,6 +145,17 @@ class FrameReports:
         return str(conditions[0]) if len(conditions) == 1 else f"({joined('and', conditions)})"
 
 
+def _reason(cause: VerdictCause) -> str:
+    """Return the meaning of a cause while it is active, for a comment."""
+    if isinstance(cause.by, Reserved):
+        return "unused: bits that the manual leaves unused differ from it."
+    by_field = cause.by.field
+    active = by_field.kind.when_active if isinstance(by_field.kind, Flag) else ""
+    # Texts of the spec can have several lines.
+    text = " ".join((active or by_field.meaning).split()) or "active"
+    return f"{by_field.name}: {text.rstrip('.')}."
+
+
 def holding(only: Only, member: str) -> Expr:
     """Return the condition that ``member`` of the variant holds for an order code."""
     return Atom(member) if only.holds else Not(Atom(member))
@@ -160,6 +176,8 @@ class NamedValues(Scope):
 
     answered: frozenset[str] = frozenset()
     named: dict[str, str] = field(default_factory=dict)
+    preferred: dict[tuple[str, str], str] = field(default_factory=dict)
+    comments: dict[str, str] = field(default_factory=dict)
 
     def of(self, value: Expression) -> Expr:
         return self._name("size", value, super().of(value))
@@ -170,10 +188,21 @@ class NamedValues(Scope):
     def _name(self, kind: str, value: Expression, expression: Expr) -> Expr:
         if value.is_constant or not self.answered.isdisjoint(value.parameters):
             return expression
-        names_by_text = {text: name for name, text in self.named.items()}
-        name = names_by_text.get(str(expression), f"{kind}_{len(self.named)}")
-        self.named[name] = str(expression)
+        text = str(expression)
+        names_by_text = {named_text: name for name, named_text in self.named.items()}
+        name = names_by_text.get(text) or self.preferred.get((kind, text), f"{kind}_{len(self.named)}")
+        self.named[name] = text
         return Atom(name)
+
+    def prefer(self, name: str, kind: str, value: Expression, comment: str = "") -> None:
+        """Use ``name`` for a value, if it needs a name and has none. ``kind`` is ``size`` or ``ones``."""
+        if value.is_constant:
+            return
+        scope = Scope(self.names)
+        text = str(scope.of(value) if kind == "size" else scope.ones(value))
+        self.preferred.setdefault((kind, text), name)
+        if comment and self.preferred[kind, text] == name:
+            self.comments[name] = comment
 
 
 class Decoder:
@@ -189,6 +218,34 @@ class Decoder:
         )
         self.byte = "b{}" if self.is_unpacked else "data[{}]"
         self.read = Reader(scope, codec, self.byte)
+        #: Fields whose bits have a variable at this point of the function.
+        self.assigned: set[str] = set()
+        if isinstance(scope, NamedValues):
+            self._prefer_names(scope)
+
+    def _prefer_names(self, scope: NamedValues) -> None:
+        """Name the positions, widths and masks that depend on the order code by their fields."""
+        codec = self.codec
+        runs = [run for member in codec.layout.fields for run in member.runs]
+        taken = {self.local(member) for member in codec.layout.fields} | {self.local(run) for run in runs}
+
+        def free(name: str) -> str:
+            return f"{name}_" if name in taken else name
+
+        scope.prefer("frame_bits", "size", codec.layout.bits, sum_comment(codec, codec.layout.bits))
+        for member in codec.layout.fields:
+            scope.prefer(free(f"{member.name}_bits"), "size", member.width)
+            scope.prefer(free(f"{member.name}_low"), "size", member.low, sum_comment(codec, member.low))
+            scope.prefer(free(f"{member.name}_mask"), "ones", member.width)
+        for check in codec.checks:
+            if isinstance(check, (NotAbove, IsBetween)):
+                scope.prefer(free(f"highest_{check.field.name}"), "size", check.highest)
+            if isinstance(check, IsBetween):
+                scope.prefer(free(f"lowest_{check.field.name}"), "size", check.lowest)
+        if codec.gray is not None:
+            scope.prefer(free("gray_low"), "size", codec.gray.low)
+            scope.prefer(free("gray_bits"), "size", codec.gray.width)
+            scope.prefer(free("gray_excess"), "size", codec.gray.excess)
 
     def number(self, value: Expression) -> Expr:
         return self.scope.of(value)
@@ -198,9 +255,45 @@ class Decoder:
         """Values that depend on the order code, by name. Complete once the decoder has been printed."""
         return self.scope.named if isinstance(self.scope, NamedValues) else {}
 
-    def local(self, field: Field) -> str:
-        """Return the variable for the bits of a field."""
-        return f"of_{field.name}" if isinstance(self.scope, NamedValues) else self.names.local(field.name)
+    @property
+    def comments(self) -> dict[str, str]:
+        """Comments on the named values, by name."""
+        return self.scope.comments if isinstance(self.scope, NamedValues) else {}
+
+    def local(self, field: Field | Digits) -> str:
+        """Return the variable for the value of a field."""
+        return self.names.local(field.name)
+
+    # -- variables
+
+    def start(self) -> str:
+        """Forget all variables, at the beginning of a function."""
+        self.assigned.clear()
+        return ""
+
+    def enter(self) -> frozenset[str]:
+        """Return the fields that have a variable, for ``leave``."""
+        return frozenset(self.assigned)
+
+    def leave(self, before: frozenset[str]) -> str:
+        """Forget the variables that have been assigned since ``enter``."""
+        self.assigned = set(before)
+        return ""
+
+    def assign(self, field: Field, expression: Expr) -> str:
+        """Return the statement that reads a field. Empty if it has a variable."""
+        if field.name in self.assigned:
+            return ""
+        self.assigned.add(field.name)
+        return f"{self.local(field)} = {expression}"
+
+    def covered_field(self, check: ParityIs) -> Field | None:
+        """Return the only field that a parity bit covers, if its bits are those that it is read from."""
+        if len(check.of) != 1 or check.mask or self.codec.parity_covers_gray or self.is_padded(check.of[0]):
+            return None
+        is_read = any(part.field.name == check.of[0].name for part in self.codec.parts)
+        is_read |= any(other.field.name == check.of[0].name for other in self.codec.checks)
+        return check.of[0] if is_read else None
 
     # -- CRC
 
@@ -277,6 +370,12 @@ class Decoder:
                 assert_never(meaning)
 
     @property
+    def padded_fields(self) -> list[tuple[Field, Expr]]:
+        """Fields below zeros, each with the bits that include the zeros."""
+        checks = (check for check in self.codec.checks if isinstance(check, ZerosAbove))
+        return [(check.field, self.read.of_bytes(check.field.pieces)) for check in checks]
+
+    @property
     def disagreement(self) -> list[str]:
         """Conditions under which a check fails, if the first byte decides most of them. Empty if it does not."""
         if not self.heads:
@@ -285,16 +384,13 @@ class Decoder:
         if not all(isinstance(check, (AlwaysIs, ZerosAbove)) for check in other_checks):
             return []
         heads = [f"0x{byte:02X}" for byte, _ in self.heads]
-        among = "heads" if self.members else f"({', '.join(heads)})"
+        among = "valid_first_bytes" if self.members else f"({', '.join(heads)})"
         head = f"b0 != {heads[0]}" if len(heads) == 1 and not self.members else f"b0 not in {among}"
-        # Bits that get a name come first, so that each has one if no condition holds.
-        other_checks.sort(key=lambda check: not isinstance(check, ZerosAbove))
         return [*map(self._failing_condition, other_checks), head]
 
     def _failing_condition(self, check: Check) -> str:
         if isinstance(check, ZerosAbove):
-            bits = self.read.of_bytes(check.field.pieces)
-            return f"({self.local(check.field)} := {bits}) >> {self.number(check.bits.width).operand}"
+            return f"{self.local(check.field)} >> {self.number(check.bits.width).operand}"
         bits = self.read.bits(check.bits)
         return f"{bits.operand} != {mask(check.value)}" if isinstance(check, AlwaysIs) and check.value else str(bits)
 
@@ -333,22 +429,16 @@ class Decoder:
         """Return whether the bits above the field have already been checked."""
         return any(isinstance(check, ZerosAbove) and check.field is field for check in self.codec.checks)
 
-    def has_name(self, field: Field) -> bool:
-        """Return whether the bits of a field have a local name after the checks."""
-        checks = [check for check in self.codec.checks if check.field.name == field.name]
-        choice_checks = [check for check in checks if isinstance(check, IsOneOf) and len(check.values) > 1]
-        is_looked_up = bool(choice_checks) and self.selects(field) and not self.disagreement
-        return is_looked_up or any(isinstance(check, (ZerosAbove, AtMost, NotAbove, IsBetween)) for check in checks)
-
     def bits(self, part: Part) -> Expr:
         """Return the bits of a field after all checks."""
-        return Atom(self.local(part.field)) if self.has_name(part.field) else self.read.bits(part.bits)
+        is_assigned = part.field.name in self.assigned
+        return Atom(self.local(part.field)) if is_assigned else self.read.bits(part.bits)
 
     def values(self, part: Part) -> list[Expr]:
         """Return the values of a field: one, or one per run of digits."""
         field, bits = part.field, self.bits(part)
         if self.disagreement and self.selects(field):
-            return [Atom("heads[b0]")]
+            return [Atom("valid_first_bytes[b0]")]
         match meaning_of(field):
             case Raw():
                 return [bits]
@@ -381,14 +471,73 @@ class Decoder:
         is_low = self.tables and not self.codec.gray and at.is_constant and at.constant < TABLE_BITS
         return _bit_test(self.read.bit(part.bits, "low" if is_low else ""), low)
 
-    def all_values(self, encoder_and_answers: Sequence[tuple[str, str]]) -> list[str]:
-        """Return the values of all attributes, in order, after the encoder and the answers."""
-        values = [str(value) for part in self.codec.parts for value in self.values(part)]
+    def result(self, encoder_and_answers: Sequence[tuple[str, str]]) -> DecodedValues:
+        """Return the values of all attributes, in order, beginning with the encoder and the answers."""
+        decoded = DecodedValues(values=[(name, "") for name, _ in encoder_and_answers])
+        for part in self.codec.parts:
+            self._add_values(part, decoded)
         if self.codec.reserved:
-            values.append(str(self.read.unused()))
+            decoded.values.append((str(self.read.unused()), "unused"))
         elif self.codec.keeps_others:
-            values.append(str(self.read.others()))
-        return [*(name for name, _ in encoder_and_answers), *values]
+            decoded.values.append((str(self.read.others()), "unused"))
+        # In a register, which is decoded rarely, a few values have a variable each.
+        if not isinstance(self.scope, NamedValues) and len(decoded.named_values) <= _FEW_VALUES:
+            decoded.use_variables()
+        return decoded
+
+    def _add_values(self, part: Part, decoded: DecodedValues) -> None:
+        """Add the values of a field, and the statement for the number that several values are parts of."""
+        runs = part.field.runs
+        if len(runs) > 1 and part.field.name not in self.assigned:
+            decoded.statements.append(self.assign(part.field, self.read.bits(part.bits)))
+        names = [self.local(run) for run in runs] or [self.local(part.field)]
+        for name, value in zip(names, map(str, self.values(part)), strict=True):
+            decoded.values.append((value, "" if value == name else name))
+
+
+#: Maximum number of values of a register that have a variable each.
+_FEW_VALUES = 3
+
+
+class DecodedValues:
+    """Values of all attributes of a frame or register, each with a name that its expression does not show.
+
+    ``statements`` come before the values.
+    """
+
+    def __init__(self, values: list[tuple[str, str]]) -> None:
+        self.values = values
+        self.statements: list[str] = []
+
+    @property
+    def named_values(self) -> list[tuple[str, str]]:
+        """Values whose expression does not show the name of the attribute."""
+        return [(value, name) for value, name in self.values if name]
+
+    def use_variables(self) -> None:
+        """Assign the named values to variables, unless a statement has assigned another value to the same name."""
+        assigned_names = {statement.partition(" = ")[0] for statement in self.statements}
+        if any(name in assigned_names or name in value.split() for value, name in self.named_values):
+            return
+        self.statements += [f"{name} = {value}" for value, name in self.named_values]
+        self.values = [(name or value, "") for value, name in self.values]
+
+
+def sum_comment(codec: Codec, value: Expression) -> str:
+    """Return a comment on the number in a sum of widths: the fields of fixed width at the low end that it counts."""
+    remaining = value.constant
+    if remaining <= 0:
+        return ""
+    counted_fields: list[str] = []
+    position = 0
+    fixed_fields = {member.low.constant: member for member in codec.layout.fields if member.is_fixed}
+    while position < remaining and position in fixed_fields and fixed_fields[position].widest:
+        fixed_field = fixed_fields[position]
+        counted_fields.append(f"{fixed_field.name} ({fixed_field.widest})")
+        position += fixed_field.widest
+    if position != remaining:
+        return ""
+    return f"{remaining} = {' + '.join(reversed(counted_fields))}" if len(counted_fields) > 1 else counted_fields[0]
 
 
 def assigned(scope: Scope, names: ClassNames, enum: str, field: Field, bits: Expr) -> Iterator[tuple[str, Expr]]:

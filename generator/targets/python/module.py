@@ -17,7 +17,17 @@ from .codec import Coder
 from .docstrings import Block, Lines, docstring
 from .facts import Shape, row, rows
 from .literals import Call, Expr
-from .names import LOCAL_NAMES, Context, OpenQuestion, attribute, camel, encoder_name, interface_name, is_one_choice
+from .names import (
+    LOCAL_NAMES,
+    Context,
+    OpenQuestion,
+    attribute,
+    camel,
+    decoder_maker,
+    encoder_name,
+    interface_name,
+    is_one_choice,
+)
 from .procedures import Steps
 from .readme import Readme, ReadmeExample
 from .variants import FrameKind, Variants
@@ -52,6 +62,15 @@ class Dispatcher:
     @property
     def local(self) -> str:
         return attribute(self.plan.selector.name, LOCAL_NAMES)
+
+    @property
+    def maker(self) -> str:
+        """Function that makes the decoder for an encoder."""
+        return decoder_maker(self.name)
+
+    @property
+    def kind_of_frame(self) -> str:
+        return "reply" if self.plan.sender == "encoder" else "request"
 
     @property
     def value(self) -> Expr:

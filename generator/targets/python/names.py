@@ -68,19 +68,20 @@ PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
     {
         "codec": """BitField Data PositionRange Rows Word Words as_bytes as_word check_kind check_limits check_signed
             check_width
-            choice crc_by_xor crc_of_bits crc_of_bytes crc_tables decided from_gray made signed text_number
-            too_long zero_for""",
-        "encoder": "Encoder Exchanged Failed Positioned check_encoder fact looked_up reported returned wrong_encoder",
+            choice crc_by_xor crc_of_bits crc_of_bytes crc_tables create from_gray require_answer signed text_number
+            too_long_error zero_for""",
+        "encoder": """Encoder ErrorHandler Exchanged Positioned check_encoder load_fact look_up raise_frame_error
+            return_frame_error wrong_encoder_error""",
         "measures": "FineLinear Linear Rotary Wrapping",
         "errors": "ConstantError CrcError FrameError LengthError RangeError",
         "frames.base": """BitsOf BytesOf FixedBits FixedBytes FixedLimitedRegister FixedRegister ForEncoder InBits
             InBytes LimitedRegisterOf RegisterOf Sent decode_many encode_many with_bytes""",
-        "frames.decoders": "decoder raised",
-        "frames.descriptions": "needed_by shape_of",
-        "registers": "Held agrees held_bytes held_parameters held_text whole",
+        "frames.decoders": "cached_decoder raise_error",
+        "frames.descriptions": "decoding_arguments shape_of",
+        "registers": "RegisterParameter bytes_by_address encode_register is_consistent parameters_in parameters_text",
         "reports": "Family Interface Movement Report Verdict",
         "spi": "Pipeline",
-        "steps": "Modify Poll Read Send Step Verify Wait write_whole writes",
+        "steps": "Modify Poll Read Send Step Verify Wait byte_writes write_whole",
     }
 )
 
@@ -133,8 +134,11 @@ VARIANT_NAMES = """bytes cls code counts_per_turn decode decode_many degrees enc
 CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode encode_many frame_bits index
     is_as_documented limits reports self to_dict usable_position variant verdict""".split()
 LOCAL_NAMES = [
-    *"bits cls computed data decode error failed frame heads high isinstance len length low number self type".split(),
-    *"values variant word wrong".split(),
+    *"bits cls computed_crc difference data decode decode_frame exception expected frame frame_bits".split(),
+    *"handle_error high isinstance len length low number padding received_crc self sent type unused".split(),
+    *"valid_first_bytes values variant word".split(),
+    *(f"b{place}" for place in range(16)),
+    *(f"table_{place}" for place in range(16)),
     *FUNCTIONS,
 ]
 #: Names that the functions of procedures use. An argument with such a name gets a trailing underscore.
@@ -213,6 +217,11 @@ class Names:
 
 
 _Values = tuple[str, tuple[tuple[str, int], ...]]
+
+
+def decoder_maker(function: str) -> str:
+    """Return the function that makes the decoder for ``decode_request`` or ``decode_reply``."""
+    return f"_make_{function.removeprefix('decode_')}_decoder"
 
 
 def byte_order(owner: Layout | Register) -> str:

@@ -25,7 +25,17 @@ from ...say.order_code import initial
 from . import docstrings
 from .codec import Coder
 from .literals import Atom, Call, Code, Expr, Literal, Operation, joined, number, of_number, record
-from .names import FUNCTIONS, ClassNames, Context, OpenQuestion, attribute, byte_order, camel, encoder_name
+from .names import (
+    FUNCTIONS,
+    ClassNames,
+    Context,
+    OpenQuestion,
+    attribute,
+    byte_order,
+    camel,
+    decoder_maker,
+    encoder_name,
+)
 
 
 def _column_names(coder: Coder) -> list[str]:
@@ -59,7 +69,7 @@ class FrameKind:
     @property
     def decoder(self) -> str:
         """Function that makes the decoder for an encoder."""
-        return f"_{self.dispatch}r" if self.dispatch else f"{self.coder.name}._decoder"
+        return decoder_maker(self.dispatch) if self.dispatch else f"{self.coder.name}._make_decoder"
 
     @property
     def column_type(self) -> str:
@@ -432,4 +442,6 @@ class Variants:
             needed["codes"] = tuple((by_code.code, by_code.value) for by_code in parameter.by_code)
         if register.default is None:
             needed["by_order_code"] = True
-        return record("Held", needed, **({} if parameter.by_code else of_number(meaning_of(held_parameter.field))))
+        return record(
+            "RegisterParameter", needed, **({} if parameter.by_code else of_number(meaning_of(held_parameter.field)))
+        )

@@ -20,7 +20,7 @@ class Encodable(Protocol):
         ...
 
 
-def whole(
+def encode_register(
     register: str, kind: type[Encodable], value: Encodable | SupportsIndex, length: int, order: Literal["little", "big"]
 ) -> bytes:
     """Return the bytes of a register with several fields, given as an object of its class or as one number."""
@@ -32,7 +32,7 @@ def whole(
     return check_width(register, value, 8 * length).to_bytes(length, order)
 
 
-class Held(NamedTuple):
+class RegisterParameter(NamedTuple):
     """Parameter that a register holds at run time, in the ``width`` bits that start at ``low``.
 
     ``zero_means`` is the value that is stored as 0, if there is one. ``codes`` lists the codes with their values, if
@@ -78,8 +78,8 @@ class Held(NamedTuple):
         return (number | bits << self.low).to_bytes(len(self.default), self.order)
 
 
-def held_parameters(
-    parameters: tuple[Held, ...], register_bytes: Mapping[int, int], variant: Encoder
+def parameters_in(
+    parameters: tuple[RegisterParameter, ...], register_bytes: Mapping[int, int], variant: Encoder
 ) -> dict[str, int]:
     """Return the parameters for bytes keyed by address. Missing bytes are taken from ``variant``."""
     values: dict[str, int] = {}
@@ -104,12 +104,12 @@ def held_parameters(
     return values
 
 
-def _over_interface(parameters: tuple[Held, ...], variant: Encoder) -> list[Held]:
+def _over_interface(parameters: tuple[RegisterParameter, ...], variant: Encoder) -> list[RegisterParameter]:
     """Return the parameters that apply to the interface of an encoder."""
     return [parameter for parameter in parameters if parameter.interface is variant.interface]
 
 
-def held_text(parameters: tuple[Held, ...], variant: Encoder) -> str:
+def parameters_text(parameters: tuple[RegisterParameter, ...], variant: Encoder) -> str:
     """Return the parameters that differ from the factory default, as text. Without a default, they are always shown."""
     texts: list[str] = []
     for parameter in _over_interface(parameters, variant):
@@ -133,7 +133,7 @@ class Located(Protocol):
         ...
 
 
-def held_bytes(read: Mapping[int, int] | Mapping[str, Data], registers: Mapping[str, Located]) -> dict[int, int]:
+def bytes_by_address(read: Mapping[int, int] | Mapping[str, Data], registers: Mapping[str, Located]) -> dict[int, int]:
     """Return ``read`` as bytes keyed by address. It may also contain whole registers keyed by name."""
     bytes_by_address: dict[int, int] = {}
     value: Any
@@ -151,7 +151,9 @@ def held_bytes(read: Mapping[int, int] | Mapping[str, Data], registers: Mapping[
     return bytes_by_address
 
 
-def agrees(register_bytes: Mapping[int, int], address: int, length: int, expected: Callable[[bytes], bool]) -> bool:
+def is_consistent(
+    register_bytes: Mapping[int, int], address: int, length: int, expected: Callable[[bytes], bool]
+) -> bool:
     """Return whether a register has the expected value. True if it was not read completely."""
     data = [register_bytes[place] for place in range(address, address + length) if place in register_bytes]
     try:

@@ -36,7 +36,7 @@ from typing import Any, NamedTuple, TypeVar, cast, get_args
 from .bulk.shape import Shape, holds
 from .encoder import Encoder, Exchanged, Frame, PositionFrame
 from .errors import FrameError, InterfaceError
-from .frames.decoders import decoder, raised
+from .frames.decoders import cached_decoder, raise_error
 from .frames.descriptions import any_shape
 from .link_errors import (
     BusyError,
@@ -546,7 +546,9 @@ class Session:
                 flags=(),
                 repeats_first=exchange.repeats_first,
             )
-            return PendingRequest(request, data, kind, decoder(exchange.reply._decoder, self.encoder, raised))
+            return PendingRequest(
+                request, data, kind, cached_decoder(exchange.reply._make_decoder, self.encoder, raise_error)
+            )
         requests = ", ".join(exchange.request.__name__ for exchange in self.exchanges)
         request_text = _hex(data) or f"{object_or_bytes!r}"
         raise LinkError(f"{self.encoder.code} has no request '{request_text}'; its requests are {requests}")

@@ -52,13 +52,22 @@ from codewheel_runtime.codec import (
     crc_of_bits,
     crc_of_bytes,
     crc_tables,
-    made,
-    too_long,
+    create,
+    too_long_error,
 )
-from codewheel_runtime.encoder import Encoder, Failed, Positioned, fact, looked_up, reported, returned, wrong_encoder
+from codewheel_runtime.encoder import (
+    Encoder,
+    ErrorHandler,
+    Positioned,
+    load_fact,
+    look_up,
+    raise_frame_error,
+    return_frame_error,
+    wrong_encoder_error,
+)
 from codewheel_runtime.errors import ConstantError, CrcError, FrameError, LengthError
 from codewheel_runtime.frames.base import BitsOf, FixedRegister, Sent, decode_many, encode_many
-from codewheel_runtime.frames.decoders import decoder, raised
+from codewheel_runtime.frames.decoders import cached_decoder, raise_error
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 
 if TYPE_CHECKING:
@@ -91,7 +100,7 @@ else:
 
     def __getattr__(name: str) -> object:
         """Return a table of facts. The first access loads all tables."""
-        return fact(__name__, name)
+        return load_fact(__name__, name)
 
 
 __all__ = [
@@ -191,8 +200,8 @@ class BissEncoder(Variant):
             FrameError: The frame is damaged or does not belong to this encoder. The subclass indicates the error.
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-
-        return self._decoder(reported)(frame, bits)
+        decode_frame = self._get_decoder(raise_frame_error)
+        return decode_frame(frame, bits)
 
     def try_decode(self, frame: Word, *, bits: int | None = None) -> SingleCycleData | FrameError:
         """Decode a frame like ``decode``, but return a frame error instead of raising it.
@@ -209,11 +218,12 @@ class BissEncoder(Variant):
         Raises:
             TypeError: ``frame`` does not have the type of this encoder's frames.
         """
-        return self._decoder(returned)(frame, bits)
+        decode_frame = self._get_decoder(return_frame_error)
+        return decode_frame(frame, bits)
 
-    def _decoder(self, failed: Failed) -> Callable[..., SingleCycleData]:
-        """Return the decoder, which replaces ``decode`` or ``try_decode``. Errors go to ``failed``."""
-        return decoder(SingleCycleData._decoder, self, failed)
+    def _get_decoder(self, handle_error: ErrorHandler) -> Callable[..., SingleCycleData]:
+        """Return the function that decodes frames of this encoder. ``handle_error`` raises or returns an error."""
+        return cached_decoder(SingleCycleData._make_decoder, self, handle_error)
 
     def decode_many(self, frames: Words) -> Table[_SingleCycleDataColumn, _Unit]:
         """Decode many frames into columns. Needs NumPy.
@@ -268,7 +278,7 @@ def lookup(label: str) -> Variant:
             order codes.
         TypeError: ``label`` is not a string.
     """
-    return looked_up(label, VARIANTS, __name__)
+    return look_up(label, VARIANTS, __name__)
 
 
 # CRCs
@@ -372,8 +382,10 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
     @property
     def verdict(self) -> Verdict:
         """Verdict on the position. Check it before you use the position."""
+        # error: an error is active.
         if self.error:
             return Verdict.NOT_USABLE
+        # warning: a warning is active.
         if self.warning:
             return Verdict.USABLE_WITH_WARNING
         return Verdict.USABLE
@@ -403,31 +415,42 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
             InterfaceError: The encoder has another interface.
         """
         if not isinstance(variant, BissEncoder):
-            raise wrong_encoder(variant, Variant, _BISS)
-        return decoder(cls._decoder, variant, raised)(word, bits)
+            raise wrong_encoder_error(variant, Variant, _BISS)
+        decode_frame = cached_decoder(cls._make_decoder, variant, raise_error)
+        return decode_frame(word, bits)
 
     @classmethod
-    def _decoder(cls, variant: BissEncoder, failed: Failed) -> Callable[..., SingleCycleData]:
-        """Return the decoder for an encoder. Errors go to ``failed``, which raises or returns them."""
-        size_0 = variant.zero_bits + variant.position_bits + 8
-        ones_1 = (1 << variant.zero_bits) - 1
-        size_2 = variant.zero_bits + 8
-        table_0, table_1, table_2, table_3 = crc_tables(crc_biss_6, 47, 6, 4)
+    def _make_decoder(cls, variant: BissEncoder, handle_error: ErrorHandler) -> Callable[..., SingleCycleData]:
+        """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
+        frame_bits = variant.zero_bits + variant.position_bits + 8  # 8 = error (1) + warning (1) + crc (6)
+        zero_mask = (1 << variant.zero_bits) - 1
+        position_low = variant.zero_bits + 8  # 8 = error (1) + warning (1) + crc (6)
+        # A table for each 16 bits of the frame. The XOR of their entries is 0 if the CRC is correct.
+        table_0, table_1, table_2, table_3 = crc_tables(crc_biss_6, covered=47, width=6, count=4)
 
         def decode(frame: Any, bits: int | None = None) -> SingleCycleData:
             try:
-                word = frame if type(frame) is int and bits is None else as_word(frame, size_0, bits)
-                if word >> size_0:
-                    raise too_long(word, size_0)
+                word = frame if type(frame) is int and bits is None else as_word(frame, frame_bits, bits)
+                if word >> frame_bits:
+                    raise too_long_error(word, frame_bits)
                 low = word & 0xFFFF
                 high = word >> 16
-                if wrong := table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16 & 0xFFFF] ^ table_3[high >> 32]:
-                    raise CrcError(word & 0x3F, word & 0x3F ^ wrong)
-                if word >> 8 & ones_1:
-                    raise ConstantError("zero", word >> 8 & ones_1, 0)
-                return made(cls, (variant, word >> size_2, not low & 0x80, not low & 0x40))
-            except (FrameError, TypeError) as error:
-                return failed(error, frame, variant)
+                difference = table_0[low] ^ table_1[high & 0xFFFF] ^ table_2[high >> 16 & 0xFFFF] ^ table_3[high >> 32]
+                if difference:
+                    received_crc = word & 0x3F
+                    raise CrcError(received_crc, received_crc ^ difference)
+                zero = word >> 8 & zero_mask
+                if zero:
+                    raise ConstantError("zero", zero, 0)
+                values = (
+                    variant,
+                    word >> position_low,  # position
+                    not low & 0x80,  # error
+                    not low & 0x40,  # warning
+                )
+                return create(cls, values)
+            except (FrameError, TypeError) as exception:
+                return handle_error(exception, frame, variant)
 
         return decode
 
@@ -493,7 +516,8 @@ class Mode(FixedRegister, _Mode):
         if len(data) != 1:
             raise LengthError(1, len(data))
         modea = choice(Modea, "modea", data[0] & 0x7)
-        return made(cls, (modea, data[0] & 0xF8))
+        unused = data[0] & 0xF8
+        return create(cls, (modea, unused))
 
 
 class _OutputLength(NamedTuple):
@@ -530,7 +554,9 @@ class OutputLength(FixedRegister, _OutputLength):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return made(cls, (data[0] >> 5, data[0] & 0x1F))
+        out_zero = data[0] >> 5
+        out_msb = data[0] & 0x1F
+        return create(cls, (out_zero, out_msb))
 
 
 class _OutputSelection(NamedTuple):
@@ -573,7 +599,10 @@ class OutputSelection(FixedRegister, _OutputSelection):
         if len(data) != 1:
             raise LengthError(1, len(data))
         mode_st = choice(ModeSt, "mode_st", data[0] >> 4 & 0x3)
-        return made(cls, ((data[0] & 0x80) != 0, (data[0] & 0x40) != 0, mode_st, data[0] & 0xF))
+        gssi = (data[0] & 0x80) != 0
+        rssi = (data[0] & 0x40) != 0
+        out_lsb = data[0] & 0xF
+        return create(cls, (gssi, rssi, mode_st, out_lsb))
 
 
 class _Bank(NamedTuple):
@@ -607,7 +636,9 @@ class Bank(FixedRegister, _Bank):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return made(cls, (data[0] & 0x1F, data[0] & 0xE0))
+        bank = data[0] & 0x1F
+        unused = data[0] & 0xE0
+        return create(cls, (bank, unused))
 
 
 class _EdsBank(NamedTuple):
@@ -642,7 +673,8 @@ class EdsBank(FixedRegister, _EdsBank):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return made(cls, (data[0],))
+        eds_bank = data[0]
+        return create(cls, (eds_bank,))
 
 
 class _ProfileId(NamedTuple):
@@ -681,7 +713,8 @@ class ProfileId(FixedRegister, _ProfileId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return made(cls, (data[0] << 8 | data[1],))
+        profile_id = data[0] << 8 | data[1]
+        return create(cls, (profile_id,))
 
 
 class _SerialNumber(NamedTuple):
@@ -720,7 +753,8 @@ class SerialNumber(FixedRegister, _SerialNumber):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        return made(cls, (int.from_bytes(data, "big"),))
+        serial_number = int.from_bytes(data, "big")
+        return create(cls, (serial_number,))
 
 
 class _EventCount(NamedTuple):
@@ -752,7 +786,8 @@ class EventCount(FixedRegister, _EventCount):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return made(cls, (data[0],))
+        event_count = data[0]
+        return create(cls, (event_count,))
 
 
 class _HardwareRevision(NamedTuple):
@@ -784,7 +819,8 @@ class HardwareRevision(FixedRegister, _HardwareRevision):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        return made(cls, (data[0],))
+        hardware_revision = data[0]
+        return create(cls, (hardware_revision,))
 
 
 class Command(IntEnum):
@@ -887,14 +923,14 @@ class Status0(FixedRegister, _Status0):
         if len(data) != 1:
             raise LengthError(1, len(data))
         values = (
-            (data[0] & 0x10) != 0,
-            (data[0] & 0x08) != 0,
-            (data[0] & 0x04) != 0,
-            (data[0] & 0x02) != 0,
-            (data[0] & 0x01) != 0,
-            data[0] & 0xE0,
+            (data[0] & 0x10) != 0,  # stup
+            (data[0] & 0x08) != 0,  # an_max
+            (data[0] & 0x04) != 0,  # an_min
+            (data[0] & 0x02) != 0,  # am_max
+            (data[0] & 0x01) != 0,  # am_min
+            data[0] & 0xE0,  # unused
         )
-        return made(cls, values)
+        return create(cls, values)
 
 
 class _Status1(NamedTuple):
@@ -941,16 +977,16 @@ class Status1(FixedRegister, _Status1):
         if len(data) != 1:
             raise LengthError(1, len(data))
         values = (
-            (data[0] & 0x80) != 0,
-            (data[0] & 0x40) != 0,
-            (data[0] & 0x20) != 0,
-            (data[0] & 0x10) != 0,
-            (data[0] & 0x08) != 0,
-            (data[0] & 0x04) != 0,
-            (data[0] & 0x02) != 0,
-            (data[0] & 0x01) != 0,
+            (data[0] & 0x80) != 0,  # crc_err
+            (data[0] & 0x40) != 0,  # epr_err
+            (data[0] & 0x20) != 0,  # mt_err
+            (data[0] & 0x10) != 0,  # mt_ctr
+            (data[0] & 0x08) != 0,  # non_ctr
+            (data[0] & 0x04) != 0,  # frq_abz
+            (data[0] & 0x02) != 0,  # frq_cnv
+            (data[0] & 0x01) != 0,  # cmd_exe
         )
-        return made(cls, values)
+        return create(cls, values)
 
 
 class _DeviceId(NamedTuple):
@@ -989,7 +1025,8 @@ class DeviceId(FixedRegister, _DeviceId):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        return made(cls, (int.from_bytes(data, "big"),))
+        device_id = int.from_bytes(data, "big")
+        return create(cls, (device_id,))
 
 
 class _ManufacturerId(NamedTuple):
@@ -1028,7 +1065,8 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        return made(cls, (data[0] << 8 | data[1],))
+        manufacturer_id = data[0] << 8 | data[1]
+        return create(cls, (manufacturer_id,))
 
 
 # Every order code that the manual lists

@@ -52,12 +52,12 @@ def by_class(kind: type[_Kind]) -> type[_Kind]:
     return kind
 
 
-class _Made(Protocol):
+class _Create(Protocol):
     def __call__(self, kind: type[_Kind], values: tuple[object, ...], /) -> _Kind: ...
 
 
-#: ``made(kind, values)`` creates the same NamedTuple as ``kind(*values)``, in half the time.
-made: Final = cast(_Made, _TUPLE.__new__)
+#: ``create(kind, values)`` creates the same NamedTuple as ``kind(*values)``, in half the time.
+create: Final = cast(_Create, _TUPLE.__new__)
 
 
 class BitField(NamedTuple):
@@ -94,7 +94,7 @@ def shortened(value: object) -> str:
     return text if len(text) <= 60 else f"{text[:60]}..."
 
 
-def decided(kind: type[_Answer], answer: _Answer | None) -> _Answer:
+def require_answer(kind: type[_Answer], answer: _Answer | None) -> _Answer:
     """Return the answer to a question that the manual leaves open. Raises TypeError unless it is a ``kind``."""
     if not isinstance(answer, kind):
         answers = " or ".join(f"{kind.__name__}.{member.name}" for member in kind)
@@ -147,7 +147,7 @@ def as_word(frame: Word, length: int, bits: int | None) -> int:
     return whole_number("the frame", frame)
 
 
-def too_long(word: int, length: int) -> FrameError:
+def too_long_error(word: int, length: int) -> FrameError:
     """Return the error for a word that does not fit into ``length`` bits."""
     return RangeError("the frame", word, "0 or more") if word < 0 else LengthError(length, word.bit_length(), "bits")
 

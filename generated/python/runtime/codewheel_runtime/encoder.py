@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 _Same = TypeVar("_Same", bound="Encoder")
 #: Function for an error of a frame. It receives the error, the frame and the encoder, and raises or returns the error.
-Failed = Callable[[Exception, object, Any], NoReturn]
+ErrorHandler = Callable[[Exception, object, Any], NoReturn]
 #: Names of the procedures for each interface.
 _Procedures = Mapping[Interface, tuple[str, ...]]
 _NO_PROCEDURES: Final[_Procedures] = MappingProxyType({})
@@ -149,7 +149,7 @@ class Encoder:
 
     def __init_subclass__(cls, **keywords: Any) -> None:
         super().__init_subclass__(**keywords)
-        if "_decoder" in vars(cls):
+        if "_get_decoder" in vars(cls):
             for name in ("decode", "try_decode"):
                 setattr(cls, name, _BoundDecoder(name, vars(cls)[name]))
 
@@ -294,7 +294,7 @@ class _BoundDecoder:
     def __get__(self, encoder: Any, kind: object = None) -> Any:
         if encoder is None:
             return self._method
-        decode = encoder._decoder(reported if self._name == "decode" else returned)
+        decode = encoder._get_decoder(raise_frame_error if self._name == "decode" else return_frame_error)
         decode.__doc__ = self._method.__doc__
         encoder.__dict__[self._name] = decode
         return decode
@@ -305,7 +305,7 @@ def _restored(kind: type[_Same], state: dict[str, Any]) -> _Same:
     return kind(**state)
 
 
-def fact(module: str, name: str) -> object:
+def load_fact(module: str, name: str) -> object:
     """Return a table of facts of a module. The first access loads all tables."""
     package, _, family = module.rpartition(".")
     facts = import_module(f"{package}.facts.{family}") if name.isupper() else None
@@ -314,7 +314,7 @@ def fact(module: str, name: str) -> object:
     return getattr(facts, name)
 
 
-def looked_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
+def look_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
     """Return the encoder of a family that belongs to a label. ``lookup`` of the module documents the arguments.
 
     Args:
@@ -331,7 +331,7 @@ def looked_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
         return variants[text]
     codes = {code: variant.parts for code, variant in variants.items()}
     family = next(iter(variants.values())).family
-    parsed_label = cast(OrderCode, fact(module, "ORDER_CODE")).read(text, family.name.upper(), codes)
+    parsed_label = cast(OrderCode, load_fact(module, "ORDER_CODE")).read(text, family.name.upper(), codes)
     variant = next(listed for listed in variants.values() if listed.parts == parsed_label.listed)
     if not (parsed_label.unlisted or parsed_label.tail or parsed_label.special or parsed_label.written_as_in):
         return variant
@@ -345,7 +345,7 @@ def looked_up(label: str, variants: Mapping[str, _Same], module: str) -> _Same:
     )
 
 
-def wrong_encoder(
+def wrong_encoder_error(
     variant: object,
     kind: type[Encoder],
     interface: Interface,
@@ -376,15 +376,15 @@ def check_encoder(
     ``procedures`` lists the procedures for each interface. The message suggests them to callers of a procedure.
     """
     if not isinstance(variant, kind) or variant.interface is not interface:
-        raise wrong_encoder(variant, kind, interface, procedures)
+        raise wrong_encoder_error(variant, kind, interface, procedures)
 
 
-def reported(error: Exception, frame: object, encoder: Encoder) -> NoReturn:
+def raise_frame_error(error: Exception, frame: object, encoder: Encoder) -> NoReturn:
     """Raise the error of an encoder."""
     raise _of_encoder(error, frame, encoder)
 
 
-def _returned(error: Exception, frame: object, encoder: Encoder) -> Exception:
+def _return_frame_error(error: Exception, frame: object, encoder: Encoder) -> Exception:
     """Return the error of an encoder. Raises TypeError if the frame does not have the right type."""
     error = _of_encoder(error, frame, encoder)
     if isinstance(error, FrameError):
@@ -392,7 +392,7 @@ def _returned(error: Exception, frame: object, encoder: Encoder) -> Exception:
     raise error
 
 
-returned: Failed = cast(Failed, _returned)
+return_frame_error: ErrorHandler = cast(ErrorHandler, _return_frame_error)
 
 
 def _of_encoder(error: Exception, frame: object, encoder: Encoder) -> Exception:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple, Protocol
 from .codec import Word, as_word
 from .encoder import Encoder
 from .frames.base import ByEncoder
-from .frames.decoders import decoder, raised
+from .frames.decoders import cached_decoder, raise_error
 
 
 class Request(Protocol):
@@ -77,7 +77,9 @@ class Pipeline:
         registers: Mapping[type, tuple[int, int]],
     ) -> None:
         self._encoder, self._late = encoder, late
-        self._replies = {kind: decoder(reply._decoder, encoder, raised) for kind, reply in replies.items()}
+        self._replies = {
+            kind: cached_decoder(reply._make_decoder, encoder, raise_error) for kind, reply in replies.items()
+        }
         self._read, self._write, self._registers = read, tuple(write), registers
         self._sent: _Sent | None = None
         self._before: _Sent | None = None

@@ -130,7 +130,9 @@ class Poll(NamedTuple):
 Step = Write | Wait | Send | Read | Modify | Poll | Verify
 
 
-def writes(register: str, address: int, data: bytes, meaning: str = "", *, closes: bool = False) -> tuple[Write, ...]:
+def byte_writes(
+    register: str, address: int, data: bytes, meaning: str = "", *, closes: bool = False
+) -> tuple[Write, ...]:
     """Return the steps that write ``data`` to ascending addresses."""
     return tuple(Write(address + index, byte, register, meaning, closes) for index, byte in enumerate(data))
 

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, Final, cast, get_args, get_type_hints
 
 from ..encoder import Encoder
 from ..errors import FrameError, LengthError
-from ..frames.decoders import decoder, raised
+from ..frames.decoders import cached_decoder, raise_error
 from ..frames.descriptions import any_shape, kinds_of
 from ..reports import Interface, Verdict
 from .common import (
@@ -279,7 +279,7 @@ def _can_be(kind: Any, decoded: Sequence[type], encoder: Encoder, frame: int | b
     if not has_length and not isinstance(result, LengthError):
         return False
     try:
-        decoder(kind._decoder, encoder, raised)(frame)
+        cached_decoder(kind._make_decoder, encoder, raise_error)(frame)
     except (FrameError, TypeError):
         return False
     return True

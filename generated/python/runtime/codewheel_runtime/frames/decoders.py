@@ -1,28 +1,34 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
-"""Decoders of one frame, each made once."""
+"""Functions that decode one frame, each created once."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from typing import Any, NoReturn, TypeVar
 
-from ..encoder import Encoder, Failed
+from ..encoder import Encoder, ErrorHandler
 
 _Decode = TypeVar("_Decode", bound=Callable[..., Any])
 
 
-def decoder(make: Callable[[Any, Failed], _Decode], encoder: Encoder | None, failed: Failed) -> _Decode:
-    """Return the decoder of a class for an encoder. Each is made only once."""
+def cached_decoder(
+    make_decoder: Callable[[Any, ErrorHandler], _Decode], encoder: Encoder | None, handle_error: ErrorHandler
+) -> _Decode:
+    """Return ``make_decoder(encoder, handle_error)``: the function that decodes frames. It is created only once.
+
+    ``handle_error`` receives each error, and raises or returns it. ``encoder`` is None for frames that are the same
+    for every encoder.
+    """
     decoders: dict[object, _Decode] = _DECODERS if encoder is None else encoder.__dict__.setdefault("_decoders", {})
-    decode = decoders.get((make, failed))
+    decode = decoders.get((make_decoder, handle_error))
     if decode is None:
-        decode = decoders[make, failed] = make(encoder, failed)
+        decode = decoders[make_decoder, handle_error] = make_decoder(encoder, handle_error)
     return decode
 
 
 _DECODERS: dict[object, Any] = {}
 
 
-def raised(error: Exception, _frame: object, _encoder: object) -> NoReturn:
-    """Raise the error of a class."""
+def raise_error(error: Exception, _frame: object, _encoder: object) -> NoReturn:
+    """Raise the error as it is. Used by the ``decode`` of a class, which has no encoder to name in the message."""
     raise error

@@ -8,8 +8,8 @@ from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any, cast, get_type_hints
 
-from ..codec import decided
-from ..encoder import Encoder, wrong_encoder
+from ..codec import require_answer
+from ..encoder import Encoder, wrong_encoder_error
 
 if TYPE_CHECKING:
     from ..bulk.shape import Shape
@@ -21,8 +21,8 @@ def shape_of(kind: type, *arguments: object) -> Shape:
     for wanted, value in zip(needed, arguments, strict=False):
         if not isinstance(value, wanted):
             if issubclass(wanted, Encoder):
-                raise wrong_encoder(value, wanted.__base__ or Encoder, wanted.interface)
-            decided(cast(Any, wanted), cast(Any, value))
+                raise wrong_encoder_error(value, wanted.__base__ or Encoder, wanted.interface)
+            require_answer(cast(Any, wanted), cast(Any, value))
     return make(*arguments)
 
 
@@ -60,7 +60,7 @@ def module_of(kind: type, folder: str) -> Any:
     return import_module(f"{package}.{folder}.{family}")
 
 
-def needed_by(kind: type, encoder: Encoder, **answers: object) -> tuple[object, ...]:
+def decoding_arguments(kind: type, encoder: Encoder, **answers: object) -> tuple[object, ...]:
     """Return the encoder and the answers that a class of frames needs, in the order in which it takes them."""
     fields: tuple[str, ...] = cast(Any, kind)._fields
     needed_fields = fields[: len(described(kind)[1])]
