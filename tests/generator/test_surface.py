@@ -82,9 +82,7 @@ def test_version(capsys: pytest.CaptureFixture[str]) -> None:
 # ---------------------------------------------------------------------------------------------------------- wrong usage
 
 
-KNOWN = (
-    "generate, check, list, show, decode, find, master, simulate, diff, reread, facts, cloze, explain, new, migrate"
-)
+KNOWN = "generate, check, list, show, decode, find, master, simulate, diff, reread, facts, cloze, explain, new, migrate"
 
 
 @pytest.mark.parametrize(
