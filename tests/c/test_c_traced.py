@@ -39,7 +39,7 @@ def test_each_header_names_runtime_and_spec(tmp_path: Path) -> None:
     expected = (*map(str, runtime_version()), "bits22", device.content_hash)
     for options in ({}, {"form": "single"}, {"only": "T22SC"}):
         files = generate(Library((device,)), options)
-        headers = [path for path in files if path.endswith((".h", ".hpp")) and "/bits22" in path or "t22sc" in path]
+        headers = [path for path in files if (path.endswith((".h", ".hpp")) and "/bits22" in path) or "t22sc" in path]
         assert headers
         for path in headers:
             if "selftest" not in path:
