@@ -250,9 +250,9 @@ def compare_family(old: Device, new: Device) -> list[Change]:
 
 
 def _without_spec_data(device: Device) -> Device:
-    """Return a family without data about the spec itself: number of readings, history and version."""
+    """Return a family without data about the spec itself: number of readings, history, hash and version."""
     maker = replace(device.manufacturer, version="")
-    return replace(device, times_read=None, releases=(), manufacturer=maker)
+    return replace(device, times_read=None, releases=(), content_hash="", manufacturer=maker)
 
 
 def _merge_repeated(changes: Iterable[Change]) -> Iterator[Change]:

@@ -6,6 +6,8 @@ contradict their layout. A part that cannot be built is reported and omitted, so
 
 from __future__ import annotations
 
+import hashlib
+import json
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
@@ -93,12 +95,18 @@ def build_device(raw: Raw, manufacturer: Manufacturer, report: DocumentReport) -
     check_measurements(device, report)
     check_position_widths(device, report)
     check_named_widths(raw, device, report)
-    device = replace(device, editions=editions(raw))
+    device = replace(device, editions=editions(raw), content_hash=_content_hash(raw))
     device = with_placeholders(raw, device, report)
     check_agreement(raw, device, report)
     check_errata(device, report)
     check_examples(device, report)
     return replace(device, samples=samples(device)) if variants and not report.faults() else device
+
+
+def _content_hash(raw: Raw) -> str:
+    """Return the start of the hash of a spec as loaded, without its comments and its spelling of values."""
+    content = json.dumps(raw, ensure_ascii=True, separators=(",", ":"))
+    return hashlib.sha256(content.encode("ascii")).hexdigest()[:8]
 
 
 def _context(

@@ -193,6 +193,8 @@ class Device:
     edition: str = ""
     releases: tuple[Release, ...] = ()
     samples: tuple[Sample, ...] = ()
+    #: Start of the hash of the content of the spec. Comments in the spec do not change it.
+    content_hash: str = ""
 
     @cached_property
     def set_parameters(self) -> tuple[Parameter, ...]:

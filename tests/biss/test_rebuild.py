@@ -26,7 +26,7 @@ pytestmark = pytest.mark.slow
 ENCODERS = Path(__file__).parents[2] / "specs"
 SPECS = Path(__file__).parents[1] / "specs"
 #: Members that the XML does not carry: those that follow from the others and only guide code, the counts of the
-#: second reading, and earlier versions.
+#: second reading, earlier versions, and the hash of the spec.
 COMPUTED = {
     "Field": {"pieces", "widest"},
     "Layout": {"fold", "widest"},
@@ -34,7 +34,7 @@ COMPUTED = {
     "Constant": {"fills_gap", "fills_byte"},
     "Parity": {"constants", "turned"},
     "Manufacturer": {"main"},
-    "Device": {"times_read", "releases", "samples"},
+    "Device": {"times_read", "releases", "samples", "content_hash"},
 }
 COMPUTED_AS = {
     "pieces": (),
@@ -49,6 +49,7 @@ COMPUTED_AS = {
     "times_read": None,
     "releases": (),
     "samples": (),
+    "content_hash": "",
 }
 #: Kinds of fields by their words.
 KINDS = {

@@ -26,8 +26,6 @@ COMPILERS = (
 )
 #: Lines of a header, comments included.
 BOUNDS = {"biss": 520, "ssi": 420, "spi": 550, "rs485": 550}
-#: The layout of their BiSS frames depends on registers, which takes more functions and more words.
-BOUNDS_OF_FAMILIES = {"am36_biss": 540, "sma21_biss": 550}
 
 #: What a user writes: a buffer from DMA, and the position.
 PROGRAM = """\
@@ -111,8 +109,7 @@ def test_a_user_reads_a_position_with_one_header(tmp_path: Path, capsys: pytest.
 def test_it_is_short(packaged: tuple[Device, ...]) -> None:
     for device in packaged:
         for interface, code in codes_of(device):
-            bound = BOUNDS_OF_FAMILIES.get(f"{device.name}_{interface}", BOUNDS[interface])
-            assert single(device, code).count("\n") <= bound, code
+            assert single(device, code).count("\n") <= BOUNDS[interface], code
 
 
 @pytest.mark.slow

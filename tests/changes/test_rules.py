@@ -128,11 +128,12 @@ def test_what_no_rule_knows(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def test_every_member_of_a_family_is_compared() -> None:
     """A new section of a family must be compared in ``walk``. Overlays and editions show in the facts that they
-    change, samples follow from the others."""
+    change, samples and the hash of the spec follow from the others."""
     assert {member.name for member in fields(Device)} == set(
         """name title movement manufacturer manual documents lost_figures parameters order_code variants crcs interfaces
         registers alarms procedures timings connectors leds characteristics examples errata measurement inputs tables
-        field_groups supply evidence alternatives times_read releases overlays base editions edition samples""".split()
+        field_groups supply evidence alternatives times_read releases overlays base editions edition samples
+        content_hash""".split()
     )
 
 

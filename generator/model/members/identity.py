@@ -335,6 +335,7 @@ FAMILY = Part(
     Member("variants"),
     Member("times_read"),
     Member("releases"),
+    Member("content_hash"),
     of="Device",
     is_sourced=False,
 )

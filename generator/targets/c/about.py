@@ -44,7 +44,7 @@ CALLS = {
 #: Labels of statements that the constants and functions of a register already express.
 _IN_CODE = ("Default", "Limits")
 #: Maximum width of the column with the places in a comment.
-_PLACE = 50
+_PLACE = 30
 
 
 def _with_heading(name: str, items: Iterable[Statement]) -> list[Paragraph]:
@@ -184,7 +184,13 @@ def table(struct: Struct) -> Iterator[Paragraph]:
     name_width = max((len(name) for _, name, _ in rows), default=0)
     for place_text, name, description in rows:
         line = f"  {place_text:{place_width}}  "
-        yield (f"{line}{name:{name_width}}  ", description) if description else (line, name)
+        if not description:
+            yield line, name
+        elif len(place_text) > place_width:
+            yield line, name
+            yield "        ", description
+        else:
+            yield f"{line}{name:{name_width}}  ", description
 
 
 # -- registers

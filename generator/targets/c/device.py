@@ -27,7 +27,7 @@ from .comments import Paragraph, S
 from .context import Context, timing_macros
 from .decode import RangeFunctions, positions
 from .interfaces import InterfaceCode, ReplyRequest
-from .names import BY_VALUE, Declared, Names, Passing, c_name, unsigned
+from .names import BY_VALUE, Declared, Names, Passing, c_name, runtime_version, unsigned
 from .procedures import ProcedureCode
 from .reading import ReadCode
 from .registers import AlarmCode, RegisterCode, identity_codes, state_registers
@@ -277,6 +277,13 @@ class DeviceView:
     def title_in_lists(self) -> str:
         """Title of the family, with its grade if that is the lowest."""
         return titled_in_lists(self.device)
+
+    @property
+    def traced(self) -> str:
+        """The version of the runtime, and the spec with its hash, from which a header was generated."""
+        major, minor = runtime_version()
+        device = self.device
+        return f"Runtime {major}.{minor}. Spec {device.name}, hash of its content {device.content_hash}."
 
     @property
     def evidence(self) -> list[Paragraph]:

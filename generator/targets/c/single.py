@@ -18,7 +18,6 @@ from ...order_codes.reduction import for_codes
 from .. import TargetError
 from .codec import StructCodec
 from .comments import COLUMNS, break_lines
-from .comments import comment as comment_of
 from .context import timing_macros
 from .declarations import Declaration, declarations_in, names_of, needed_by, without_settings
 from .device import DeviceView, views_of
@@ -204,7 +203,10 @@ class SingleCode:
         new_code = "".join(map(self._pasted, clear_code.splitlines(keepends=True)))
         # The marks for Doxygen come back with those of the whole header.
         unmarked_code = new_code.replace("/**< ", "/* ").replace("/**", "/*")
-        return self._in_comment(comment) + break_lines(_with_head_in_line(self.named(unmarked_code)))
+        named_code = self.named(unmarked_code)
+        if declaration.has_macro:
+            named_code = _refilled_macro(named_code)
+        return self._in_comment(comment) + break_lines(_with_head_in_line(named_code))
 
     def _without_argument(self, comment: str, code: str) -> tuple[str, str]:
         """Return a macro that takes no order code, since there is only one."""
@@ -234,9 +236,7 @@ class SingleCode:
         text = " ".join(_comment_lines(comment[0].strip())).strip()
         sentences = _SENTENCE_END.split(text)
         kept_sentences = [sentence for sentence in sentences if not self._is_about_absent(sentence)]
-        if len(kept_sentences) == len(sentences):
-            return comment[0]
-        return f"{comment_of(self.named(' '.join(kept_sentences)), len(margin))}\n"
+        return _member_comment(self.named(" ".join(kept_sentences)), margin)
 
     def _paragraph(self, lines: list[str]) -> list[str]:
         text = " ".join(lines)
@@ -297,6 +297,41 @@ def _with_head_in_line(code: str) -> str:
     if len(before_arguments) >= COLUMNS:
         return f"{marks.rstrip()}\n{head}{code[function.end(2) :]}"
     return f"{marks}{head}{code[function.end(2) :]}"
+
+
+def _refilled_macro(code: str) -> str:
+    """Return a macro of several lines with as few lines as its width allows."""
+    head, *body = (line.removesuffix("\\").rstrip() for line in code.splitlines())
+    if len(body) < 2:
+        return code
+    text = " ".join(line.strip() for line in body)
+    lines = textwrap.wrap(
+        text,
+        COLUMNS - 2,
+        initial_indent=" " * 4,
+        subsequent_indent=" " * 8,
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    return " \\\n".join((head, *lines)) + "\n"
+
+
+def _member_comment(text: str, margin: str) -> str:
+    """Return the comment on a member, with its marks on the first and the last line of the text."""
+    single_line = f"{margin}/* {text} */\n"
+    # Doxygen's mark is one character longer.
+    if len(single_line) <= COLUMNS:
+        return single_line
+    joint = "\0"  # keeps the mark at the end on the line of the last word
+    lines = textwrap.wrap(
+        f"{text}{joint}*/",
+        COLUMNS - 1,
+        initial_indent=f"{margin}/* ",
+        subsequent_indent=f"{margin} * ",
+        break_long_words=False,
+        break_on_hyphens=False,
+    )
+    return "".join(f"{line}\n" for line in lines).replace(joint, " ")
 
 
 def _first_paragraph(comment: str) -> str:

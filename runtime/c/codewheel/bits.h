@@ -65,9 +65,8 @@ static inline uint64_t cw_above(uint64_t word, uint32_t low)
         return 0U;
     }
     if (low > 31U) {
-        const uint32_t upper = (uint32_t)(word >> 32U);
-        const uint32_t above = upper >> (low - 32U);
-        return above;
+        const uint32_t upper = (uint32_t)(word >> 32U) >> (low - 32U);
+        return upper;
     }
     return word >> low;
 }
