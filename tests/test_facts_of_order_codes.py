@@ -21,6 +21,7 @@ READERS = {
         "commands/show/text.py",
         "targets/c/single.py",
         "targets/docs/order_code_page.py",
+        "targets/docs/verdict_table.py",
     },
     "finds the alarm of a flag, which has the same only, and callers treat the flag of other codes as unexplained": {
         "say/report.py",

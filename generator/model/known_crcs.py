@@ -34,9 +34,9 @@ KNOWN_CRCS: Sequence[KnownCrc] = (
     KnownCrc(0x13, "BiSS, 4 bits", in_masters=True),
     KnownCrc(0xB, "BiSS, 3 bits", in_masters=True),
     KnownCrc(0x11021, "iC-MU, 16 bits", init=1),
-    KnownCrc(0x197, "AksIM-2 and Orbis over SPI, 8 bits"),
-    KnownCrc(0x107, "MT6835, 8 bits"),
-    KnownCrc(0x11D, "TLE5012B, 8 bits", init=0xFF),
-    KnownCrc(0x12F, "MLX90363, 8 bits", init=0xFF),
+    KnownCrc(0x197, "encoders of RLS over SPI, 8 bits"),
+    KnownCrc(0x107, "CRC-8 of ITU-T I.432.1 without its final XOR, 8 bits"),
+    KnownCrc(0x11D, "SAE J1850, 8 bits", init=0xFF),
+    KnownCrc(0x12F, "0x2F of AUTOSAR, 8 bits", init=0xFF),
     KnownCrc(0x101, "XOR of all bytes, 8 bits"),
 )

@@ -194,7 +194,8 @@ def test_where_the_manual_is_silent_the_erratum_is_named(library: Library, page:
         ("amm5", "eeprom_read_reply_mem_busy", "Send the request again"),
         # 6.2.1 p.20: both bits refer to register 69h.
         ("asc85", "error", "Read the error register (69h). It shows the active errors."),
-        ("asc85", "warning", "Read the error register (69h). It shows the active errors."),
+        # 6.2.1: "For a comprehensive list of the available warning messages".
+        ("asc85", "warning", "Read the error register (69h). It shows the active warnings."),
         # 7.3.2 p.38: "E' necessario un reset, bisogna trasmettere un ID di reset errore per 10 volte".
         ("sma21", "status_error", "Reset the errors with data ID B"),
     ],
