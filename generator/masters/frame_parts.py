@@ -55,24 +55,39 @@ def frame_parts(placed_layout: PlacedLayout, measurement: Measurement, variant: 
     """Yield the parts of the frame in the order sent. What the common frame does not have there is ``other``."""
     layout = placed_layout.layout
     position_field_names = layout.names_in(measurement.of)
-    stage, top = "before", placed_layout.bits
+    stage = "before"
+    unread_bits = placed_layout.bits
     for field in placed_layout.fields:
-        if field.high + 1 != top:
+        if field.high + 1 != unread_bits:
             raise NoRecord(f"the bits of '{layout.name}' above '{field.name}' have no meaning in the spec")
-        top = field.low
+        unread_bits = field.low
         role = _role(field, placed_layout, position_field_names, stage)
-        if role in _ROLES_AS_SENT:
-            stage = role
-        elif stage in ("position", "after"):
-            stage = "status"  # Zero bits from here on are not next to the position.
         if role == "position":
-            is_last, is_joined = field.name == position_field_names[-1], len(position_field_names) > 1
+            is_last = field.name == position_field_names[-1]
+            is_joined = len(position_field_names) > 1
             yield from _position_parts(field, is_last, is_joined, measurement, variant)
         else:
-            printed_role = "padding" if role in ("before", "after") else role
-            yield Part(field.name, printed_role, field.width, _active_level(field.field) if role == "status" else "")
-    if top:
+            yield _part_without_position(field, role)
+        stage = _next_stage(stage, role)
+    if unread_bits:
         raise NoRecord(f"the last bits of '{layout.name}' have no meaning in the spec")
+
+
+def _next_stage(stage: str, role: str) -> str:
+    """Return the role in the common frame that has been reached after a field with this role."""
+    if role in _ROLES_AS_SENT:
+        return role
+    # Zero bits after a parity bit or an unexpected field are not next to the position, so they cannot pad it.
+    return "status" if stage in ("position", "after") else stage
+
+
+def _part_without_position(field: PlacedField, role: str) -> Part:
+    """Return the part for a field that is not of the position. Zero bits on both sides of the position are padding."""
+    if role in ("before", "after"):
+        return Part(field.name, "padding", field.width)
+    if role == "status":
+        return Part(field.name, "status", field.width, active=_active_level(field.field))
+    return Part(field.name, role, field.width)
 
 
 def rough_parts(placed_layout: PlacedLayout, measurement: Measurement) -> Iterator[Part]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 from dataclasses import replace
 from functools import lru_cache
 from itertools import groupby
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..language.master_items import TYPES
 from ..language.problems import listed
@@ -359,22 +359,31 @@ def _write(rule: Raw, devices: Sequence[MasterDevice], standing: str) -> Write:
 
 def write_order(names: Sequence[str], rules: Iterable[WriteCondition]) -> tuple[str, ...]:
     """Return the settings in an order that follows every ``after``, and otherwise their own order."""
-    return _names_in_order(tuple(names), tuple((rule.of, rule.after) for rule in rules if rule.after))
+    orderings = tuple(_Ordering(settings=rule.of, after=rule.after) for rule in rules if rule.after)
+    return _names_in_order(tuple(names), orderings)
+
+
+class _Ordering(NamedTuple):
+    """Condition that each of ``settings`` is written after all of ``after``."""
+
+    settings: tuple[str, ...]
+    after: tuple[str, ...]
 
 
 @lru_cache(maxsize=64)
-def _names_in_order(
-    names: tuple[str, ...], rules: tuple[tuple[tuple[str, ...], tuple[str, ...]], ...]
-) -> tuple[str, ...]:
+def _names_in_order(names: tuple[str, ...], orderings: tuple[_Ordering, ...]) -> tuple[str, ...]:
+    """Return the names with all predecessors of each before it. Remembered, since order codes share their rules."""
     predecessors = {name: set[str]() for name in names}
-    for settings, after in rules:
-        for name in settings:
-            predecessors[name].update(after)
-    order: list[str] = []
-    while len(order) < len(names):
-        remaining_names = [name for name in names if name not in order]
-        order.append(next(name for name in remaining_names if predecessors[name] <= set(order)))
-    return tuple(order)
+    for ordering in orderings:
+        for name in ordering.settings:
+            predecessors[name].update(ordering.after)
+    written_names: list[str] = []
+    while len(written_names) < len(names):
+        ready_names = [
+            name for name in names if name not in written_names and predecessors[name].issubset(written_names)
+        ]
+        written_names.append(ready_names[0])
+    return tuple(written_names)
 
 
 def _condition_text(

@@ -10,7 +10,6 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import field, replace
 from enum import Enum
 from functools import cached_property
-from itertools import accumulate
 from types import MappingProxyType
 
 from .expressions import Expression
@@ -115,19 +114,12 @@ class Layout:
         For bytes, that number has one byte for each byte of the frame with unused bits, and every bit keeps its
         position in the byte. For words, or if the order code moves fields, the fields are adjacent.
         """
-        fields = [field for field in self.fields if isinstance(field.kind, Unused)]
-        if self.in_bytes and all(field.low.is_constant and field.width.is_constant for field in fields):
-            fields.sort(key=lambda field: field.low.constant)
-            spans = ((field.low.constant, field.low.constant + field.widest - 1) for field in fields)
-            unused_bytes = sorted({byte for low, high in spans for byte in range(low // 8, high // 8 + 1)})
-            places = [8 * unused_bytes.index(field.low.constant // 8) + field.low.constant % 8 for field in fields]
-        else:
-            # In a word, the field sent last is the lowest. In bytes with the low byte first, it is the field sent
-            # first.
-            fields = fields if self.byte_order == "low_byte_first" else fields[::-1]
-            ends = list(accumulate((field.widest for field in fields), initial=0))
-            places = ends[:-1]
-        return tuple(zip(fields, places, strict=True))
+        unused_fields = [field for field in self.fields if isinstance(field.kind, Unused)]
+        if self.in_bytes and all(field.low.is_constant and field.width.is_constant for field in unused_fields):
+            return _packed_by_byte(unused_fields)
+        # In a word, the field sent last is the lowest. In bytes with the low byte first, it is the field sent first.
+        lowest_first = unused_fields if self.byte_order == "low_byte_first" else unused_fields[::-1]
+        return _packed_by_bit(lowest_first)
 
     @cached_property
     def has_unused(self) -> bool:
@@ -200,6 +192,32 @@ class Layout:
         gray = bool(self.gray_of and (not self.gray_when or parameters.get(self.gray_when)))
         unused = tuple((by_name[field.name], place) for field, place in self.unused if field.name in by_name)
         return PlacedLayout(self, self.bits.value(parameters), tuple(by_name.values()), gray, unused, parameters)
+
+
+def _packed_by_byte(fields: Sequence[Field]) -> tuple[tuple[Field, int], ...]:
+    """Return the fields, lowest first, each with its lowest bit in a number of only the bytes that they occupy."""
+    lowest_first = sorted(fields, key=lambda field: field.low.constant)
+    occupied_bytes: set[int] = set()
+    for unused_field in lowest_first:
+        low_bit = unused_field.low.constant
+        high_bit = low_bit + unused_field.widest - 1
+        occupied_bytes.update(range(low_bit // 8, high_bit // 8 + 1))
+    index_of_byte = {byte: index for index, byte in enumerate(sorted(occupied_bytes))}
+    placed_fields = []
+    for unused_field in lowest_first:
+        byte, bit_in_byte = divmod(unused_field.low.constant, 8)
+        placed_fields.append((unused_field, 8 * index_of_byte[byte] + bit_in_byte))
+    return tuple(placed_fields)
+
+
+def _packed_by_bit(lowest_first: Iterable[Field]) -> tuple[tuple[Field, int], ...]:
+    """Return the fields, each with its lowest bit in a number where they are adjacent and have their widest form."""
+    placed_fields = []
+    low_bit = 0
+    for unused_field in lowest_first:
+        placed_fields.append((unused_field, low_bit))
+        low_bit += unused_field.widest
+    return tuple(placed_fields)
 
 
 @dataclass(frozen=True)

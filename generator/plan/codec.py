@@ -198,13 +198,18 @@ def _gray(layout: Layout) -> Gray | None:
 
 
 def _wholes(layout: Layout, by_word: bool) -> Iterator[Whole]:
+    """Yield the numbers made of several fields. A frame that is one number gives adjacent fields with one shift."""
     for join in layout.joins:
-        fields = tuple(layout.field(name) for name in join.fields)
-        width = sum((field.width for field in fields), Expression(0))
+        fields = tuple(layout.field(name) for name in join.fields)  # most significant first
+        total_width = sum((field.width for field in fields), Expression(0))
+        # The number needs a type, which has at least 1 bit and at most 64.
         widest = min(sum(field.widest for field in fields) or 1, 64)
-        side_by_side = all(upper.low == lower.low + lower.width for upper, lower in pairwise(fields))
-        bits = _bits(layout, fields[-1].low, width, widest) if by_word and side_by_side else None
-        yield Whole(join=join, fields=fields, width=width, widest=widest, bits=bits)
+        are_adjacent = all(upper.low == lower.low + lower.width for upper, lower in pairwise(fields))
+        adjacent_bits = None
+        if by_word and are_adjacent:
+            lowest_field = fields[-1]
+            adjacent_bits = _bits(layout, lowest_field.low, total_width, widest)
+        yield Whole(join=join, fields=fields, width=total_width, widest=widest, bits=adjacent_bits)
 
 
 def _constants(layout: Layout, by_word: bool) -> Iterator[Check]:
@@ -284,23 +289,35 @@ def _unused_value(field: Field) -> int:
 
 
 def _terms(layout: Layout) -> Iterator[Term]:
-    places = {field.name: place for field, place in layout.unused}
+    """Yield the fields that an encoder of frames sets, with what it sets them to. The CRC follows from all of them."""
+    place_by_name = {field.name: place for field, place in layout.unused}
     for field in layout.fields:
-        single_value = only_value(layout, field)
+        sent_value: Fixed | ValueOfField | ParityOf | ReservedBits
         match field.kind:
             case CrcValue():
                 continue
-            case Parity(of=names, odd=odd) as kind:
-                fields = tuple(map(layout.field, names))
-                bit, mask = _known_parity(layout, field, fields, kind), _parity_mask(kind, fields)
-                value: Fixed | ValueOfField | ParityOf | ReservedBits = (
-                    ParityOf(fields, odd, mask) if bit is None else Fixed(bit)
-                )
-            case Unused(number):
-                value = ReservedBits(number, places[field.name])
+            case Parity() as parity_kind:
+                sent_value = _sent_parity(layout, field, parity_kind)
+            case Unused(documented_value):
+                sent_value = ReservedBits(documented_value, place_by_name[field.name])
             case _:
-                value = ValueOfField(field) if single_value is None else Fixed(single_value)
-        yield Term(field, bits_of(layout, field), value)
+                sent_value = _sent_number(layout, field)
+        yield Term(field, bits_of(layout, field), sent_value)
+
+
+def _sent_parity(layout: Layout, parity_bit: Field, kind: Parity) -> Fixed | ParityOf:
+    """Return the computation of a parity bit, or its value if that never changes."""
+    covered_fields = tuple(layout.field(name) for name in kind.of)
+    known_bit = _known_parity(layout, parity_bit, covered_fields, kind)
+    if known_bit is not None:
+        return Fixed(known_bit)
+    return ParityOf(covered_fields, kind.odd, _parity_mask(kind, covered_fields))
+
+
+def _sent_number(layout: Layout, field: Field) -> Fixed | ValueOfField:
+    """Return the only value that a field can have, or the field itself if the caller gives its value."""
+    constant = only_value(layout, field)
+    return ValueOfField(field) if constant is None else Fixed(constant)
 
 
 def characters(field: Field) -> tuple[tuple[int, int], ...]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import field as dataclass_field
+from dataclasses import replace
 from typing import NamedTuple
 
 from ..model import Fault, Field, Flag, Scale, Verdict
@@ -186,30 +187,59 @@ def _unused(reserved: Reserved) -> Unused:
 
 def describe(codec: Codec, reporting: reports.Reporting | None = None) -> Description:
     """Return the description of a frame or register. ``reporting`` contains the reports and the verdict of a frame."""
-    layout, powers = codec.layout, powers_of_two(codec)
-    order = "little" if layout.byte_order == "low_byte_first" else "big"
-    sent_values = [(Place(term.field.low, term.field.width), term.value) for term in codec.terms]
-    constants = ((place, value.number) for place, value in sent_values if isinstance(value, Fixed))
-    fixed_numbers = ((place, number) for place, number in constants if number)
-    judgement = reporting.judgement if reporting is not None else None
-    return Description(
+    layout = codec.layout
+    power_of_two_names = powers_of_two(codec)
+    description = Description(
         bits=layout.bits,
         length=codec.length if codec.in_bytes else 0,
-        order=order if codec.in_bytes else "",
-        columns=tuple(_column(field, field.name in powers) for field in layout.fields),
-        joins=tuple(map(_join, codec.wholes)),
-        unused=tuple(map(_unused, codec.reserved)),
-        checks=tuple(map(_check, codec.checks)),
-        parities=tuple(_parity(place, value) for place, value in sent_values if isinstance(value, ParityOf)),
-        speaks=tuple(_speaks(judgement)) if judgement is not None else (),
-        tells=tuple(map(_tells, reporting.causes)) if reporting is not None else (),
+        order=_byte_order(codec),
+        columns=tuple(_column(field, field.name in power_of_two_names) for field in layout.fields),
+        joins=tuple(_join(whole) for whole in codec.wholes),
+        unused=tuple(_unused(reserved) for reserved in codec.reserved),
+        checks=tuple(_check(check) for check in codec.checks),
+        parities=tuple(_computed_parities(codec)),
+        speaks=(),
+        tells=(),
         fields=tuple(BitField(field.name, field.low, field.width) for field in layout.fields),
         crc=codec.crc,
         gray=codec.gray,
-        fixed=tuple(fixed_numbers),
-        otherwise=judgement.otherwise if judgement is not None else None,
-        judging_bits=judgement.judging_bits if judgement is not None and judgement.may_be_unknown else None,
+        fixed=tuple(_constant_ones(codec)),
+        otherwise=None,
+        judging_bits=None,
     )
+    if reporting is None:
+        return description
+    description = replace(description, tells=tuple(_tells(cause) for cause in reporting.causes))
+    judgement = reporting.judgement
+    if judgement is None:
+        return description
+    return replace(
+        description,
+        speaks=tuple(_speaks(judgement)),
+        otherwise=judgement.otherwise,
+        judging_bits=judgement.judging_bits if judgement.may_be_unknown else None,
+    )
+
+
+def _byte_order(codec: Codec) -> str:
+    """Return the byte order by the name that Python gives it, or an empty string if the layout is not sent as bytes."""
+    if not codec.in_bytes:
+        return ""
+    return "little" if codec.layout.byte_order == "low_byte_first" else "big"
+
+
+def _computed_parities(codec: Codec) -> Iterator[Check]:
+    """Yield the parity bits that an encoder of frames computes. A parity bit that never changes is a constant."""
+    for term in codec.terms:
+        if isinstance(term.value, ParityOf):
+            yield _parity(Place(term.field.low, term.field.width), term.value)
+
+
+def _constant_ones(codec: Codec) -> Iterator[tuple[Place, int]]:
+    """Yield the constants that are not all 0. An encoder of frames starts from 0, so it need not set the others."""
+    for term in codec.terms:
+        if isinstance(term.value, Fixed) and term.value.number:
+            yield Place(term.field.low, term.field.width), term.value.number
 
 
 def _column(field: Field, is_power: bool) -> Column:
@@ -268,16 +298,30 @@ def _places(fields: tuple[Field, ...]) -> tuple[Place, ...]:
 
 
 def _speaks(judgement: verdicts.Judgement) -> Iterator[Speaks]:
-    for verdict, items in judgement.worst_first:
-        for speaker in items:
-            unless = tuple(Name(part.field.name) for part in speaker.unless)
-            name, when = Name(speaker.by.field.name), _when(speaker.by)
-            yield Speaks(verdict, name, unless, _mask(speaker.by), speaker.only, when, speaker.chosen)
+    for verdict, verdict_causes in judgement.worst_first:
+        for verdict_cause in verdict_causes:
+            cause = verdict_cause.by
+            yield Speaks(
+                verdict=verdict,
+                flag=Name(cause.field.name),
+                unless=tuple(Name(flag.field.name) for flag in verdict_cause.unless),
+                mask=_mask(cause),
+                only=verdict_cause.only,
+                when=_when(cause),
+                chosen=verdict_cause.chosen,
+            )
 
 
-def _tells(told_report: reports.ReportCause) -> Tells:
-    name, mask, when = Name(told_report.by.field.name), _mask(told_report.by), _when(told_report.by)
-    return Tells(told_report.report.name, name, mask, told_report.only, when, _verdict_by_answer(told_report.made_of))
+def _tells(report_cause: reports.ReportCause) -> Tells:
+    cause = report_cause.by
+    return Tells(
+        report=report_cause.report.name,
+        flag=Name(cause.field.name),
+        mask=_mask(cause),
+        only=report_cause.only,
+        when=_when(cause),
+        answered=_verdict_by_answer(report_cause.made_of),
+    )
 
 
 def _verdict_by_answer(field: Field) -> Answered | None:

@@ -25,7 +25,7 @@ def tries(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text
     first 1 on. If it can have the right length, other lengths are tried only if they lead to another frame.
     """
     if placed.bits in _lengths(placed, text):
-        yield from _computed_otherwise(placed, crc, text.number)
+        yield from _other_crc_tries(placed, crc, text.number)
         yield from _whole_frame_tries(placed, crc, text.number)
     yield from moved_frames(device, variant, placed, crc, text)
     if placed.covers_part:
@@ -84,16 +84,18 @@ def as_sent(placed: PlacedLayout, crc: Crc, number: int) -> Try:
 
 
 def _offset_try(placed: PlacedLayout, crc: Crc | None, offset: FrameOffset, number: int, length: int) -> Try:
-    """Return a try in which the ``length`` bits of ``number`` do not begin and end with the frame."""
-    front_bits = len(offset.front)
-    frame_bits = length - front_bits - offset.behind
-    without_end = number >> offset.behind
-    front = without_end >> frame_bits
-    # In the front, a 1 is a start bit, which the mistake determines, and a question mark is any bit.
-    start_bits = [front >> (front_bits - 1 - place) & 1 for place in range(front_bits) if offset.front[place] == "1"]
-    received = without_end & ((1 << frame_bits) - 1)
-    missing = int(offset.missing or "0", 2)
-    frame = (missing << frame_bits | received) << offset.lost
+    """Return a try in which the ``length`` bits of ``number`` do not begin and end with the frame.
+
+    The bits are, from the first one received: bits before the frame, the received part of the frame, bits after it.
+    """
+    front_length = len(offset.front)
+    received_length = length - front_length - offset.behind
+    front_and_received = number >> offset.behind
+    received_part = front_and_received & ((1 << received_length) - 1)
+    start_bits = _start_bits(offset.front, front_and_received >> received_length)
+    missing_first_bits = int(offset.missing or "0", 2)
+    # The missing last bits are 0 here. ``read_as`` knows from ``lost`` that they were not received.
+    frame = (missing_first_bits << received_length | received_part) << offset.lost
     attempt = read_as(
         offset.kind,
         offset.text.format(offset.missing),
@@ -107,7 +109,16 @@ def _offset_try(placed: PlacedLayout, crc: Crc | None, offset: FrameOffset, numb
     return replace(attempt, template=offset.text)
 
 
-def _computed_otherwise(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
+def _start_bits(pattern: str, front: int) -> list[int]:
+    """Return the bits before the frame that must be 1 if the mistake is the right one.
+
+    In the pattern, first bit first, ``1`` is such a start bit and ``?`` is any bit.
+    """
+    last_to_first = enumerate(reversed(pattern))
+    return [front >> position & 1 for position, expected in last_to_first if expected == "1"]
+
+
+def _other_crc_tries(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
     """Yield tries of the frame as sent with another CRC."""
     try_as_sent = as_sent(placed, crc, number)
     for kind, description, other_crc in other_crcs(crc):
