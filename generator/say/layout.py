@@ -233,6 +233,11 @@ def box_colour(field: Field) -> str:
             assert_never(field.kind)
 
 
+def is_reserved(field: Field) -> bool:
+    """Return whether a field is unused and the manual prints no name for it."""
+    return isinstance(field.kind, Unused) and not field.printed_name
+
+
 def box_label(field: Field) -> str:
     """Return the name of a field, with the value of a constant."""
     match field.kind:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from ...model import Device, Field, Layout, PlacedLayout, Unused, Variant, Verdict
+from ...model import Device, Field, Layout, PlacedLayout, Variant, Verdict
 from ...order_codes.parameters import with_answers
 from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Match, VerdictCause, reportings
+from ...say.layout import is_reserved
 from ...say.markdown import STYLE, code, joined, link, text
 from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.report import alarm_of, by_hand, conditions, deciding, remedy_text
@@ -93,7 +94,7 @@ def _row(device: Device, placed: PlacedLayout, field: Field, level: str, effect:
 
 def _name(field: Field) -> str:
     """Return the name of a field in words, and as it is printed and used in programs."""
-    if isinstance(field.kind, Unused) and not field.printed_name:
+    if is_reserved(field):
         return f"Reserved <small>{code(field.name)}</small>"
     words = heading(field.name)
     is_same = field.printed_name.lower() in {"", words.lower()}
