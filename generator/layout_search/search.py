@@ -13,7 +13,7 @@ from .frames import FEWEST, MOST_FRAMES, NoLayout, Recording
 MOST_LAYOUTS = 3
 #: Difference to the cost of the most likely layout in bits, above which a layout is not proposed.
 _MOST_MORE_BITS = 20.0
-#: Evidence in bits, above which a CRC is no coincidence, and frames without one need not be considered.
+#: Evidence in bits, above which a CRC cannot fit by chance, and frames without one need not be considered.
 _CERTAIN = 30
 #: Bits that describe a parity bit: in its usual place, in the other one, and in addition to a CRC.
 _PARITY_BITS, _OTHER_PLACE_BITS, _WITH_CRC_BITS = 4.0, 2.0, 4.0

@@ -480,9 +480,12 @@ function parityOfLine(field, sent) {
   return { covered: others.filter((one) => !isConstant(one)), isOdd: (Number(field.isOdd) + constants) % 2 };
 }
 
+const LINE_COLOURS = { flag: "flag", zero: "fixed", constant: "fixed", crc: "check", parity: "check" };
+
 function lineFieldData(field, sent, hasPosition) {
   const { name, bits: width, low } = field;
-  const data = { name, ...notEmpty({ low }), width };
+  const colour = field.kind === "unused" && hasPosition ? "fixed" : LINE_COLOURS[field.kind] ?? "data";
+  const data = { name, ...notEmpty({ low }), width, colour };
   switch (field.kind) {
     case "flag":
       return { ...data, kind: field.level === "low" ? "not_flag" : "flag", on: LINE_MEANINGS[field.verdict] };

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 import pytest
 import yaml
-from codewheel.language.schema_files import is_second, load_schema
+from codewheel.language.schema_files import is_second, is_word_sheet, load_schema
 
 ROOT = Path(__file__).parents[2]
 LOADER = getattr(yaml, "CSafeLoader", yaml.SafeLoader)
@@ -161,7 +161,11 @@ def specs() -> dict[str, list[Any]]:
     """Return the specs of all real encoders, by manufacturer."""
     specs_by_manufacturer: dict[str, list[Any]] = {}
     for path in sorted((ROOT / "specs").glob("*/*.yaml")):
-        if path.name != "manufacturer.yaml" and path.parent.name != "masters" and not is_second(path):
+        if (
+            path.name != "manufacturer.yaml"
+            and path.parent.name != "masters"
+            and not (is_second(path) or is_word_sheet(path))
+        ):
             text = path.read_text(encoding="utf-8")
             specs_by_manufacturer.setdefault(path.parent.name, []).append(yaml.load(text, LOADER))
     return specs_by_manufacturer

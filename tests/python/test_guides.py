@@ -15,6 +15,7 @@ from typing import Any
 import pytest
 from codewheel.targets import Library
 from codewheel.targets.python.files import generate
+from python_path import new_packages
 
 README_LINES, GUIDE_LINES = 350, 200
 LIVE, FILES, TEST = "live-line.md", "files-and-captures.md", "test-without-an-encoder.md"
@@ -62,14 +63,15 @@ def test_pages_are_short(output: Path) -> None:
 def test_every_example_runs(output: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:
     monkeypatch.syspath_prepend(output / "runtime")
     example_pages = {FILES: 0, TEST: 0, LIVE: 0, "README.md": 0}
-    for folder in package_folders(output):
-        monkeypatch.syspath_prepend(folder)
-        for page in pages(folder):
-            text = "\n".join(python_blocks(page))
-            test = doctest.DocTestParser().get_doctest(text, {}, f"{folder.name}/{page.name}", str(page), 0)
-            result = doctest.DocTestRunner().run(test)
-            assert result.failed == 0, f"{page}\n{capsys.readouterr().out}"
-            example_pages[page.name] += bool(test.examples)
+    with new_packages():
+        for folder in package_folders(output):
+            monkeypatch.syspath_prepend(folder)
+            for page in pages(folder):
+                text = "\n".join(python_blocks(page))
+                test = doctest.DocTestParser().get_doctest(text, {}, f"{folder.name}/{page.name}", str(page), 0)
+                result = doctest.DocTestRunner().run(test)
+                assert result.failed == 0, f"{page}\n{capsys.readouterr().out}"
+                example_pages[page.name] += bool(test.examples)
     assert example_pages[FILES] == example_pages[TEST] == len(package_folders(output))
     assert min(example_pages.values()) > 5
 
@@ -84,21 +86,22 @@ def test_every_live_example_runs(
     """The programs of the README and the guides, on a virtual encoder instead of the port that they name."""
     monkeypatch.syspath_prepend(output / "runtime")
     runs = 0
-    for folder in package_folders(output):
-        monkeypatch.syspath_prepend(folder)
-        for page in pages(folder):
-            for block in python_blocks(page):
-                if PLACEHOLDER_PORT.search(block):
-                    (code,) = set(re.findall(r'(?:lookup\(|ttyUSB0", )"([^"]+)"', block))
-                    served = virtual_encoder(code, 77)
-                    exec(PLACEHOLDER_PORT.sub(served.port, block).replace("range(100)", "range(3)"), {})
-                    assert set(capsys.readouterr().out.split()) == {"77"}, page
-                    runs += 1
-                elif "def test_" in block:
-                    names: dict[str, Any] = {}
-                    exec(block, names)
-                    names["test_lost_replies"](virtual_encoder)
-                    runs += 1
+    with new_packages():
+        for folder in package_folders(output):
+            monkeypatch.syspath_prepend(folder)
+            for page in pages(folder):
+                for block in python_blocks(page):
+                    if PLACEHOLDER_PORT.search(block):
+                        (code,) = set(re.findall(r'(?:lookup\(|ttyUSB0", )"([^"]+)"', block))
+                        served = virtual_encoder(code, 77)
+                        exec(PLACEHOLDER_PORT.sub(served.port, block).replace("range(100)", "range(3)"), {})
+                        assert set(capsys.readouterr().out.split()) == {"77"}, page
+                        runs += 1
+                    elif "def test_" in block:
+                        names: dict[str, Any] = {}
+                        exec(block, names)
+                        names["test_lost_replies"](virtual_encoder)
+                        runs += 1
     assert runs >= 4 * 3
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import importlib
 import re
 import subprocess
-import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -13,6 +12,7 @@ from typing import Any
 import pytest
 from codewheel.commands.cli import main
 from codewheel.virtual import SpiLine, VirtualEncoder
+from python_path import new_packages
 from working_tools import require
 
 pytestmark = pytest.mark.slow
@@ -44,11 +44,8 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def load(outputs: Path) -> Iterator[Callable[[str], Any]]:
     folders = [str(outputs / name / "python") for name in ("ams", "infineon")]
-    with pytest.MonkeyPatch.context() as patch:
-        for module_name in [*sys.modules]:
-            # Other tests may have imported a package of this name with other encoders.
-            if module_name.partition(".")[0] in ("ams_encoders", "infineon_encoders"):
-                patch.delitem(sys.modules, module_name)
+    # Other tests may have imported a package of this name with other encoders.
+    with new_packages(), pytest.MonkeyPatch.context() as patch:
         for folder in folders:
             patch.syspath_prepend(folder)
         yield importlib.import_module

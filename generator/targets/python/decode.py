@@ -230,7 +230,11 @@ class Decoder:
         taken = {self.local(member) for member in codec.layout.fields} | {self.local(run) for run in runs}
 
         def free(name: str) -> str:
-            return f"{name}_" if name in taken else name
+            name = self.names.local(name)
+            while name in taken:
+                name += "_"
+            taken.add(name)
+            return name
 
         scope.prefer("frame_bits", "size", codec.layout.bits, sum_comment(codec, codec.layout.bits))
         for member in codec.layout.fields:
