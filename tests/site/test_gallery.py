@@ -41,7 +41,7 @@ def test_there_is_a_card_with_a_picture_for_each_encoder(site: Path, browser: Br
 @pytest.mark.parametrize(
     ("words", "manufacturer", "interface", "names"),
     [
-        ("", "SICK", "", {"skm36"}),
+        ("", "SICK", "", {"skm36", "dl100", "dl1000"}),
         ("", "Lika Electronic", "RS-485", {"amm5", "sma21"}),
         ("AMM5A21/65KSC1", "", "", {"amm5"}),
         ("linear renishaw", "", "", {"resolute_linear"}),
