@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
 from html import escape
@@ -131,8 +132,12 @@ class ErrataLinks:
 
 
 def _html_link(erratum: Erratum) -> str:
-    """Return a link in HTML, since a block that begins with HTML has no Markdown in it."""
-    return f'<a href="#erratum-{erratum.name}">{escape(erratum.title)}</a>'
+    """Return a link in HTML, since a block that begins with HTML has no Markdown in it.
+
+    In the cell of a table, what follows HTML is Markdown: its marks are written as character references.
+    """
+    title = _MARKDOWN_MARKS.sub(lambda mark: f"&#{ord(mark[0])};", escape(" ".join(erratum.title.split())))
+    return f'<a href="#erratum-{erratum.name}">{title}</a>'
 
 
 def _numbered_links(label: str, pages: Sequence[str]) -> str:
@@ -141,6 +146,8 @@ def _numbered_links(label: str, pages: Sequence[str]) -> str:
     return ", ".join([first_link, *(link(f"{number}", page) for number, page in enumerate(pages[1:], 2))])
 
 
+#: Characters with a meaning in Markdown, except those that HTML escapes.
+_MARKDOWN_MARKS = re.compile(r"[|*_`\[\]\\{}~$]")
 #: Marks of the links, by status.
 _MARKS = {"open": "⚠", "settled": "✓"}
 
