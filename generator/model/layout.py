@@ -58,6 +58,11 @@ class Layout:
         """Return the field with this name, or raise a ``LookupError``."""
         return member_named(self.fields, name, f"field of '{self.name}'")
 
+    @property
+    def has_optional_flags(self) -> bool:
+        """Whether the layouts of some order codes lack one of its flags."""
+        return any(isinstance(field.kind, Flag) and not field.width.is_constant for field in self.fields)
+
     def find_field(self, name: str) -> Field | None:
         """Return the field with this name, or None if the layout has none."""
         return next((field for field in self.fields if field.name == name), None)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 
-from codewheel.model import Answer, Device, Field, Flag, Interface, Layout, Register, Value
+from codewheel.model import Answer, Device, Field, Interface, Layout, Register, Value
 from codewheel.plan.codec import Codec, characters, codec_of
 from codewheel.plan.crcs import CrcFunction, crc_functions, function_of
 from codewheel.plan.frames import dispatches, held_parameters
@@ -138,9 +138,8 @@ class Family:
         struct = Struct(layout, codec_of(self.device, layout), function_of(self.device, layout), types)
         for problem in struct.width_problems():
             self._wide.append(TargetProblem(self.device, "rust-size", place, f"{problem}. Rust allows at most {WORD}"))
-        is_absent = any(isinstance(field.kind, Flag) and not field.width.is_constant for field in layout.fields)
-        if struct.codec.parity_covers_gray or is_absent:
-            part = "a flag that order codes lack" if is_absent else "a parity bit over Gray code"
+        if struct.codec.parity_covers_gray or layout.has_optional_flags:
+            part = "a flag that order codes lack" if layout.has_optional_flags else "a parity bit over Gray code"
             problem = f"'{layout.name}' has {part}, which this target does not compute"
             self._wide.append(TargetProblem(self.device, "rust-parity", place, problem))
         return struct
