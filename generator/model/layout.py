@@ -59,7 +59,7 @@ class Layout:
 
     @property
     def has_optional_flags(self) -> bool:
-        """Whether the layouts of some order codes lack one of its flags."""
+        """True if some order codes lack one of its flags."""
         return any(isinstance(field.kind, Flag) and not field.width.is_constant for field in self.fields)
 
     def find_field(self, name: str) -> Field | None:

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
-from html import escape
 from typing import Annotated, Any, TypedDict
 
 from ...model import Device, Erratum
 from ...say.errata import errata
 from ...say.errata import erratum as erratum_statement
-from ...say.markdown import STYLE, anchor, cited, code, link, link_list, text
+from ...say.markdown import STYLE, anchor, cited, code, html, link, link_list, text
 from ...say.text import sentence
 from . import fact_tables
 from .page_links import ERRATA, link_to_erratum
@@ -132,12 +130,8 @@ class ErrataLinks:
 
 
 def _html_link(erratum: Erratum) -> str:
-    """Return a link in HTML, since a block that begins with HTML has no Markdown in it.
-
-    In the cell of a table, what follows HTML is Markdown: its marks are written as character references.
-    """
-    title = _MARKDOWN_MARKS.sub(lambda mark: f"&#{ord(mark[0])};", escape(" ".join(erratum.title.split())))
-    return f'<a href="#erratum-{erratum.name}">{title}</a>'
+    """Return a link in HTML, since a block that begins with HTML has no Markdown in it."""
+    return f'<a href="#erratum-{erratum.name}">{html(erratum.title)}</a>'
 
 
 def _numbered_links(label: str, pages: Sequence[str]) -> str:
@@ -146,8 +140,6 @@ def _numbered_links(label: str, pages: Sequence[str]) -> str:
     return ", ".join([first_link, *(link(f"{number}", page) for number, page in enumerate(pages[1:], 2))])
 
 
-#: Characters with a meaning in Markdown, except those that HTML escapes.
-_MARKDOWN_MARKS = re.compile(r"[|*_`\[\]\\{}~$]")
 #: Marks of the links, by status.
 _MARKS = {"open": "⚠", "settled": "✓"}
 
