@@ -27,7 +27,7 @@ _OF_PROJECT = re.compile(
     r"|how-to|example|overlays|rules|spec-language|exports|start-maintainer)|.*-changes$)"
 )
 #: Longest text of a section in characters. Only words beyond it are not found.
-_LONGEST = 6000
+_LONGEST = 12_000
 #: Heading of the folded part of the page of an order code.
 _DETAILS = "Details"
 #: Heading above the worked examples of a family.

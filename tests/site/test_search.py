@@ -139,7 +139,7 @@ dead battery                    | Battery alarm       | amm5/rs485.html#battery-
 wire colors                     | Wiring              | am36/biss.html#wiring
 clock frequency                 | Clocks, ports and codes | docs/which-encoder.html#clocks-ports-and-codes
 how fast                        | Times               | am36/biss.html#times
-startup time                    | Times               | am36/biss.html#times
+startup time                    | Times               | msa213c/biss.html#times
 power consumption               | Wiring              | am36/biss.html#wiring
 5v                              | T12 cable           | sma21/rs485.html#t12-cable
 rs485 baud                      | AMM5: RS-485        | amm5/rs485.html

@@ -19,19 +19,22 @@ from ...model import (
     PlacedField,
     PlacedLayout,
     Variant,
+    Verdict,
 )
 from ...order_codes.labels import filled
-from ...order_codes.parameters import parameters_of, run_time_names
+from ...order_codes.parameters import parameters_of, run_time_names, with_answers
 from ...plan.values import Active, TwosComplement, meaning_of
+from ...plan.verdicts import Judgement, Match, VerdictCause
 from ...say.layout import crc_inverted, crc_reflected
 from ...say.markdown import STYLE, cited, code, joined, link, text
-from ...say.names_and_places import bits, heading
+from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.order_code import open_values, parameter_origin, parameter_value
 from ...say.plain_text import counted, number
 from ...say.register import measurement, own_ranges, position_range
-from ...say.report import deciding
+from ...say.report import conditions, deciding
+from ...say.text import WORTH, statement
 from .page_links import style_in_folder
-from .verdict_table import verdict_facts
+from .verdict_table import EFFECTS, applicable_causes, judgement_of
 
 
 def part_rows(device: Device) -> Iterator[tuple[str, ...]]:
@@ -259,7 +262,7 @@ def open_questions(device: Device, layout: Layout) -> Iterator[str]:
 def frame_facts(
     family: Device, layout: Layout, variant: Variant, choices: Sequence[str] = ()
 ) -> Iterator[tuple[str, str]]:
-    """Yield the CRC, the unused flags, and the verdict on a frame that no bit decides, each in one line.
+    """Yield the CRC, the polarity of the flags and the verdict on the position, each in one line.
 
     ``choices`` are the names of the alternatives on the page, to which the verdicts link.
     """
@@ -269,30 +272,59 @@ def frame_facts(
     family_layouts = family.interface(variant.interface).layouts
     family_layout = next(candidate for candidate in family_layouts if candidate.name == layout.name)
     placed_layout = family_layout.place(variant.parameters)
-    unused_flags = _unused_flags(placed_layout)
-    if unused_flags:
-        yield "Not used by this encoder", ", ".join(unused_flags)
+    yield from _flag_facts(placed_layout)
     for placed_field in placed_layout.fields:
         if isinstance(meaning_of(placed_field.field), TwosComplement):
             yield "Signed", _range_of_signed_number(family, placed_field, placed_layout)
-    yield from verdict_facts(family, family_layout, variant, choices)
+    yield from _verdict_facts(family, family_layout, variant, choices, has_crc=crc is not None)
 
 
-def _unused_flags(placed_layout: PlacedLayout) -> list[str]:
-    """Return the flags that the encoder does not use, with their places in a frame that is one number."""
-    unused_flags = []
-    for placed_field in placed_layout.fields if not placed_layout.layout.in_bytes else ():
-        is_active_flag = isinstance(meaning_of(placed_field.field), Active)
-        if not is_active_flag and placed_field.field.printed_name and deciding(placed_field.field) in {"0", "1"}:
-            place = bits(placed_field.high, placed_field.low)
-            unused_flags.append(f"{code(placed_field.name)} ({place})")
-    return unused_flags
+def _flag_facts(placed_layout: PlacedLayout) -> Iterator[tuple[str, str]]:
+    """Yield the flags by the level at which they are active, and those that the encoder does not use."""
+    layout = placed_layout.layout
+    flags_by_label: dict[str, list[tuple[str, str]]] = {}
+    for placed_field in placed_layout.fields:
+        byte = frame_bytes(layout, placed_layout.bits, placed_field.high, placed_field.low) if layout.in_bytes else ""
+        flag = (code(placed_field.name), byte or bits(placed_field.high, placed_field.low))
+        level = deciding(placed_field.field)
+        if isinstance(meaning_of(placed_field.field), Active):
+            flags_by_label.setdefault(f"Active at {level}", []).append(flag)
+        elif not byte and placed_field.field.printed_name and level in {"0", "1"}:
+            flags_by_label.setdefault("Not used by this encoder", []).append(flag)
+    yield from ((label, ", ".join(_with_places(flags))) for label, flags in flags_by_label.items())
+
+
+def _verdict_facts(
+    family: Device, layout: Layout, variant: Variant, choices: Sequence[str], has_crc: bool
+) -> Iterator[tuple[str, str]]:
+    """Yield the verdict on the position, and the verdicts that other answers than the defaults change."""
+    judgement = judgement_of(family, layout)
+    if judgement is None:
+        return
+    yield "Position", verdict_line(judgement, variant, has_crc)
+    alternatives = [alternative for alternative in family.verdict_alternatives(layout) if alternative.name in choices]
+    for alternative in alternatives:
+        for answer in alternative.answers[1:]:
+            variant_with_answer = with_answers(family, variant, {alternative.name: answer.name})
+            changed_verdicts = _changed_verdicts(judgement, variant, variant_with_answer)
+            if changed_verdicts:
+                with_answer = link(f"With {code(answer.name)}", f"#alternative-{alternative.name}")
+                yield with_answer, "; ".join(changed_verdicts)
 
 
 def _range_of_signed_number(family: Device, placed_field: PlacedField, placed_layout: PlacedLayout) -> str:
     """Return the notation and range of a signed number."""
     lowest, highest = family.signed_range(placed_field, placed_layout)
     return f"{code(placed_field.name)}, in two's complement, {number(lowest)} to {number(highest)}"
+
+
+def _with_places(flags: Sequence[tuple[str, str]]) -> Iterator[str]:
+    """Yield flags with their places. A byte is named only where it changes."""
+    previous_byte = ""
+    for name, place in flags:
+        byte, _, bit = place.rpartition(", ")
+        yield f"{name} ({bit if byte == previous_byte else place})"
+        previous_byte = byte
 
 
 def crc_line(family: Device, crc: Crc) -> str:
@@ -312,3 +344,50 @@ def crc_line(family: Device, crc: Crc) -> str:
 
 def _in_superscript(exponent: re.Match[str]) -> str:
     return exponent[1].translate(_SUPERSCRIPT)
+
+
+def verdict_line(judgement: Judgement, variant: Variant, has_crc: bool) -> str:
+    """Return the rule for the verdict on the position of an order code."""
+    judgement = judgement.for_parameters(variant.parameters)
+    causes_by_verdict = applicable_causes(judgement, variant)
+    parts = [_verdict_if(verdict, causes) for verdict, causes in causes_by_verdict.items()]
+    if not parts:
+        return STYLE.phrase(statement(WORTH[judgement.otherwise]))
+    correct = ", if the CRC is correct," if has_crc else ""
+    return "; ".join([*parts, f"otherwise{correct} {EFFECTS[judgement.otherwise]}"])
+
+
+def _changed_verdicts(judgement: Judgement, variant: Variant, variant_with_answer: Variant) -> list[str]:
+    """Return the verdicts to which an answer adds causes that ``variant``, with the defaults, lacks."""
+    default_causes = applicable_causes(judgement, variant)
+    changed_verdicts = []
+    for verdict, causes in applicable_causes(judgement, variant_with_answer).items():
+        default_fields = [cause.by for cause in default_causes.get(verdict, ())]
+        added_causes = [cause for cause in causes if cause.by not in default_fields]
+        if added_causes:
+            changed_verdicts.append(_verdict_if(verdict, added_causes))
+    return changed_verdicts
+
+
+def _verdict_if(verdict: Verdict, causes: Sequence[VerdictCause]) -> str:
+    return f"{EFFECTS[verdict]} if {', or if '.join(_cause_texts(causes))}"
+
+
+def _cause_texts(causes: Sequence[VerdictCause]) -> Iterator[str]:
+    """Yield the conditions of a verdict. Flags with the same active level are one condition."""
+    names_by_level: dict[str, list[str]] = {}
+    for cause in causes:
+        if not isinstance(cause.by, Match):
+            names_by_level.setdefault(deciding(cause.by.field), []).append(_cause_text(cause))
+    yield from (f"{' or '.join(names)} is {level}" for level, names in names_by_level.items())
+    for cause in causes:
+        if isinstance(cause.by, Match):
+            yield STYLE.phrase(conditions((part.field, value) for part, value in cause.by.conditions))
+
+
+def _cause_text(cause: VerdictCause) -> str:
+    name = code(cause.by.field.name)
+    if not cause.unless:
+        return name
+    flags = " and ".join(code(part.field.name) for part in cause.unless)
+    return f"{name} (while {flags} {'is' if len(cause.unless) == 1 else 'are'} inactive)"

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 
 from ...model import Device, Field, Layout, PlacedLayout, Variant, Verdict
-from ...order_codes.parameters import with_answers
 from ...plan.values import Active, meaning_of
 from ...plan.verdicts import Judgement, Match, VerdictCause, reportings
 from ...say.layout import is_reserved
 from ...say.markdown import STYLE, code, joined, link, text
 from ...say.names_and_places import bits, frame_bytes, heading
 from ...say.report import alarm_of, by_hand, conditions, deciding, remedy_text
-from ...say.text import WORTH, sentence, statement
+from ...say.text import sentence
 
 Row = tuple[str, ...]
 #: Verdicts as cells of the table.
-_EFFECTS = {
+EFFECTS = {
     Verdict.USABLE: "✓ usable",
     Verdict.USABLE_WITH_WARNING: "▲ usable with a warning",
     Verdict.NOT_USABLE: "✕ **not usable**",
@@ -40,13 +39,13 @@ def verdict_table(family: Device, device: Device, layout: Layout, variant: Varia
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
     if judgement is not None:
         judgement = judgement.for_parameters(variant.parameters)
-        causes_by_verdict = _applicable_causes(judgement, variant)
+        causes_by_verdict = applicable_causes(judgement, variant)
     placed = layout.place(variant.parameters)
     rows = list(_cause_rows(device, placed, causes_by_verdict))
     rows += _rows_of_other_flags(device, placed, causes_by_verdict, judgement)
     if judgement is not None and causes_by_verdict:
         with_crc = "" if family.crc_of(layout) is None else ", and the CRC is correct"
-        rows.append(("", f"none of these{with_crc}", "", _EFFECTS[judgement.otherwise], ""))
+        rows.append(("", f"none of these{with_crc}", "", EFFECTS[judgement.otherwise], ""))
     used_columns = [index for index in range(len(_HEAD)) if any(row[index] for row in rows)]
     return _columns(_HEAD, used_columns), [_columns(row, used_columns) for row in rows]
 
@@ -62,11 +61,11 @@ def _cause_rows(
     for verdict, causes in causes_by_verdict.items():
         for cause in causes:
             if isinstance(cause.by, Match):
-                yield _row_of_match(placed, cause.by, _EFFECTS[verdict])
+                yield _row_of_match(placed, cause.by, EFFECTS[verdict])
             else:
                 field = cause.by.field
                 level = deciding(field) + _while_inactive(cause)
-                yield _row(device, placed, field, level, _EFFECTS[verdict])
+                yield _row(device, placed, field, level, EFFECTS[verdict])
 
 
 def _rows_of_other_flags(
@@ -125,27 +124,7 @@ def _while_inactive(cause: VerdictCause) -> str:
     return f", while {flags} {'is' if len(cause.unless) == 1 else 'are'} inactive"
 
 
-def verdict_facts(
-    family: Device, layout: Layout, variant: Variant, choices: Sequence[str]
-) -> Iterator[tuple[str, str]]:
-    """Yield the verdict of a frame that no bit decides, and those that answers other than the defaults change."""
-    judgement = judgement_of(family, layout)
-    if judgement is None:
-        return
-    narrowed = judgement.for_parameters(variant.parameters)
-    if not _applicable_causes(narrowed, variant):
-        yield "Position", STYLE.phrase(statement(WORTH[narrowed.otherwise]))
-    alternatives = [alternative for alternative in family.verdict_alternatives(layout) if alternative.name in choices]
-    for alternative in alternatives:
-        for answer in alternative.answers[1:]:
-            variant_with_answer = with_answers(family, variant, {alternative.name: answer.name})
-            changed_verdicts = _changed_verdicts(judgement, variant, variant_with_answer)
-            if changed_verdicts:
-                with_answer = link(f"With {code(answer.name)}", f"#alternative-{alternative.name}")
-                yield with_answer, "; ".join(changed_verdicts)
-
-
-def _applicable_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, list[VerdictCause]]:
+def applicable_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, list[VerdictCause]]:
     """Return the causes of each verdict that apply to an order code, the worst verdict first."""
     causes_by_verdict: dict[Verdict, list[VerdictCause]] = {}
     for verdict, causes in judgement.worst_first:
@@ -153,24 +132,6 @@ def _applicable_causes(judgement: Judgement, variant: Variant) -> dict[Verdict, 
         if applicable_causes:
             causes_by_verdict[verdict] = applicable_causes
     return causes_by_verdict
-
-
-def _changed_verdicts(judgement: Judgement, variant: Variant, variant_with_answer: Variant) -> list[str]:
-    """Return the verdicts to which an answer adds causes that ``variant``, with the defaults, lacks."""
-    default_causes = _applicable_causes(judgement, variant)
-    changed_verdicts = []
-    for verdict, causes in _applicable_causes(judgement, variant_with_answer).items():
-        default_fields = [cause.by for cause in default_causes.get(verdict, ())]
-        added_causes = [cause for cause in causes if cause.by not in default_fields]
-        if added_causes:
-            changed_verdicts.append(f"{_EFFECTS[verdict]} if {', or if '.join(map(_cause_text, added_causes))}")
-    return changed_verdicts
-
-
-def _cause_text(cause: VerdictCause) -> str:
-    if isinstance(cause.by, Match):
-        return STYLE.phrase(conditions((part.field, value) for part, value in cause.by.conditions))
-    return f"{code(cause.by.field.name)} is {deciding(cause.by.field)}{_while_inactive(cause)}"
 
 
 def _applies(cause: VerdictCause, variant: Variant) -> bool:
