@@ -79,8 +79,8 @@ def test_each_verdict_in_the_table_is_a_badge(site: Path, browser: Browser) -> N
     browser.look(1280)
     browser.open(page_of(site, "amm5/AMM5A23-65KJP1").as_uri())
     rows = browser.run(
-        '[...document.querySelectorAll("#details tr:has(.verdict)")].map((row) => [row.cells[0].innerText, '
-        'row.cells[1].querySelector("code")?.innerText ?? "", row.querySelector(".verdict")?.className ?? ""])'
+        '[...document.querySelectorAll("#details tr:has(.verdict)")].map((row) => [row.cells[0].textContent.trim(), '
+        'row.cells[1].querySelector("code")?.textContent ?? "", row.querySelector(".verdict")?.className ?? ""])'
     )
     assert ["byte 9, bit 7", "battery_alarm", "verdict usable_with_warning"] in rows
     assert ["byte 9, bit 2", "st_error", "verdict not_usable"] in rows
