@@ -88,16 +88,20 @@ def _signed_range(measurement: Measurement, field: Field) -> PositionRange | Non
 def _unsigned_range(
     measurement: Measurement, fields: Sequence[Field], sets: Sequence[Mapping[str, int]]
 ) -> PositionRange | None:
-    total, turns, counts = measurement.total, measurement.turns, measurement.counts_per_turn
+    """Return the range of a position without a sign, or that of its revolutions if it has two fields."""
+    total, turns, counts_per_turn = measurement.total, measurement.turns, measurement.counts_per_turn
     if total is None or any(field.number.signed for field in fields):
         return None
     if len(fields) == 1:
         return PositionRange(fields[0], Expression(0), measurement.highest or total - Expression(1))
-    if len(fields) == 2 and measurement.highest is None and counts is not None and turns is not None:
-        # Both fields can also be parts of one revolution.
-        is_turn = all(counts.value(parameters) == 1 << fields[1].width.value(parameters) for parameters in sets)
-        return PositionRange(fields[0], Expression(0), turns - Expression(1)) if is_turn else None
-    return None
+    if len(fields) != 2 or measurement.highest is not None or counts_per_turn is None or turns is None:
+        return None
+    high_field, low_field = fields
+    for parameters in sets:
+        if counts_per_turn.value(parameters) != 1 << low_field.width.value(parameters):
+            # Both fields are parts of one revolution.
+            return None
+    return PositionRange(high_field, Expression(0), turns - Expression(1))
 
 
 _Kind = TypeVar("_Kind", bound=Interface)

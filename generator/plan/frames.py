@@ -56,23 +56,33 @@ class Dispatch:
 
 def dispatches(layouts: Sequence[Layout]) -> Iterator[Dispatch]:
     """Yield a dispatch for each sender that sends more than one kind of frame on an interface."""
-    for sender in dict.fromkeys(layout.sender for layout in layouts):
-        sender_layouts = [layout for layout in layouts if layout.sender == sender]
-        if not sender_layouts[0].selector:
-            continue
-        fallback = next((layout for layout in sender_layouts if not layout.selector), None)
-        selected_layouts = sender_layouts[: sender_layouts.index(fallback)] if fallback is not None else sender_layouts
-        selector = sender_layouts[0].field(sender_layouts[0].selector)
-        needs = max((piece.byte + 1 for piece in selector.pieces), default=1)
-        branches = tuple(Branch(layout, layout.selects) for layout in selected_layouts)
-        yield Dispatch(
-            sender=sender,
-            selector=selector,
-            bits=bits_of(sender_layouts[0], selector),
-            needs=needs,
-            branches=branches,
-            fallback=fallback,
-        )
+    layouts_by_sender: dict[str, list[Layout]] = {}
+    for layout in layouts:
+        layouts_by_sender.setdefault(layout.sender, []).append(layout)
+    for sender, sender_layouts in layouts_by_sender.items():
+        if sender_layouts[0].selector:
+            yield _dispatch_of(sender, sender_layouts)
+
+
+def _dispatch_of(sender: str, layouts: Sequence[Layout]) -> Dispatch:
+    """Return the dispatch of a sender. Frames after the first one without a selector are never chosen."""
+    branches = []
+    fallback = None
+    for layout in layouts:
+        if not layout.selector:
+            fallback = layout
+            break
+        branches.append(Branch(layout, layout.selects))
+    selector = layouts[0].field(layouts[0].selector)
+    last_byte = max((piece.byte for piece in selector.pieces), default=0)
+    return Dispatch(
+        sender=sender,
+        selector=selector,
+        bits=bits_of(layouts[0], selector),
+        needs=last_byte + 1,
+        branches=tuple(branches),
+        fallback=fallback,
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -131,20 +141,36 @@ def exchanges(interface: Interface) -> tuple[Exchanged, ...]:
 
 
 def _with_reply(exchange: Exchange, request: Layout, reply: Layout | None) -> Exchanged:
-    first = _first_byte(request)
-    repeats = reply is not None and first is not None and first == _first_byte(reply)
-    return Exchanged(exchange, request, reply, repeats)
+    first_byte = _contents_of_first_byte(request)
+    repeats_first = reply is not None and bool(first_byte) and first_byte == _contents_of_first_byte(reply)
+    return Exchanged(exchange, request, reply, repeats_first)
 
 
-def _first_byte(layout: Layout) -> list[tuple[int, int, int, int | str]] | None:
-    """Return the bits of the first byte with their constants or fields, or None if others are among them."""
-    byte_bits = []
+@dataclass(frozen=True, slots=True)
+class _ContentOfBits:
+    """Bits of a byte from ``lowest_bit`` on, which are bits of a constant or of the field with this name."""
+
+    lowest_bit: int
+    mask: int
+    bits_above: int
+    content: int | str
+
+
+def _contents_of_first_byte(layout: Layout) -> frozenset[_ContentOfBits]:
+    """Return the contents of the bits of the first byte, or nothing if some are neither data nor constant."""
+    contents = []
     for field in layout.fields:
-        content: int | str = field.kind.value if isinstance(field.kind, Constant) else field.name
-        if field.carries_data or isinstance(field.kind, Constant):
-            byte_bits += [(piece.right, piece.mask, piece.left, content) for piece in field.pieces if piece.byte == 0]
-    bits = sum(mask.bit_count() for _, mask, _, _ in byte_bits)
-    return sorted(byte_bits, key=lambda bits_of_piece: bits_of_piece[0]) if bits == 8 else None
+        if isinstance(field.kind, Constant):
+            content: int | str = field.kind.value
+        elif field.carries_data:
+            content = field.name
+        else:
+            continue
+        for piece in field.pieces:
+            if piece.byte == 0:
+                contents.append(_ContentOfBits(piece.right, piece.mask, piece.left, content))
+    known_bits = sum(part.mask.bit_count() for part in contents)
+    return frozenset(contents) if known_bits == 8 else frozenset()
 
 
 #: Before the start bit of a BiSS frame come two idle clocks, the acknowledge and the line delay. No manual states how

@@ -48,13 +48,13 @@ class Report:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """A value that differs from the manual. ``of_register`` is true if it is in a register."""
+    """A value that differs from the manual. ``is_register`` is true if it is in a register."""
 
     field: str
     actual: int | str
     documented: int | str
     message: str
-    of_register: bool
+    is_register: bool
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,20 +72,23 @@ def findings(device: Device, variant: Variant, decoded: Decoded) -> Findings:
         return Findings()
     layout = decoded.layout.layout
     values = {field.name: field for field in decoded.fields}
-    fields_and_values = ((placed_field, values[placed_field.name]) for placed_field in decoded.layout.fields)
-    active = [placed_field.field for placed_field, value in fields_and_values if _is_active_field(placed_field, value)]
-    if layout.sender == "encoder":
-        active += [sign.flag for sign in layout.signs if _is_active(sign, layout, values)]
-    register = "" if layout.sender == "encoder" else decoded.layout.name
-    alarms = {field.name: _alarm_for(device, variant, field, register) for field in active}
-    # A flag in a register may mean anything, such as "ready". Only flags that the manual lists as alarms are reported.
-    if register:
-        reported = [field for field in active if alarms[field.name] is not None]
-    else:
-        reported = [field for field in active if _verdict_of_kind(field.kind) is not Verdict.USABLE]
-    differences = tuple(_differences(variant, decoded, values, bool(register)))
-    verdict = _verdict(decoded.layout, active) if device.tells_position(variant.interface, layout) else None
-    return Findings(tuple(_report(field, alarms[field.name]) for field in reported), verdict, differences)
+    is_frame = layout.sender == "encoder"
+    active_fields = []
+    for placed_field in decoded.layout.fields:
+        if _is_active_field(placed_field, values[placed_field.name]):
+            active_fields.append(placed_field.field)
+    if is_frame:
+        active_fields += [sign.flag for sign in layout.signs if _is_active(sign, layout, values)]
+    reports = []
+    for field in active_fields:
+        alarm = _alarm_for(device, variant, field, register="" if is_frame else layout.name)
+        # In a register, a flag may mean anything, such as "ready": only the alarms of the manual are reported.
+        is_reported = _verdict_of_kind(field.kind) is not Verdict.USABLE if is_frame else alarm is not None
+        if is_reported:
+            reports.append(_report(field, alarm))
+    differences = _differences(variant, decoded, values, is_register=not is_frame)
+    verdict = _verdict(decoded.layout, active_fields) if device.tells_position(variant.interface, layout) else None
+    return Findings(tuple(reports), verdict, tuple(differences))
 
 
 def _alarm_for(device: Device, variant: Variant, field: Field, register: str) -> Alarm | None:
@@ -147,7 +150,7 @@ def _verdict(placed: PlacedLayout, active: Sequence[Field]) -> Verdict:
 
 
 def _differences(
-    variant: Variant, decoded: Decoded, values: Mapping[str, DecodedField], of_register: bool
+    variant: Variant, decoded: Decoded, values: Mapping[str, DecodedField], is_register: bool
 ) -> Iterator[Difference]:
     assert decoded.layout is not None
     for placed_field in decoded.layout.fields:
@@ -157,13 +160,13 @@ def _differences(
         actual = values[placed_field.name].value if isinstance(documented, str) else values[placed_field.name].raw
         if actual != documented:
             name = placed_field.field.printed_name or placed_field.name
-            message = _message(name, variant, actual, documented, of_register)
-            yield Difference(placed_field.name, actual, documented, message, of_register)
+            message = _message(name, variant, actual, documented, is_register)
+            yield Difference(placed_field.name, actual, documented, message, is_register)
 
 
-def _message(name: str, variant: Variant, actual: int | str, documented: int | str, of_register: bool) -> str:
+def _message(name: str, variant: Variant, actual: int | str, documented: int | str, is_register: bool) -> str:
     actual_text, documented_text = _value_text(actual), _value_text(documented)
-    if of_register:
+    if is_register:
         return report.other_content(name, actual_text, variant.code, documented_text)
     return report.other_value(name, actual_text, documented_text)
 

@@ -180,6 +180,8 @@ def _rate(interface: str, text: str) -> tuple[str, float]:
 Position = int | Callable[[float], float]
 
 _NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
+_RAMP = re.compile(rf"ramp:(?P<speed>{_NUMBER})")
+_SINE = re.compile(rf"sine:(?P<frequency>{_NUMBER})(?:Hz)?(?::(?P<amplitude>{_NUMBER})(?P<degrees>deg)?)?")
 
 
 def motion(text: str, counts: int, lowest: int = 0, counts_per_turn: int = 0) -> Position:
@@ -202,21 +204,34 @@ def motion(text: str, counts: int, lowest: int = 0, counts_per_turn: int = 0) ->
         return int(text, 0)
     except ValueError:
         pass
-    match = re.fullmatch(rf"(sine|ramp):({_NUMBER})(Hz)?(?::({_NUMBER})(deg)?)?", text)
-    value = float(match[2]) if match is not None else math.inf
-    amplitude = float(match[4] or 0) if match is not None else math.inf
-    is_bad_ramp = match is not None and match[1] == "ramp" and (match[3] or match[4])
-    if match is None or not math.isfinite(value) or not math.isfinite(amplitude) or is_bad_ramp:
-        raise ValueError(
-            f"'{text}' is not a position; write 1000003, sine:0.5Hz, sine:0.5Hz:90deg, sine:0.5Hz:1000 (counts), "
-            "or ramp:1000 (counts per second)"
-        )
-    if match[1] == "ramp":
-        return lambda now: value * now
-    radius = (counts - 1) / 2
-    if match[4]:
-        radius = _amplitude_in_counts(text, amplitude, bool(match[5]), radius, counts_per_turn)
-    return lambda now: lowest + (counts - 1) / 2 + radius * math.sin(2 * math.pi * value * now)
+    ramp = _RAMP.fullmatch(text)
+    if ramp is not None:
+        speed = _finite(ramp["speed"], text)
+        return lambda now: speed * now
+    sine = _SINE.fullmatch(text)
+    if sine is None:
+        raise _bad_position(text)
+    frequency = _finite(sine["frequency"], text)
+    middle = lowest + (counts - 1) / 2
+    amplitude = (counts - 1) / 2
+    if sine["amplitude"]:
+        typed_amplitude = _finite(sine["amplitude"], text)
+        amplitude = _amplitude_in_counts(text, typed_amplitude, bool(sine["degrees"]), amplitude, counts_per_turn)
+    return lambda now: middle + amplitude * math.sin(2 * math.pi * frequency * now)
+
+
+def _finite(number: str, text: str) -> float:
+    value = float(number)
+    if not math.isfinite(value):
+        raise _bad_position(text)
+    return value
+
+
+def _bad_position(text: str) -> ValueError:
+    return ValueError(
+        f"'{text}' is not a position; write 1000003, sine:0.5Hz, sine:0.5Hz:90deg, sine:0.5Hz:1000 (counts), "
+        "or ramp:1000 (counts per second)"
+    )
 
 
 def _amplitude_in_counts(text: str, amplitude: float, is_angle: bool, highest: float, counts_per_turn: int) -> float:

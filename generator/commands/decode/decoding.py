@@ -247,7 +247,7 @@ class Decoding:
 
 
 def _code(decoded: codec.Decoded, frame_findings: Findings) -> int:
-    if decoded.problems or any(difference.of_register for difference in frame_findings.differences):
+    if decoded.problems or any(difference.is_register for difference in frame_findings.differences):
         return FAULT
     return NOT_USABLE if frame_findings.verdict is Verdict.NOT_USABLE else DONE
 
