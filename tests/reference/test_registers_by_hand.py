@@ -117,7 +117,7 @@ def test_registers_of_an_order_code(devices: Mapping[str, Device]) -> None:
     assert compare_held(device, variant, {}) == ()
     (difference,) = compare_held(device, variant, right | {0x7B: 0x36})
     assert difference.field == "device_id.name"
-    assert (difference.actual, difference.documented, difference.of_register) == (0x414D4D36, 0x414D4D35, True)
+    assert (difference.actual, difference.documented, difference.is_register) == (0x414D4D36, 0x414D4D35, True)
     (part,) = compare_held(device, variant, {0x7B: 0x36})
     assert f"the given part is ......36h, {variant.code} has ......35h" in part.message
     (first_part,) = compare_held(device, variant, {0x78: 0x40, 0x79: 0x4D})
