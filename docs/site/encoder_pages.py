@@ -15,10 +15,10 @@ from codewheel.targets.c.single import single_path
 from codewheel.targets.docs.files import generate
 
 #: Pages that list all encoders.
-LISTS = ("README.md", "docs/encoders.md")
+LISTS = ("README.md", "docs/encoder/encoders.md")
 #: The title of the page of an order code, and the paragraph below it.
 _TITLE = re.compile(r"^# (\S+)\n\n.+\n", re.MULTILINE)
-_SPEC_LINK = re.compile(r"\]\(((?:\.\./)?)specs/\w+/(\w+)\.yaml\)(?: \(pages on the site only\))?")
+_SPEC_LINK = re.compile(r"\]\(((?:\.\./)*)specs/\w+/(\w+)\.yaml\)(?: \(pages on the site only\))?")
 
 
 def encoder_pages(root: Path) -> Iterator[tuple[str, str]]:

@@ -66,7 +66,7 @@ Only a second reading has these keys:
 
 
 def spec_page() -> str:
-    """Return the content of ``docs/spec-language.md``."""
+    """Return the content of ``docs/transcribe/spec-language.md``."""
     device, maker, overlay = load_schema("device"), load_schema("manufacturer"), load_schema("overlay")
     lines = [
         "<!-- Made from generator/language/*.schema.json by: make spec-page -->",

@@ -12,7 +12,7 @@ from shutil import copytree
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs" / "how-to-revise.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/transcribe/how-to-revise.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```(\w*)\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
 
 
@@ -74,4 +74,4 @@ def test_it_has_commands() -> None:
 
 def test_its_links() -> None:
     for target in re.findall(r"\]\(([^)#]+)\)", PAGE):
-        assert (ROOT / "docs" / target).exists(), target
+        assert (ROOT / "docs" / "transcribe" / target).exists(), target

@@ -24,7 +24,7 @@ pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parents[2]
 SPECS = ROOT / "specs" / "lika"
-PAGE = (ROOT / "docs" / "editions.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/transcribe/editions.md").read_text(encoding="utf-8")
 #: The revision table of the manual: the editions before that of the spec.
 OLD = "1.0 1.1 1.2 1.3 1.4 1.5 1.6 1.7 1.8".split()
 TITLES = {"SSI": "ssi", "BiSS": "biss", "RS-485": "rs485"}
