@@ -40,14 +40,17 @@ ELSEWHERE = {
         ": $ python docs/example": "tests/biss/test_example_script.py::test_the_page_shows_what_it_prints"
     },
     "docs/bench/command-line.md": {"python: def": "tests/virtual/test_live_links.py::test_the_fixture_of_the_page"},
-    "docs/transcribe/editions.md": {
-        "yaml: ": "tests/docs/test_editions_page.py::test_the_yaml_is_that_of_the_spec",
-        ": $ codewheel": "tests/docs/test_editions_page.py::test_commands_print_what_is_shown",
-    },
     "docs/extend/how-to-add-a-master.md": {
         "yaml: ": "tests/masters/test_master_files.py::test_the_example_of_the_page"
     },
     "docs/transcribe/how-to-revise.md": {
+        "yaml: editions": "tests/docs/test_editions_page.py::test_the_yaml_is_that_of_the_spec",
+        ": $ codewheel decode AM": "tests/docs/test_editions_page.py::test_commands_print_what_is_shown",
+        "yaml: codewheel": "tests/docs/test_overlays_page.py::test_the_file_is_the_one_that_is_shown",
+        ": $ codewheel check docs": "tests/docs/test_overlays_page.py::test_commands_print_what_is_shown",
+        ": $ codewheel decode TV62": "tests/docs/test_overlays_page.py::test_commands_print_what_is_shown",
+        "c: ": "tests/docs/test_overlays_page.py::test_the_comment_is_that_of_the_header",
+        "text: ": "tests/docs/test_overlays_page.py::test_the_wait_that_is_forgotten_is_told",
         ": ": "tests/changes/test_how_to_revise.py::test_its_session",
         "diff: ": "tests/changes/test_how_to_revise.py::test_its_session",
     },
@@ -67,12 +70,6 @@ ELSEWHERE = {
         "jinja: ": "tests/docs/test_how_to_write_a_target.py::test_its_commands",
         ": codewheel check": "tests/docs/test_how_to_write_a_target.py::test_its_commands",
         "python: from": "tests/docs/test_how_to_write_a_target.py::test_its_own_tests",
-    },
-    "docs/transcribe/overlays.md": {
-        "yaml: ": "tests/docs/test_overlays_page.py::test_the_file_is_the_one_that_is_shown",
-        ": $ codewheel": "tests/docs/test_overlays_page.py::test_commands_print_what_is_shown",
-        "c: ": "tests/docs/test_overlays_page.py::test_the_comment_is_that_of_the_header",
-        "text: ": "tests/docs/test_overlays_page.py::test_the_wait_that_is_forgotten_is_told",
     },
     "docs/transcribe/which-specs.md": dict.fromkeys(
         ("toml: ", "yaml: "), "tests/generator/test_which_specs.py::test_the_settings_of_the_page"

@@ -105,7 +105,7 @@ def _other_files(maker: Mapping[str, Any], overlay: Mapping[str, Any]) -> list[s
         "",
         paragraph(text(overlay["description"])),
         "",
-        "See [Overlays](overlays.md) for an example.",
+        "See [Overlays](how-to-revise.md#overlays-facts-from-outside-the-manual) for an example.",
         "",
         _properties(overlay, overlay["$defs"]),
         "",
