@@ -192,7 +192,7 @@ def order_codes(device: Device, codes: Sequence[str]) -> str:
 
 
 def patterns(device: Device, codes: Collection[str]) -> list[str]:
-    """Return patterns that together match exactly these order codes, such as `A-x/y` with x = 1, 2 and y = B, C."""
+    """Return patterns that together match exactly these order codes, such as `A-x/y` with x = 1 or 2, y = B or C."""
     part_names = [part.name for part in device.order_code.parts]
     variants = [variant for variant in device.variants if variant.code in codes]
     rows = [_texts_of_parts(variant, part_names) for variant in variants]
@@ -214,9 +214,10 @@ def _pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_parts: S
             texts_by_part[name] = texts[0]
             continue
         texts_by_part[name] = next(letters)
-        letter_texts.append(f"{texts_by_part[name]} = {', '.join(texts)}")
+        choice = f"{', '.join(texts[:-1])} or {texts[-1]}"
+        letter_texts.append(f"{texts_by_part[name]} = {choice}")
     pattern = code(filled(order_code.pattern, texts_by_part))
-    return f"{pattern} with {'; '.join(letter_texts)}" if letter_texts else pattern
+    return f"{pattern} with {', '.join(letter_texts)}" if letter_texts else pattern
 
 
 def _products(rows: Sequence[PartTexts]) -> Iterator[list[list[str]]]:
