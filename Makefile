@@ -72,7 +72,7 @@ verify-stream: engines
 
 verify-site: axe
 
-# Size and speed of the C headers next to hand-written decoders and other generators. BENCH=--write also writes docs/footprint.md.
+# Size and speed of the C headers next to hand-written decoders and other generators. BENCH=--write also writes docs/trust/footprint.md.
 bench: .venv/.tested tools bench-packages
 	@$(PY) benchmarks/footprint.py $(BENCH)
 	@$(PY) benchmarks/around.py $(BENCH)
@@ -87,7 +87,7 @@ bench-tool: .venv/.tested
 	@$(PY) -m pip install --quiet --disable-pip-version-check 'cantools>=41' 'nunavut>=3.0' peakrdl || echo "make: some peers cannot be installed and are left out"
 	@$(PY) benchmarks/tool_speed.py $(TOOL)
 
-# Planted mistakes of a transcriber that pass check, by class of fact. MUTANTS=--write also writes docs/mutants.md.
+# Planted mistakes of a transcriber that pass check, by class of fact. MUTANTS=--write also writes docs/trust/mutants.md.
 mutants: .venv/.tested
 	@$(PY) benchmarks/mutants.py $(MUTANTS)
 
@@ -107,7 +107,7 @@ release: .venv/.tested
 	@sh .ci/release
 
 spec-page: .venv/.installed
-	@$(PY) -m codewheel.language.language_page docs/spec-language.md
+	@$(PY) -m codewheel.language.language_page docs/transcribe/spec-language.md
 
 # CI sets CODEWHEEL_LOCKED. Then the packages of .ci/requirements.txt are present, and no others are installed.
 .PHONY: bench-packages

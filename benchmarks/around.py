@@ -1,7 +1,7 @@
 """Measure the code around the decoders: receivers, tracker, angles, procedures, and a BiSS master.
 
     python benchmarks/around.py            measures and prints
-    python benchmarks/around.py --write    also writes its table in docs/footprint.md and benchmarks/around.json,
+    python benchmarks/around.py --write    also writes its table in docs/trust/footprint.md and benchmarks/around.json,
                                            which tests/verify/test_footprint.py checks
 
 Each part is a program with one function, linked as in footprint.py, with the parts of the compiler's library it needs.
@@ -23,7 +23,7 @@ from candidates import FRAMES, word, write_headers
 
 HERE = Path(__file__).resolve().parent
 RECORDED = HERE / "around.json"
-PAGE = HERE.parent / "docs" / "footprint.md"
+PAGE = HERE.parent / "docs/trust/footprint.md"
 BEGIN, END = "<!-- measured around -->", "<!-- end of measured around -->"
 #: Bytes of each part, and the count of its call or None.
 Figures = Mapping[str, tuple[int, int | None]]
@@ -309,7 +309,7 @@ def table(figures: Mapping[str, Figures]) -> str:
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--write", action="store_true", help="write docs/footprint.md and the recorded figures")
+    parser.add_argument("--write", action="store_true", help="write docs/trust/footprint.md and the recorded figures")
     write = parser.parse_args().write
     with tempfile.TemporaryDirectory() as name:
         include = write_headers(Path(name))

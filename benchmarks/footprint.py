@@ -1,7 +1,7 @@
 """Measure size and speed of the generated C decoders, hand-written ones, and those of other generators.
 
     python benchmarks/footprint.py            measures and prints
-    python benchmarks/footprint.py --write    also writes the table of docs/footprint.md
+    python benchmarks/footprint.py --write    also writes the table of docs/trust/footprint.md
                                               and the figures that tests/verify/test_footprint.py checks
 
 Bytes and counts are exact. Times are not, so only their ratios are in the files.
@@ -23,7 +23,7 @@ from host import nanoseconds
 
 HERE = Path(__file__).resolve().parent
 RECORDED = HERE / "footprint.json"
-PAGE = HERE.parent / "docs" / "footprint.md"
+PAGE = HERE.parent / "docs/trust/footprint.md"
 BEGIN, END = "<!-- measured -->", "<!-- end of measured -->"
 
 #: Bytes and executed instructions by the name of the board.
@@ -51,7 +51,7 @@ def measure_ours(board: Board, folder: Path) -> dict[str, dict[str, tuple[int, i
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--write", action="store_true", help="write docs/footprint.md and the recorded figures")
+    parser.add_argument("--write", action="store_true", help="write docs/trust/footprint.md and the recorded figures")
     write = parser.parse_args().write
     text: list[str] = []
     recorded: dict[str, dict[str, Any]] = {}

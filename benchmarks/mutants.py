@@ -4,7 +4,7 @@
     python benchmarks/mutants.py --number 500        tries fewer
     python benchmarks/mutants.py --all               tries every mutant
     python benchmarks/mutants.py --files amm5        tries only the specs or second readings of these names
-    python benchmarks/mutants.py --write             also writes docs/mutants.md
+    python benchmarks/mutants.py --write             also writes docs/trust/mutants.md
 
 The exit code is 1 if a wrong value passes in a class where none may, if one passes without a reason, or if too many
 pass in a class. The docstrings of the modules in benchmarks/mutation/ explain mutants and how they are tried.
@@ -23,7 +23,7 @@ from mutation.campaign import drawn, tried
 from mutation.report import Outcome, exceeded, file_name, page, survivors, table
 from mutation.trial import Trial
 
-PAGE = Path(__file__).resolve().parents[1] / "docs" / "mutants.md"
+PAGE = Path(__file__).resolve().parents[1] / "docs/trust/mutants.md"
 NUMBER = 4000
 
 

@@ -21,7 +21,7 @@ from python_path import python_path
 ROOT = Path(__file__).parents[1]
 PAGES = [
     *(ROOT / name for name in ("README.md", "CONTRIBUTING.md")),
-    *sorted((ROOT / "docs").glob("*.md")),
+    *(page for page in sorted((ROOT / "docs").glob("*/*.md")) if page.parent.name not in {"example", "site"}),
     *sorted((ROOT / "generated").glob("*/README.md")),
     *sorted(path for path in (ROOT / "generated" / "python").glob("*.md") if path.name != "README.md"),
     *sorted((ROOT / "generated").glob("*/runtime/README.md")),
@@ -36,21 +36,26 @@ ELSEWHERE = {
         "c: ": "tests/test_readme.py::test_its_c_compiles",
         "python: ": "tests/test_readme.py::test_its_python",
     },
-    "docs/biss-xml.md": {
+    "docs/master/biss-xml.md": {
         ": $ python docs/example": "tests/biss/test_example_script.py::test_the_page_shows_what_it_prints"
     },
-    "docs/command-line.md": {"python: def": "tests/virtual/test_live_links.py::test_the_fixture_of_the_page"},
-    "docs/editions.md": {
-        "yaml: ": "tests/docs/test_editions_page.py::test_the_yaml_is_that_of_the_spec",
-        ": $ codewheel": "tests/docs/test_editions_page.py::test_commands_print_what_is_shown",
+    "docs/bench/command-line.md": {"python: def": "tests/virtual/test_live_links.py::test_the_fixture_of_the_page"},
+    "docs/extend/how-to-add-a-master.md": {
+        "yaml: ": "tests/masters/test_master_files.py::test_the_example_of_the_page"
     },
-    "docs/how-to-add-a-master.md": {"yaml: ": "tests/masters/test_master_files.py::test_the_example_of_the_page"},
-    "docs/how-to-revise.md": {
+    "docs/transcribe/how-to-revise.md": {
+        "yaml: editions": "tests/docs/test_editions_page.py::test_the_yaml_is_that_of_the_spec",
+        ": $ codewheel decode AM": "tests/docs/test_editions_page.py::test_commands_print_what_is_shown",
+        "yaml: codewheel": "tests/docs/test_overlays_page.py::test_the_file_is_the_one_that_is_shown",
+        ": $ codewheel check docs": "tests/docs/test_overlays_page.py::test_commands_print_what_is_shown",
+        ": $ codewheel decode TV62": "tests/docs/test_overlays_page.py::test_commands_print_what_is_shown",
+        "c: ": "tests/docs/test_overlays_page.py::test_the_comment_is_that_of_the_header",
+        "text: ": "tests/docs/test_overlays_page.py::test_the_wait_that_is_forgotten_is_told",
         ": ": "tests/changes/test_how_to_revise.py::test_its_session",
         "diff: ": "tests/changes/test_how_to_revise.py::test_its_session",
     },
-    "docs/one-line.md": {": ": "tests/docs/test_one_line_page.py::test_a_shown_output"},
-    "docs/how-to-transcribe.md": {
+    "docs/encoder/one-line.md": {": ": "tests/docs/test_one_line_page.py::test_a_shown_output"},
+    "docs/transcribe/how-to-transcribe.md": {
         "yaml: ": "tests/fictional/test_page.py::test_yaml_is_that_of_the_spec",
         "text: tv62.second": "tests/fictional/test_revision.py::test_the_story_of_the_page",
         "text: tv62.yaml": "tests/fictional/test_revision.py::test_the_story_of_the_page",
@@ -59,49 +64,43 @@ ELSEWHERE = {
         "text: ": "tests/fictional/test_page.py::test_slips_are_found_in_the_words_shown",
         ": ": "tests/fictional/test_page.py::test_commands_of_the_page_work",
     },
-    "docs/how-to-write-a-target.md": {
+    "docs/extend/how-to-write-a-target.md": {
         "toml: ": "tests/docs/test_how_to_write_a_target.py::test_its_commands",
         'python: """': "tests/docs/test_how_to_write_a_target.py::test_its_commands",
         "jinja: ": "tests/docs/test_how_to_write_a_target.py::test_its_commands",
         ": codewheel check": "tests/docs/test_how_to_write_a_target.py::test_its_commands",
         "python: from": "tests/docs/test_how_to_write_a_target.py::test_its_own_tests",
     },
-    "docs/overlays.md": {
-        "yaml: ": "tests/docs/test_overlays_page.py::test_the_file_is_the_one_that_is_shown",
-        ": $ codewheel": "tests/docs/test_overlays_page.py::test_commands_print_what_is_shown",
-        "c: ": "tests/docs/test_overlays_page.py::test_the_comment_is_that_of_the_header",
-        "text: ": "tests/docs/test_overlays_page.py::test_the_wait_that_is_forgotten_is_told",
-    },
-    "docs/which-specs.md": dict.fromkeys(
+    "docs/transcribe/which-specs.md": dict.fromkeys(
         ("toml: ", "yaml: "), "tests/generator/test_which_specs.py::test_the_settings_of_the_page"
     ),
-    "docs/check-in-ci.md": {
+    "docs/transcribe/check-in-ci.md": {
         "yaml: ": "tests/changes/test_around_a_release.py::test_the_commands_of_the_page_are_right",
     },
-    "docs/rs485.md": {
+    "docs/firmware/rs485.md": {
         "python: ": "tests/virtual/test_exchanges.py::test_the_program_of_the_page",
         "console: ": "tests/virtual/test_exchanges.py::test_the_command_of_the_page",
     },
-    "docs/spi.md": {
+    "docs/firmware/spi.md": {
         "python: ": "tests/virtual/test_spi.py::test_the_programs_of_the_pages",
         "text: run": "tests/virtual/test_spi_steps.py::test_python_sends_the_words_of_the_manual",
         ": $ codewheel": "tests/docs/test_start_pages.py::test_its_commands",
     },
-    "docs/rules.md": {"yaml: ": "tests/docs/test_rules_page.py::test_the_page_is_that_of_today"},
-    "docs/start-bench.md": dict.fromkeys((": ", "text: ", "python: "), _START_PAGES),
-    "docs/start-firmware.md": dict.fromkeys((": ", "c: "), _START_PAGES),
-    "docs/start-maintainer.md": {": ": _START_PAGES},
-    "docs/start-master.md": {": ": _START_PAGES},
-    "docs/templates.md": {
+    "docs/transcribe/rules.md": {"yaml: ": "tests/docs/test_rules_page.py::test_the_page_is_that_of_today"},
+    "docs/bench/start-bench.md": dict.fromkeys((": ", "text: ", "python: "), _START_PAGES),
+    "docs/firmware/start-firmware.md": dict.fromkeys((": ", "c: "), _START_PAGES),
+    "docs/transcribe/start-maintainer.md": {": ": _START_PAGES},
+    "docs/master/start-master.md": {": ": _START_PAGES},
+    "docs/extend/templates.md": {
         "jinja: ": "tests/docs/test_templates_page.py::test_its_example",
         ": ": "tests/docs/test_templates_page.py::test_its_example",
     },
-    "docs/virtual-encoders.md": {
+    "docs/bench/virtual-encoders.md": {
         "python: def": "tests/virtual/test_virtual_page.py::test_the_fixture",
         "python: from": "tests/virtual/test_virtual_page.py::test_the_programs",
         "text: $ codewheel simulate AMM5A21": "tests/virtual/test_virtual_page.py::test_the_simulation",
     },
-    "docs/why-a-crc-fails.md": {
+    "docs/encoder/why-a-crc-fails.md": {
         ": $ codewheel": "tests/generator/test_why.py::test_the_page_shows_what_the_command_prints"
     },
     "generated/c/README.md": {
@@ -150,14 +149,23 @@ EXCEPTIONS = {
     ("README.md", ": $ python3 -m venv"): "fetches packages. test_readme.py runs and compares the lines after it",
     ("generated/browser/README.md", ": decode.html"): "the address of a page; test_browser_page.py opens such ones",
     ("README.md", ": make generate"): "each line sets up an environment or takes minutes",
-    ("CONTRIBUTING.md", ": spec "): "a drawing of the packages. lint-imports compares the imports with them",
-    ("docs/rs485.md", "yaml: "): "has ... for the layouts; the files that it names are checked",
-    ("docs/rs485.md", "c: "): "has ... for calls; test_exchanges.py compiles and runs a program with them",
-    ("docs/spi.md", "yaml: "): "has ... for the layouts; the file that it names is checked",
-    ("docs/spi.md", "c: "): "has ... for calls; test_spi.py compiles and runs the program that it names",
-    ("docs/spec-language.md", "yaml: # yaml-language-server"): "a line for editors alone",
-    ("docs/virtual-encoders.md", "text: $ codewheel simulate AMM5A23"): "waits for Ctrl+C; test_live_links.py runs it",
-    ("docs/why-a-crc-fails.md", ": mistake "): "measured over 20,000 frames; test_why.py holds a short run against it",
+    (
+        "docs/extend/architecture.md",
+        ": spec ",
+    ): "a drawing of the packages. lint-imports compares the imports with them",
+    ("docs/firmware/rs485.md", "yaml: "): "has ... for the layouts; the files that it names are checked",
+    ("docs/firmware/rs485.md", "c: "): "has ... for calls; test_exchanges.py compiles and runs a program with them",
+    ("docs/firmware/spi.md", "yaml: "): "has ... for the layouts; the file that it names is checked",
+    ("docs/firmware/spi.md", "c: "): "has ... for calls; test_spi.py compiles and runs the program that it names",
+    ("docs/transcribe/spec-language.md", "yaml: # yaml-language-server"): "a line for editors alone",
+    (
+        "docs/bench/virtual-encoders.md",
+        "text: $ codewheel simulate AMM5A23",
+    ): "waits for Ctrl+C; test_live_links.py runs it",
+    (
+        "docs/encoder/why-a-crc-fails.md",
+        ": mistake ",
+    ): "measured over 20,000 frames; test_why.py holds a short run against it",
     (
         "generated/python/test-without-an-encoder.md",
         "text: $ codewheel simulate",

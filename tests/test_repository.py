@@ -11,6 +11,10 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[1]
 CONTRIBUTING = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+ARCHITECTURE = (ROOT / "docs/extend/architecture.md").read_text(encoding="utf-8")
+RECIPES = (ROOT / "docs/extend/how-to-change.md").read_text(encoding="utf-8")
+#: Most words of the page that a contributor reads first.
+MOST_WORDS = 1500
 #: Widest line of a template. ruff has the same limit for Python.
 COLUMNS = 120
 #: A place of this machine, in a text.
@@ -18,7 +22,7 @@ MACHINE_PLACE = re.compile(r"(?<![\w.}*)\\/])/(dev|etc|home|proc|root|run|sys|tm
 
 
 def test_the_map_names_each_package() -> None:
-    named_packages = re.findall(r"`generator/(\w+)/` \|", CONTRIBUTING)
+    named_packages = re.findall(r"`generator/(\w+)/` \|", ARCHITECTURE)
     packages = [path.parent.name for path in (ROOT / "generator").glob("*/__init__.py")]
     assert sorted(named_packages) == sorted(packages)
 
@@ -26,12 +30,20 @@ def test_the_map_names_each_package() -> None:
 def test_files_that_the_recipes_name_exist() -> None:
     bases = (ROOT, ROOT / "generator")
     folders = {path.name for base in bases for path in base.iterdir() if path.is_dir()}
-    named_paths = {path for path in re.findall(r"`([\w.-]+/[\w./-]*)`", CONTRIBUTING) if path.split("/")[0] in folders}
+    texts = CONTRIBUTING + ARCHITECTURE + RECIPES
+    named_paths = {path for path in re.findall(r"`([\w.-]+/[\w./-]*)`", texts) if path.split("/")[0] in folders}
     missing_paths = {path for path in named_paths if not (ROOT / path).exists()}
     missing_paths = {path for path in missing_paths if not (ROOT / "generator" / path).exists()}
     # Examples of any target.
     examples = {"generator/targets/NAME/files.py", "templates/NAME/"}
     assert missing_paths == examples
+
+
+def test_the_first_page_for_contributors_begins_with_a_first_change_and_is_short() -> None:
+    assert CONTRIBUTING.splitlines()[2] == "## A first change in three steps"
+    steps = CONTRIBUTING.partition("\n## ")[2].partition("\n## ")[0]
+    assert len(re.findall(r"^\d\. ", steps, re.MULTILINE)) == 3
+    assert len(CONTRIBUTING.split()) <= MOST_WORDS
 
 
 def test_no_line_of_a_template_is_too_wide_to_read() -> None:

@@ -33,7 +33,7 @@ ROOT = HERE.parents[1]
 #: Files that become pages.
 PAGES = (
     "*.md",
-    "docs/*.md",
+    "docs/*/*.md",
     "docs/example/**/*.md",
     "generated/docs/**/*.md",
     "generated/*/*.md",
@@ -49,8 +49,6 @@ SETTINGS_PAGE = "settings"
 SETTINGS_DATA = "settings-data.js"
 #: An entry of the contents: a page, or a title and the page.
 NAMED = re.compile(r"^(?:[^<>`\n]* <)?([\w/-]+)>?$", re.MULTILINE)
-#: Line of the contents in ``index.md`` that stands for the families.
-FAMILIES = "(families)\n"
 #: Line of the start page that stands for a card for each family.
 CARDS = "(cards)\n"
 _OWN_LINK = re.compile(r"""(\]\(|\bhref=")([^)"\s#:]+)""")
@@ -84,8 +82,8 @@ def build(target: Path, root: Path = ROOT) -> int:
 
 def stage(root: Path, source: Path) -> None:
     """Copy the pages and their pictures, and write the pages that exist only on the site."""
-    pages_and_pictures = {path for pattern in PAGES for path in root.glob(pattern)}
-    pages_and_pictures |= set(root.glob("generated/docs/**/*.svg")) | set(root.glob("docs/*.svg"))
+    pages_and_pictures = {path for pattern in PAGES for path in root.glob(pattern) if path.parent != HERE}
+    pages_and_pictures |= set(root.glob("generated/docs/**/*.svg")) | set(root.glob("docs/**/*.svg"))
     for path in sorted(pages_and_pictures):
         _write(source / path.relative_to(root), path.read_text(encoding="utf-8"))
     for name, text in encoder_pages(root):
@@ -112,9 +110,6 @@ def _start_page(source: Path) -> str:
     lines = _own_page("index.md").splitlines(keepends=True)
     place = lines.index(CARDS)
     lines[place : place + 1] = cards(source)
-    place = lines.index(FAMILIES)
-    families = sorted(path for path in source.glob("generated/docs/*.md") if path.with_suffix("").is_dir())
-    lines[place : place + 1] = [f"{path.relative_to(source).with_suffix('')}\n" for path in families]
     named = [(line, NAMED.match(line)) for line in lines]
     return "".join(line for line, name in named if name is None or (source / f"{name[1]}.md").exists())
 

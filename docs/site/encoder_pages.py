@@ -6,8 +6,10 @@ import posixpath
 import re
 from collections.abc import Iterator
 from pathlib import Path
+from urllib.parse import quote
 
 from codewheel.loading.library import load_library
+from codewheel.masters.sheet import records_of
 from codewheel.model import Device
 from codewheel.targets import Library
 from codewheel.targets.c.files import generate as generate_c
@@ -15,16 +17,16 @@ from codewheel.targets.c.single import single_path
 from codewheel.targets.docs.files import generate
 
 #: Pages that list all encoders.
-LISTS = ("README.md", "docs/encoders.md")
+LISTS = ("README.md", "docs/encoder/encoders.md")
 #: The title of the page of an order code, and the paragraph below it.
 _TITLE = re.compile(r"^# (\S+)\n\n.+\n", re.MULTILINE)
-_SPEC_LINK = re.compile(r"\]\(((?:\.\./)?)specs/\w+/(\w+)\.yaml\)(?: \(pages on the site only\))?")
+_SPEC_LINK = re.compile(r"\]\(((?:\.\./)*)specs/\w+/(\w+)\.yaml\)(?: \(pages on the site only\))?")
 
 
 def encoder_pages(root: Path) -> Iterator[tuple[str, str]]:
     """Yield the path and text of each page, picture and header for the specs in ``root``, if there are any.
 
-    The page of an order code links to its header for C.
+    The page of an order code links to its header for C, and to its settings for masters if it has BiSS or SSI.
 
     Raises:
         ValueError: There are problems in the specs.
@@ -35,6 +37,7 @@ def encoder_pages(root: Path) -> Iterator[tuple[str, str]]:
     if report.problems:
         raise ValueError(report.problems[0].format())
     pages = generate(Library(devices))
+    codes_with_settings = set(_codes_with_settings(devices))
     titles = (_TITLE.search(text) for text in pages.values())
     headers = dict(_headers(devices, {title[1] for title in titles if title is not None}))
     for path, text in pages.items():
@@ -44,8 +47,19 @@ def encoder_pages(root: Path) -> Iterator[tuple[str, str]]:
             continue
         name, header = headers[title[1]]
         link = f"\nFor C99 and C++11: [`{name}`]({name}) has all that a program needs to read a position.\n"
+        if title[1] in codes_with_settings:
+            page = posixpath.relpath("settings.md", folder)
+            link += f"\n[Settings for your master]({page}#code={quote(title[1], safe='')})\n"
         yield f"{folder}/{name}", header
         yield f"generated/{path}", text[: title.end()] + link + text[title.end() :]
+
+
+def _codes_with_settings(devices: tuple[Device, ...]) -> Iterator[str]:
+    """Yield the order codes for which the page with the settings of masters has texts."""
+    for device in devices:
+        for interface in device.interfaces:
+            if next(records_of(device, interface), None) is not None:
+                yield from (variant.code for variant in device.variants_over(interface.name))
 
 
 def _headers(devices: tuple[Device, ...], titles: set[str]) -> Iterator[tuple[str, tuple[str, str]]]:

@@ -7,9 +7,9 @@ from html import escape
 from urllib.parse import parse_qs
 
 #: A paragraph with nothing but the link to an example on the decode page.
-_EXAMPLE = re.compile(r"^\[[^\]]*\]\(\.\./generated/browser/decode\.html#([^)\s]+)\)\.?\n\n?", re.MULTILINE)
+_EXAMPLE = re.compile(r"^\[[^\]]*\]\(\.\./\.\./generated/browser/decode\.html#([^)\s]+)\)\.?\n\n?", re.MULTILINE)
 _TITLE = re.compile(r"^# .*\n", re.MULTILINE)
-PAGES = "docs/questions-*.md"
+PAGES = "docs/encoder/questions-*.md"
 
 
 def with_example_box(page: str) -> str:
@@ -25,7 +25,7 @@ def with_example_box(page: str) -> str:
 
 def _box(address: str) -> str:
     given = parse_qs(address)
-    filled = {"code": given["code"][0], "frame": given["frame"][0], "page": "../decode.html"}
+    filled = {"code": given["code"][0], "frame": given["frame"][0], "page": "../../decode.html"}
     data = "".join(f' data-{name}="{escape(text)}"' for name, text in filled.items())
     data = data.replace("\n", "&#10;")
     return (

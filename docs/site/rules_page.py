@@ -14,7 +14,7 @@ from codewheel.changes.rules import RULES, TITLES
 from codewheel.say.markdown import code, table, text
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE, DATA = ROOT / "docs" / "rules.md", ROOT / "generator" / "language" / "rules.json"
+PAGE, DATA = ROOT / "docs/transcribe/rules.md", ROOT / "generator" / "language" / "rules.json"
 FOLDERS = ("tests/check/broken", "tests/check/broken_model", "tests/masters/broken")
 _EXPECTED = re.compile(r"^# expect: (\d+):(\d+): ([\w-]+): (.*)$", re.MULTILINE)
 _WIDEST = 110
@@ -83,7 +83,7 @@ def _example_section(example: Example) -> str:
     yaml_lines = "\n".join(example.lines)
     path = example.spec.relative_to(ROOT).as_posix()
     head = f"### {text(example.rule)}\n\n{text(example.message)}"
-    return f"{head}\n\n[`{example.spec.name}`](../{path}):\n\n```yaml\n{yaml_lines}\n```"
+    return f"{head}\n\n[`{example.spec.name}`](../../{path}):\n\n```yaml\n{yaml_lines}\n```"
 
 
 def _diff_rules() -> str:

@@ -23,8 +23,7 @@ _SMALL = re.compile(r"<small>.*?</small>", re.DOTALL)
 _TAG = re.compile(r"<[^>]+>")
 #: Pages about the project rather than about encoders.
 _OF_PROJECT = re.compile(
-    r"(CHANGELOG|CONTRIBUTING|SECURITY|README|api/|examples/|docs/(mutants|templates|architecture|footprint|evidence"
-    r"|how-to|example|overlays|rules|spec-language|exports|start-maintainer)|.*-changes$)"
+    r"(CHANGELOG|CONTRIBUTING|SECURITY|README|api/|examples/|docs/(extend|trust|transcribe)/|docs/example/|.*-changes$)"
 )
 #: Longest text of a section in characters. Only words beyond it are not found.
 _LONGEST = 12_000

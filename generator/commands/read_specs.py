@@ -3,7 +3,7 @@
 The nearest file with settings holds, in the current folder or above it, but not above the repository that the current
 folder is in. The parsers are imported only for a file with settings, because every command looks for it.
 
-docs/which-specs.md explains it to users.
+docs/transcribe/which-specs.md explains it to users.
 """
 
 from __future__ import annotations

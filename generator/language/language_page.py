@@ -66,7 +66,7 @@ Only a second reading has these keys:
 
 
 def spec_page() -> str:
-    """Return the content of ``docs/spec-language.md``."""
+    """Return the content of ``docs/transcribe/spec-language.md``."""
     device, maker, overlay = load_schema("device"), load_schema("manufacturer"), load_schema("overlay")
     lines = [
         "<!-- Made from generator/language/*.schema.json by: make spec-page -->",
@@ -105,7 +105,7 @@ def _other_files(maker: Mapping[str, Any], overlay: Mapping[str, Any]) -> list[s
         "",
         paragraph(text(overlay["description"])),
         "",
-        "See [Overlays](overlays.md) for an example.",
+        "See [Overlays](how-to-revise.md#overlays-facts-from-outside-the-manual) for an example.",
         "",
         _properties(overlay, overlay["$defs"]),
         "",

@@ -17,6 +17,7 @@ from ..language.problems import DocumentReport, Report, listed, quoted
 from ..language.rules.walk import leaves
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, ManualEdition, layer_in_words
 from ..order_codes.reduction import for_codes
+from .change_titles import change_title
 from .from_mapping import record
 from .overlays import Build, Family, errata_of, shortened, without_examples
 
@@ -166,7 +167,7 @@ def _edition_erratum(raw: Raw, change: Raw, name: str, number: int, kind: str) -
         Erratum,
         {"severity": "wrong_data", **stated},
         name=f"edition_{re.sub('[^a-z0-9]+', '_', name.lower())}_{number}",
-        title=f"{layer_in_words('', name)}, difference {number}",
+        title=change_title(layer_in_words("", name), without_examples(texts)),
         printed=shortened(without_examples([text.removeprefix("registers.") for text in texts])),
         used=used,
         status="open" if used == NOT_KNOWN else "settled",

@@ -19,6 +19,7 @@ from ..language.overlay import SUFFIX, AppliedChange, Layer, LayeredSpec, LayerK
 from ..language.problems import Problem, Report, quoted, suggestion
 from ..model import LEFT_OUT, NOT_KNOWN, Device, Erratum, Overlay, layer_in_words
 from ..order_codes.reduction import for_codes
+from .change_titles import change_title
 from .from_mapping import record
 
 #: Largest number of places named in one sentence.
@@ -181,7 +182,7 @@ def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
             Erratum,
             prose,  # The schema reports the rest.
             name=f"{_WORD.sub('_', f'{kind}_{name}'.removeprefix('overlay_'))}_{errata_counts[name]}",
-            title=_title(kind, name, errata_counts[name]),
+            title=change_title(_layer_words(kind, name), without_examples([change.was for change in changes])),
             printed=shortened(without_examples([change.was for change in changes])),
             used=new_values if first.is_known else NOT_KNOWN,
             status="settled" if first.is_known else "open",
@@ -190,11 +191,10 @@ def errata_of(applied_changes: Iterable[AppliedChange]) -> Iterator[Erratum]:
         )
 
 
-def _title(kind: str, layer_name: str, number: int) -> str:
-    """Return the title of a change: ``Overlay tv62.s042, change 1``."""
-    if kind == LayerKind.OVERLAY.value:
-        return f"{layer_in_words(layer_name, '')}, change {number}"
-    return f"{layer_in_words('', layer_name)}, difference {number}"
+def _layer_words(kind: str, layer_name: str) -> str:
+    """Return the overlay or the edition to which a change belongs, in words."""
+    is_overlay = kind == LayerKind.OVERLAY.value
+    return layer_in_words(layer_name, "") if is_overlay else layer_in_words("", layer_name)
 
 
 def _reported_together(change: AppliedChange) -> tuple[str, str, object]:

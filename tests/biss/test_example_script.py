@@ -202,7 +202,7 @@ def test_gray_code_is_said(code: str, is_gray: bool) -> None:
 
 
 def test_the_page_shows_what_it_prints() -> None:
-    page = (ROOT / "docs" / "biss-xml.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/master/biss-xml.md").read_text(encoding="utf-8")
     example = re.search(
         r"\$ python docs/example/decode_from_xml\.py \S*lika-(\S+)\.xml (\S+) (\S+) (\S+)\n(.*?)```", page, re.DOTALL
     )

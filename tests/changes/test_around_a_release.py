@@ -253,7 +253,7 @@ def test_the_entry_for_an_option_with_another_label_passes_check(
 
 
 def test_the_commands_of_the_page_are_right(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    page = (Path(__file__).parents[2] / "docs/check-in-ci.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs/transcribe/check-in-ci.md").read_text(encoding="utf-8")
     hook, workflow, accepted_block = map(yaml.safe_load, re.findall(r"```yaml\n(.*?)```", page, re.DOTALL))
     steps = [step["run"] for step in workflow["jobs"]["specs"]["steps"] if "run" in step]
     lines = [hook["repos"][0]["hooks"][0]["entry"], *(line for line in steps if line.startswith("codewheel"))]

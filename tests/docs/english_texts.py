@@ -197,7 +197,7 @@ def texts(path: Path) -> Iterator[Text]:
         yield from of_template(source, path.stem)
     elif path.name == "Makefile":
         yield from of_comments(source)
-    elif path.match("docs/rules.md"):
+    elif path.match("docs/transcribe/rules.md"):
         yield from of_rules(source)
     elif path.suffix in _BY_SUFFIX:
         yield from _BY_SUFFIX[path.suffix](source)

@@ -12,9 +12,17 @@ from english_texts import Text, texts
 from english_words import DENSITIES, NOT_OF_MESSAGES, phrases
 
 ROOT = Path(__file__).parents[2]
+#: Folders of docs/ with pages. The manual in docs/example imitates those of manufacturers.
+FOLDERS = ("bench", "encoder", "extend", "firmware", "master", "site", "transcribe", "trust")
 #: Texts of one kind, whose density is measured together.
 PLACES = {
-    "pages": ["*.md", "docs/*.md", "docs/site/*.md", ".github/*.md", ".github/*/*.yml", "examples/**/*.md"],
+    "pages": [
+        "*.md",
+        *(f"docs/{folder}/*.md" for folder in FOLDERS),
+        ".github/*.md",
+        ".github/*/*.yml",
+        "examples/**/*.md",
+    ],
     "generated pages": ["generated/*/*.md", "generated/docs/*/*.md", "templates/docs/*", "templates/biss/*"],
     "C": ["generated/c/**/*.[ch]", "templates/c/*", "templates/browser/*", "runtime/browser/*"],
     "generated Python": ["generated/python/**/*.py", "templates/python/*", "runtime/python/**/*.py"],
@@ -118,8 +126,8 @@ def test_only_a_message_may_join_cause_and_remedy(tmp_path: Path) -> None:
         'def f():\n    """Return it; it is here."""\n    add(x, help="list all of it; none")\n'
         '    report("it is even; write 0x43")\n'
     )
-    (tmp_path / "docs").mkdir()
-    (tmp_path / "docs" / "rules.md").write_text(
+    (tmp_path / "docs" / "transcribe").mkdir(parents=True)
+    (tmp_path / "docs/transcribe/rules.md").write_text(
         "# Rules\n\nA page; a list.\n\n### crc\n\nit is even; write 3\n\nIt; is.\n"
     )
     texts_of = {path.name: list(texts(path)) for path in tmp_path.rglob("*.*")}

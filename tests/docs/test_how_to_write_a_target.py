@@ -15,7 +15,7 @@ import pytest
 pytestmark = pytest.mark.slow
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs" / "how-to-write-a-target.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/extend/how-to-write-a-target.md").read_text(encoding="utf-8")
 BLOCKS = dict(re.findall(r"^`([^`\n]+)` .*?:\n\n```\w+\n(.*?)^```", PAGE, re.DOTALL | re.MULTILINE))
 
 

@@ -11,7 +11,7 @@ from codewheel.commands.cli import main
 from codewheel.one_line.options import _SETTINGS, _WORDS
 from codewheel.one_line.parse import parse_line
 
-PAGE = (Path(__file__).parents[2] / "docs" / "one-line.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[2] / "docs/encoder/one-line.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"^```\n(.*?)^```$", PAGE, re.DOTALL | re.MULTILINE)
 SHOWN = [block for block in BLOCKS if block.startswith("$ codewheel ")]
 COMMANDS = [line for block in BLOCKS if block not in SHOWN for line in block.splitlines() if "generate" not in line]

@@ -16,7 +16,9 @@ from codewheel.loading.library import load_library
 from python_path import python_path
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGE = (ROOT / "docs" / "overlays.md").read_text(encoding="utf-8")
+CHAPTER = (ROOT / "docs/transcribe/how-to-revise.md").read_text(encoding="utf-8")
+#: The part of the chapter on overlays.
+PAGE = CHAPTER.partition("\n## Overlays")[2]
 TOLVARN = ROOT / "docs" / "example" / "tolvarn"
 OVERLAY = ROOT / "docs" / "example-overlay" / "tv62.s042.overlay.yaml"
 

@@ -45,7 +45,11 @@ def test_every_alarm_and_led_is_listed(library: Library, pages: Files) -> None:
         "| RS-485 | [AMM5](amm5.md) | [`complete_reply`](amm5/rs485.md#layout-complete_reply) | 88 | low byte first |",
         "| [AMM5](amm5.md) | Singleturn resolution | 17, 21, 23 | bits |",
         "| [AMM5](amm5.md) | low byte first | [11h to 17h Preset](amm5/biss.md#register-preset) |",
-        "| [AMM5](amm5.md) | AMM5A and AMM5B absolute kit encoders | `AMM5{A,B}{17,21,23}/{1,65K}{BG1,SC1,JP1}` |",
+        pytest.param(
+            "| [AMM5](amm5.md) | AMM5A and AMM5B absolute kit encoders "
+            "| `AMM5xy/zu` with x = A or B, y = 17, 21 or 23, z = 1 or 65K, u = BG1, SC1 or JP1 |",
+            id="label",
+        ),
         "| SSI | [AMM5](amm5.md) | Code | binary |",
         "| RS-485 | [SMA21](sma21.md) | Baud rate | 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control",
     ],

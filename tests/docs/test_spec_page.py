@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from codewheel.language.language_page import spec_page
 
-PAGE = Path(__file__).parents[2] / "docs" / "spec-language.md"
+PAGE = Path(__file__).parents[2] / "docs/transcribe/spec-language.md"
 
 
 def test_the_page_is_up_to_date() -> None:

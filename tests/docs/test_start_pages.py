@@ -12,9 +12,9 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = sorted((ROOT / "docs").glob("start-*.md"))
-SPI = ROOT / "docs" / "spi.md"
-QUESTIONS = sorted((ROOT / "docs").glob("questions-*.md"))
+PAGES = sorted((ROOT / "docs").glob("*/start-*.md"))
+SPI = ROOT / "docs/firmware/spi.md"
+QUESTIONS = sorted((ROOT / "docs/encoder").glob("questions-*.md"))
 
 
 def files(page: str) -> dict[str, str]:
@@ -75,17 +75,17 @@ def test_an_answer_is_short_and_begins_with_an_example(page: Path) -> None:
     assert front_matter.startswith("asked:\n")
     title, _, example = text.splitlines()[:3]
     assert len(text.splitlines()) <= 40
-    assert re.fullmatch(r"\[[^\]]+\]\(\.\./generated/browser/decode\.html#code=[^&]+&frame=\S+\)\.", example)
+    assert re.fullmatch(r"\[[^\]]+\]\(\.\./\.\./generated/browser/decode\.html#code=[^&]+&frame=\S+\)\.", example)
     listed = f"- [{title.removeprefix('# ')}]({page.name})\n"
-    assert listed in (ROOT / "docs" / "questions.md").read_text(encoding="utf-8")
+    assert listed in (ROOT / "docs/encoder/questions.md").read_text(encoding="utf-8")
 
 
 def test_the_warning_about_hardware_is_given_once() -> None:
     """The front page and the header of the site have it with a link. The pages do not repeat it."""
-    badge = "[![Not yet tested on hardware](docs/not-on-hardware.svg)](docs/evidence.md)"
+    badge = "[![Not yet tested on hardware](docs/not-on-hardware.svg)](docs/trust/evidence.md)"
     assert (ROOT / "README.md").read_text(encoding="utf-8").count(badge) == 1
     header = (ROOT / "docs" / "site" / "templates" / "page.html").read_text(encoding="utf-8")
-    assert header.count("""href="{{ pathto('docs/evidence') }}">Not yet tested on hardware</a>""") == 1
+    assert header.count("""href="{{ pathto('docs/trust/evidence') }}">Not yet tested on hardware</a>""") == 1
     site = sorted((ROOT / "docs" / "site").glob("*.md"))
     repeated = re.compile("(tested|tried) on (an encoder|hardware)")
     fence = re.compile("^```.*?^```$", flags=re.MULTILINE | re.DOTALL)
@@ -101,4 +101,4 @@ def test_links_of_the_site_s_own_pages_work_in_the_repository_too(page: Path) ->
 
 
 def test_there_is_one_for_each() -> None:
-    assert [page.stem for page in PAGES] == ["start-bench", "start-firmware", "start-maintainer", "start-master"]
+    assert sorted(page.stem for page in PAGES) == ["start-bench", "start-firmware", "start-maintainer", "start-master"]

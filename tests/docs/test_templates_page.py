@@ -11,7 +11,7 @@ from codewheel import environments
 from codewheel.commands.cli import main
 
 ROOT = Path(__file__).parents[2]
-PAGE = ROOT / "docs" / "templates.md"
+PAGE = ROOT / "docs/extend/templates.md"
 
 
 def test_each_template_begins_with_a_comment() -> None:

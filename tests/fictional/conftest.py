@@ -1,4 +1,4 @@
-"""The fictional encoder of docs/how-to-transcribe.md: its spec and all outputs, generated once."""
+"""The fictional encoder of docs/transcribe/how-to-transcribe.md: its spec and all outputs, generated once."""
 
 from __future__ import annotations
 

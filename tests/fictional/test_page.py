@@ -15,7 +15,7 @@ from exhaustive import mostly_exhaustive
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 EXAMPLE = DOCS / "example"
-PAGE = (DOCS / "how-to-transcribe.md").read_text(encoding="utf-8")
+PAGE = (DOCS / "transcribe" / "how-to-transcribe.md").read_text(encoding="utf-8")
 MANUAL = (EXAMPLE / "manual.md").read_text(encoding="utf-8")
 SPEC = (EXAMPLE / "tolvarn" / "tv62.yaml").read_text(encoding="utf-8")
 
@@ -161,6 +161,6 @@ def test_commands_of_the_page_work(
 
 
 def test_links_lead_somewhere() -> None:
-    for name, text in (("how-to-transcribe.md", PAGE), ("example/manual.md", MANUAL)):
+    for name, text in (("transcribe/how-to-transcribe.md", PAGE), ("example/manual.md", MANUAL)):
         for target in re.findall(r"\]\(([^)#\s]+)", text):
             assert ((DOCS / name).parent / target).exists(), f"{name}: {target}"

@@ -11,7 +11,7 @@ from codewheel.commands.cli import main
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 TOLVARN = DOCS / "example" / "tolvarn"
-PAGE = (DOCS / "how-to-transcribe.md").read_text(encoding="utf-8")
+PAGE = (DOCS / "transcribe" / "how-to-transcribe.md").read_text(encoding="utf-8")
 BLOCKS = (" ".join(text.split()) for text in re.findall(r"```text\n(.*?)```", PAGE, re.DOTALL))
 QUOTED = [text for text in BLOCKS if "readings-disagree" in text]
 MEND = "; check the manual; if it prints both, add an erratum with both under 'readings'"

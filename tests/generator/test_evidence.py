@@ -39,7 +39,7 @@ def test_the_grade_decides_whose_files_are_tracked() -> None:
 
 @pytest.mark.slow
 def test_the_index_lists_each_encoder_with_its_grade() -> None:
-    page = (ROOT / "docs" / "encoders.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/encoder/encoders.md").read_text(encoding="utf-8")
     devices, report = load_library([ENCODERS])
     assert not report
     listed_grades = {name: grade for grade, name in re.findall(r"\| ([a-z, ]+) \| \[(\w+)\]\(", page)}

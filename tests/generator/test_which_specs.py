@@ -285,7 +285,7 @@ def test_other_files_of_these_names_are_no_settings(capsys: pytest.CaptureFixtur
 
 @pytest.mark.parametrize(("language", "file"), [("toml", "pyproject.toml"), ("yaml", "codewheel.yaml")])
 def test_the_settings_of_the_page(two: Path, language: str, file: str) -> None:
-    page = (ROOT / "docs/which-specs.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/transcribe/which-specs.md").read_text(encoding="utf-8")
     block = page.partition(f"```{language}\n")[2].partition("```")[0]
     (two / file).write_text(block, encoding="utf-8")
     settings = read_specs.find_settings()
@@ -294,7 +294,7 @@ def test_the_settings_of_the_page(two: Path, language: str, file: str) -> None:
 
 
 def test_the_limit_is_that_of_the_page() -> None:
-    page = (ROOT / "docs/which-specs.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/transcribe/which-specs.md").read_text(encoding="utf-8")
     assert f"ends after {read_specs.MOST_NAMES:,} files and folders" in page
 
 

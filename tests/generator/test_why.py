@@ -92,7 +92,7 @@ def test_sound_frames_need_no_explanation(devices: Mapping[str, Device]) -> None
 
 
 #: Least fraction of the planted frames whose mistake is listed first.
-#: docs/why-a-crc-fails.md has the numbers of a longer run, and the reasons.
+#: docs/encoder/why-a-crc-fails.md has the numbers of a longer run, and the reasons.
 FIRST = {
     "read_late": 0.6,
     "first_bit_missing": 0.6,
@@ -464,7 +464,7 @@ def test_one_frame_takes_far_less_than_a_second(devices: Mapping[str, Device]) -
 
 
 def test_the_page_shows_what_the_command_prints(capsys: pytest.CaptureFixture[str]) -> None:
-    page = (Path(__file__).parents[2] / "docs" / "why-a-crc-fails.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs/encoder/why-a-crc-fails.md").read_text(encoding="utf-8")
     command, *page_lines = page.split("```")[1].strip().splitlines()
     assert main(command.split()[2:]) == 1
     printed = capsys.readouterr().out.splitlines()

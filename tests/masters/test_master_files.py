@@ -93,7 +93,7 @@ def test_no_code_knows_a_master(masters: dict[str, Master]) -> None:
 
 def test_every_item_is_explained() -> None:
     """The page on adding a master names every item that a rule can use, and every word."""
-    page = (ROOT / "docs" / "how-to-add-a-master.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/extend/how-to-add-a-master.md").read_text(encoding="utf-8")
     for name in (*WORDS, *NUMBERS, *(word for words in WORDS.values() for word in words)):
         assert f"`{name}`" in page, name
     example = re.search(r"```yaml\n(codewheel: 1\nmaster: .*?)```", page, re.DOTALL)
@@ -101,7 +101,7 @@ def test_every_item_is_explained() -> None:
 
 
 def test_the_example_of_the_page(tmp_path: Path) -> None:
-    page = (ROOT / "docs" / "how-to-add-a-master.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/extend/how-to-add-a-master.md").read_text(encoding="utf-8")
     example = re.search(r"```yaml\n(codewheel: 1\nmaster: (\w+)\n.*?)```", page, re.DOTALL)
     assert example is not None
     path = tmp_path / f"{example[2]}.yaml"

@@ -37,7 +37,7 @@ def test_it_is_small_and_codewheel_knows_nothing_of_it() -> None:
 
 
 def test_it_uses_what_the_page_on_targets_tells_of() -> None:
-    page = (ROOT / "docs" / "how-to-write-a-target.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/extend/how-to-write-a-target.md").read_text(encoding="utf-8")
     text = "".join(path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py"))
     used = set(re.findall(r"^from (codewheel(?:\.\w+)*) import", text, re.MULTILINE)) - {"codewheel", "codewheel.say"}
     assert used

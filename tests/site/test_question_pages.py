@@ -59,7 +59,7 @@ def first_hit(site: Path, browser: Browser, typed: str) -> str:
 @pytest.mark.slow
 @pytest.mark.parametrize(("typed", "page"), rows(ASKED), ids=lambda cell: cell)
 def test_the_answer_is_the_first_hit(site: Path, browser: Browser, typed: str, page: str) -> None:
-    assert first_hit(site, browser, typed).partition("#")[0] == f"docs/{page}.html"
+    assert first_hit(site, browser, typed).partition("#")[0] == f"docs/encoder/{page}.html"
 
 
 @pytest.mark.slow
@@ -75,17 +75,17 @@ def test_what_people_type_has_the_right_page_first(site: Path, browser: Browser,
 @pytest.mark.parametrize(("page", "shown"), rows(EXAMPLES), ids=lambda cell: cell)
 def test_it_begins_with_a_filled_box_and_has_two_screens(site: Path, browser: Browser, page: str, shown: str) -> None:
     browser.look(1280, height=800)
-    browser.open((site / "docs" / f"questions-{page}.html").as_uri())
+    browser.open((site / "docs" / "encoder" / f"questions-{page}.html").as_uri())
     text = browser.run('document.querySelector(".codewheel-decode").textContent')
     assert shown in text, text
     before = browser.run('[...document.querySelectorAll("article section > *")].map((item) => item.className)')
     assert before[:3] == ["", "try", "codewheel-decode example"]
     link = browser.run('document.querySelector(".codewheel-decode-link a").getAttribute("href")')
-    assert link.startswith("../decode.html#code=")
+    assert link.startswith("../../decode.html#code=")
     assert browser.run("document.documentElement.scrollHeight") <= 2 * 800
     assert browser.complaints == []
 
 
 def test_each_question_page_has_an_example() -> None:
-    pages = (Path(__file__).parents[2] / "docs").glob("questions-*.md")
+    pages = (Path(__file__).parents[2] / "docs/encoder").glob("questions-*.md")
     assert {page for page, _ in rows(EXAMPLES)} == {path.stem.removeprefix("questions-") for path in pages}

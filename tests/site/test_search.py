@@ -104,7 +104,7 @@ counting direction              | counting direction  | am36/biss.html#input-cou
 usable                          | Usable or not       | docs/usable-or-not.html
 glossary                        | Glossary            | docs/glossary-of-terms.html
 which encoder                   | Which encoder is it? | docs/which-encoder.html
-mutants                         | Mutants             | docs/mutants.html
+mutants                         | Mutants             | docs/trust/mutants.html
 """
 #: As a technician types them: whole questions, typos, plurals, numbers, and labels with and without separators.
 TYPED = """
@@ -144,11 +144,11 @@ power consumption               | Wiring              | am36/biss.html#wiring
 5v                              | T12 cable           | sma21/rs485.html#t12-cable
 rs485 baud                      | AMM5: RS-485        | amm5/rs485.html
 2.5 Mbit                        | Clocks, ports and codes | #clocks-ports-and-codes
-gray code                       | Gray code or binary | docs/questions-gray-or-binary.html
+gray code                       | Gray code or binary | docs/encoder/questions-gray-or-binary.html
 counting direction reverse | Input: Counting direction (Complementary input) | -direction-complementary-input
 factory reset                   | Load and save the default parameters | #load-and-save-the-default-parameters
-crc wrong                       | The BiSS CRC is always wrong | docs/questions-crc-always-wrong.html
-crc fails                       | The BiSS CRC is always wrong | docs/questions-crc-always-wrong.html
+crc wrong                       | The BiSS CRC is always wrong | docs/encoder/questions-crc-always-wrong.html
+crc fails                       | The BiSS CRC is always wrong | docs/encoder/questions-crc-always-wrong.html
 nE bit                          | Deciding bits       | docs/usable-or-not.html#deciding-bits
 AMM5A21/65KSC1 how long is a frame | Frame            | amm5/AMM5A21-65KSC1.html#frame
 AMM5A21/65KSC1 which bit says error | Frame           | amm5/AMM5A21-65KSC1.html#frame
@@ -156,7 +156,7 @@ tape                            | Tape length, travel and number of positions | 
 mounting                        | Characteristics, mounting, safety | am36/hardware.html#characteristics-mounting-safety
 acknowledge                     | Acknowledge         | spi.html#acknowledge
 siemens                         | Siemens TM PosInput | docs/am36-masters.html#siemens-tm-posinput
-arduino                         | Five minutes: an encoder in your firmware | docs/start-firmware.html
+arduino                         | Five minutes: an encoder in your firmware | docs/firmware/start-firmware.html
 """
 
 

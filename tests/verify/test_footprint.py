@@ -1,6 +1,6 @@
 """The generated decoders stay as small and fast as recorded: bytes, instructions and cycles are exact.
 
-``python benchmarks/footprint.py --write`` records them again. The page docs/footprint.md has the same figures next to
+``python benchmarks/footprint.py --write`` records them again. docs/trust/footprint.md has the same figures next to
 those of others.
 """
 

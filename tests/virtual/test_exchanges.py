@@ -23,7 +23,7 @@ from test_link_faults import ERRORS
 pytestmark = pytest.mark.slow
 
 SPECS = Path(__file__).parents[2] / "specs"
-PAGE = SPECS.parent / "docs" / "rs485.md"
+PAGE = SPECS.parent / "docs/firmware/rs485.md"
 #: The example in the data sheet of the AMT21, and a reply that HPMicro logged from an SKM36.
 AMT21, SKM36 = bytes.fromhex("AB 61"), bytes.fromhex("40 42 00 27 25 51 51")
 ASK = {"AMT212B": b"\x54", "SKM36": bytes.fromhex("40 42 02")}

@@ -75,7 +75,7 @@ def test_the_help_lists_the_faults_of_each_interface(capsys: pytest.CaptureFixtu
 
 
 def test_the_page_lists_the_faults_of_each_interface() -> None:
-    page = (ROOT / "docs" / "command-line.md").read_text(encoding="utf-8")
+    page = (ROOT / "docs/bench/command-line.md").read_text(encoding="utf-8")
     rows = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("| `")]
     printed = {cells[0].strip("`"): cells[1:] for cells in rows if cells[0].strip("`") in FAULTS}
     assert printed.keys() == FAULTS.keys()

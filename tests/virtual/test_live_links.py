@@ -174,7 +174,7 @@ def test_the_fixture_of_the_page(generated_python: Package, virtual_encoder: Cal
             time.sleep(0.02)
             return 0 if first < encoder.position() else 1
 
-    page = (Path(__file__).parents[2] / "docs" / "command-line.md").read_text(encoding="utf-8")
+    page = (Path(__file__).parents[2] / "docs/bench/command-line.md").read_text(encoding="utf-8")
     block = next(text for text in page.split("```") if text.startswith("python\ndef test_my_program"))
     names: dict[str, Any] = {"my_program": my_program}
     exec(block.removeprefix("python\n"), names)

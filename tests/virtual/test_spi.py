@@ -95,7 +95,9 @@ def test_the_programs_of_the_pages(package: Any, capsys: pytest.CaptureFixture[s
     encoder, line = virtual()
     encoder.position = 77
     names = {"lookup": package.lookup, "as5047p": module, "exchange": line.exchange}
-    (program,) = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / "spi.md").read_text(encoding="utf-8"), re.DOTALL)
+    (program,) = re.findall(
+        r"```python\n(.*?)```", (ROOT / "docs/firmware/spi.md").read_text(encoding="utf-8"), re.DOTALL
+    )
     exec(program, names)
     assert names["answer"].reply.usable_position == 77
 

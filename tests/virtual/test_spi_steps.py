@@ -18,7 +18,7 @@ from working_tools import require
 pytestmark = pytest.mark.slow
 
 SPECS = Path(__file__).parents[2] / "specs"
-PAGE = Path(__file__).parents[2] / "docs" / "spi.md"
+PAGE = Path(__file__).parents[2] / "docs/firmware/spi.md"
 #: "SSC data transfer to configure the zero position", TLE5012B User's Manual Rev. 1.2, Figure 6-10 on page 72. The
 #: master sends the first two words of a write, and then releases the line. ANG_BASE is FE7h before and 760h after it.
 BEFORE = bytes.fromhex("FE 70")

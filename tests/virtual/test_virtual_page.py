@@ -14,7 +14,7 @@ import pytest
 from working_tools import require
 
 ROOT = Path(__file__).parents[2]
-PAGE = (ROOT / "docs" / "virtual-encoders.md").read_text(encoding="utf-8")
+PAGE = (ROOT / "docs/bench/virtual-encoders.md").read_text(encoding="utf-8")
 PROGRAMS = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
 
 pytestmark = pytest.mark.slow

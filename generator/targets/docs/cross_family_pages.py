@@ -74,7 +74,7 @@ def _family_link(device: Device) -> str:
 def _label_row(device: Device) -> Row:
     titles = joined((interface.title for interface in device.interfaces), ", ")
     supplies = dict.fromkeys(filter(None, map(device.supply_of, device.variants)))
-    labels = joined(map(code, patterns(device, [variant.code for variant in device.variants])))
+    labels = joined(patterns(device, [variant.code for variant in device.variants]))
     return _family_link(device), text(titled_in_lists(device)), labels, titles, joined(map(_supply_range, supplies))
 
 

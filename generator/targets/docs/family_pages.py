@@ -141,7 +141,7 @@ def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
     first_settings = list(settings(device, interface))[:1]
     return (
         link(interface.title, page_links.interface_page_path(device, interface)),
-        ", ".join(map(code, patterns(device, order_codes))) if order_codes else "",
+        joined(patterns(device, order_codes)) if order_codes else "",
         "; ".join(map(STYLE.phrase, first_settings)),
     )
 

@@ -42,7 +42,7 @@ from ...say.register import measurement, own_ranges, position_range
 from ...say.text import Code, Statement, statement, volts
 from . import fact_tables, inline_errata, layout_tables, order_code_tables, verdict_page
 from .layout_tables import has_value_table
-from .order_code_tables import order_codes, patterns
+from .order_code_tables import order_codes
 from .page_links import links_to_steps
 from .page_pictures import Pictures
 from .timing_pictures import TimingDiagram, timing_diagram
@@ -288,7 +288,7 @@ class InterfaceValues(TypedDict):
 
 
 class InterfacePage(Sections, InterfaceValues):
-    patterns: Annotated[list[str], "patterns of the order codes with the interface"]
+    order_codes: Annotated[str, "the order codes with the interface, or patterns if there are many"]
     code_table: Annotated[Section, "these order codes as links, with their quantities: head, rows"]
     parameter_rows: Annotated[Rows, "quantities set by an order code"]
     run_time_rows: Annotated[Rows, "quantities held by registers"]
@@ -322,7 +322,7 @@ def page_values(
     return {
         **page_sections(interface_device),
         **interface_values(device, interface_device, variants, has_masters, pictures),
-        "patterns": patterns(device, codes) if codes else [],
+        "order_codes": order_codes(device, codes),
         "code_table": order_code_tables.code_table(device, device.interface(kind), links),
         "parameter_rows": list(order_code_tables.parameter_rows(device, kind)),
         "run_time_rows": list(order_code_tables.run_time_rows(device, kind)),

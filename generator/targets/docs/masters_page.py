@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from functools import partial
 from math import prod
 from typing import Annotated, Any, TypedDict
 
-from ...masters.places import MasterDevice, Place, place_words
 from ...masters.sheet import Group, GroupSheets, Master, Refusal, Setting, Sheet, records_of, sheets_of
 from ...masters.text import (
-    bound_in_words,
     cited,
     condition_text,
     condition_texts,
@@ -47,6 +46,7 @@ def _has_records(device: Device, interface: Interface) -> bool:
 class MastersPage(TypedDict):
     device: Annotated[Device, "the family"]
     legend: Annotated[str, "meaning of the marks on the page"]
+    example: Annotated[str, "an order code that masters support"]
     interfaces: Annotated[list[dict[str, Any]], "interfaces that masters support, with the settings of each master"]
 
 
@@ -58,7 +58,8 @@ def page_values(device: Device, masters: Sequence[Master]) -> MastersPage:
             sheets += master_sheets
     return {
         "device": device,
-        "legend": text(legend(masters, sheets, with_places=True)),
+        "example": interface_sheets[0].groups[0].codes[0],
+        "legend": text(legend(masters, sheets, with_places=False)),
         "interfaces": [_interface_section(device, group_sheets) for group_sheets in interface_sheets],
     }
 
@@ -167,53 +168,45 @@ def _codes_label(groups: Sequence[Group]) -> str:
 
 def _master_section(master: Master, sheets: GroupSettings) -> dict[str, Any]:
     accepted_sheets = [(group, sheet) for group, sheet in sheets if not sheet.refusals]
-    columns = [(group, _setting_rows(sheet)) for group, sheet in accepted_sheets]
-    common_rows, tables = _common_rows_and_tables(columns)
+    refused = list(_refusal_lines(sheets))
+    notes = [*_setting_notes(accepted_sheets), *_further_notes(accepted_sheets)]
+    cited_texts = "\n".join([*refused, *notes])
+    documents = [document for document in master.documents if re.search(rf"\b{document.key}\b", cited_texts)]
     return {
         "name": master.name,
         "title": text(master.title),
-        "settings": common_rows,
-        "tables": tables,
-        "row_notes": _row_notes(columns, {row[0] for row in common_rows}),
-        "refused": list(_refusal_lines(sheets)),
-        "places": list(_place_rows(accepted_sheets)),
-        "notes": list(_further_notes(accepted_sheets)),
-        "documents": document_rows(master.documents),
+        "settings": " · ".join(_setting_names(accepted_sheets)),
+        "refused": refused,
+        "notes": notes,
+        "documents": document_rows(documents),
     }
 
 
-def _setting_rows(sheet: Sheet) -> dict[Any, Row]:
-    """Return the row of each setting, keyed by its name and place."""
-    return {(setting.name, setting.at): _setting_row(setting, sheet) for setting in sheet.settings}
+def _setting_names(group_sheets: GroupSettings) -> list[str]:
+    """Return the names of all settings, in the order in which they are written."""
+    return list(dict.fromkeys(text(setting.name) for _, sheet in group_sheets for setting in sheet.settings))
 
 
-def _setting_row(setting: Setting, sheet: Sheet) -> Row:
-    """Return a row of name with place, value, note, source."""
-    name = text(setting.name) + (f" ({text(setting.at)})" if setting.at else "")
-    value = text(setting.text)
-    if setting.value is not None:
-        value = f"{bound_in_words(setting)}{code(setting.text)}{_spaced_mark(setting)}"
+def _setting_notes(group_sheets: GroupSettings) -> Iterator[str]:
+    """Yield the notes on settings and their conditions, with the order codes unless a note applies to all of them."""
+    groups_by_note: dict[str, list[Group]] = {}
+    for group, sheet in group_sheets:
+        notes = filter(None, (_setting_note(setting, sheet) for setting in sheet.settings))
+        for note in dict.fromkeys(notes):
+            groups_by_note.setdefault(note, []).append(group)
+    return _with_order_codes(groups_by_note, len(group_sheets))
+
+
+def _setting_note(setting: Setting, sheet: Sheet) -> str:
+    """Return the note on a setting with its conditions and its source, or an empty text if there is no note."""
     note = " ".join(filter(None, [setting.note, *condition_texts(setting, sheet)]))
-    return name, value, text(note), text(cited(setting.source))
+    return f"{text(setting.name)}: {text(note)} \\[{text(cited(setting.source))}\\]" if note else ""
 
 
-def _place_rows(group_sheets: GroupSettings) -> Iterator[Row]:
-    """Yield the places of each setting and of each value that a condition needs, once for all order codes."""
-    setting_places: dict[tuple[str, str], tuple[Sequence[Place], str, Sequence[MasterDevice]]] = {}
-    for _, sheet in group_sheets:
-        devices = sheet.master.devices
-        for setting in sheet.settings:
-            setting_places.setdefault((setting.name, setting.at), (setting.places, setting.text, devices))
-        for rule in sheet.writing:
-            for write in (*rule.needs, *rule.then):
-                setting_places.setdefault((write.title, ""), (write.places, write.text, devices))
-    for (name, _), (places, value, master_devices) in setting_places.items():
-        for words in place_words(places, value, master_devices):
-            location = ": ".join(filter(None, (words.devices, words.location or "not given")))
-            unit = {"": "unit not given", "none": ""}.get(words.unit, words.unit)
-            data = ", ".join(filter(None, (words.type or "type not given", unit, words.range)))
-            source = f"{words.source}{words.mark}"
-            yield tuple(map(text, (name, location, data, words.default or "not given", source)))
+def _with_order_codes(groups_by_note: Mapping[str, Sequence[Group]], group_count: int) -> Iterator[str]:
+    """Yield each note, after its order codes unless it applies to all groups."""
+    for note, groups in groups_by_note.items():
+        yield note if len(groups) == group_count else f"{_codes_label(groups)}: {note}"
 
 
 def _refusal_text(refusal: Refusal) -> str:
@@ -227,14 +220,6 @@ def _spaced_mark(rule: Setting | Refusal) -> str:
     return f" {rule_mark}" if rule_mark else ""
 
 
-def _row_notes(columns: Columns, common_names: set[str]) -> list[str]:
-    """Return the notes and sources of settings that differ between order codes."""
-    rows = [row for _, setting_rows in columns for row in setting_rows.values() if row[0] not in common_names]
-    notes = dict.fromkeys(f"{name}: {note}" for name, _, note, _ in rows if note)
-    sources = dict.fromkeys(f"{name} \\[{source}\\]" for name, _, _, source in rows)
-    return [*notes, f"Sources: {', '.join(sources)}"]
-
-
 def _further_notes(group_sheets: GroupSettings) -> Iterator[str]:
     """Yield further notes, with the order codes unless a note applies to all of them."""
     groups_by_note: dict[str, list[Group]] = {}
@@ -242,9 +227,7 @@ def _further_notes(group_sheets: GroupSettings) -> Iterator[str]:
         gaps = (refusal_text(gap) for gap in sheet.gaps)
         for note in (*gaps, *(condition_text(rule) for rule in sheet.shared_writing), *sheet.notes):
             groups_by_note.setdefault(text(note), []).append(group)
-    for note, groups in groups_by_note.items():
-        applies_to_all = len(groups) == len(group_sheets)
-        yield note if applies_to_all else f"{_codes_label(groups)}: {note}"
+    return _with_order_codes(groups_by_note, len(group_sheets))
 
 
 def _refusal_lines(sheets: GroupSettings) -> Iterator[str]:

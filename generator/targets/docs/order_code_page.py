@@ -36,7 +36,6 @@ from ..registry import names_of_codes
 from . import bytes_to_send, fact_tables, order_code_tables, wide_pictures, wiring_tables
 from .inline_errata import ErrataLinks
 from .interface_page import InterfaceValues, Section, Sections, interface_values, page_sections
-from .order_code_tables import patterns
 from .page_pictures import Pictures, pictures_of_family, pictures_of_order_codes
 from .verdict_table import verdict_table
 from .wiring_tables import no_leds, no_supply
@@ -216,11 +215,11 @@ class OrderCodes:
         return self._links("")
 
     def page_links(self, interface_name: str) -> list[str]:
-        """Return links to the order code pages of an interface, labelled with patterns, for pages next to it."""
+        """Return links to the order code pages of an interface, for pages next to it."""
         links = []
         for group in self.groups:
             if group.variants[0].interface == interface_name:
-                label = ", ".join(map(code, patterns(self.device, group.codes)))
+                label = ", ".join(map(code, group.codes))
                 links.append(link(label, f"{self.device.name}/{group.name}.md"))
         return links
 

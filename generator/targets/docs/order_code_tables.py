@@ -183,17 +183,19 @@ def _measurement_row(position: Measurement, over_interface: str = "") -> tuple[s
 
 #: Lowest number of order codes that are shown as patterns. Fewer codes are listed one by one.
 _FEWEST_FOR_PATTERNS = 12
+#: Letters that stand for parts of an order code, as manuals write them.
+_LETTERS = "xyzuvw"
 #: Texts of the parts of an order code, in order.
 PartTexts = tuple[str, ...]
 
 
 def order_codes(device: Device, codes: Sequence[str]) -> str:
     """Return the order codes one by one, or as patterns if there are many."""
-    return ", ".join(map(code, codes if len(codes) < _FEWEST_FOR_PATTERNS else patterns(device, codes)))
+    return ", ".join(map(code, codes)) if len(codes) < _FEWEST_FOR_PATTERNS else joined(patterns(device, codes))
 
 
 def patterns(device: Device, codes: Collection[str]) -> list[str]:
-    """Return patterns, with differences in braces, that together match exactly these order codes."""
+    """Return patterns that together match exactly these order codes, such as `A-x/y` with x = 1 or 2, y = B or C."""
     part_names = [part.name for part in device.order_code.parts]
     variants = [variant for variant in device.variants if variant.code in codes]
     rows = [_texts_of_parts(variant, part_names) for variant in variants]
@@ -205,11 +207,20 @@ def _texts_of_parts(variant: Variant, part_names: Sequence[str]) -> PartTexts:
 
 
 def _pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_parts: Sequence[Sequence[str]]) -> str:
-    """Return the order code with the possible texts of each part, in braces if there are several."""
+    """Return the order code with a letter for each part that has several texts, and the texts of these letters."""
+    fixed_letters = set(re.sub(r"\{\w+\}", "", order_code.pattern)).union(*map("".join, texts_of_parts))
+    letters = iter(letter for letter in _LETTERS if letter not in fixed_letters)
     texts_by_part: dict[str, str] = {}
+    letter_texts: list[str] = []
     for name, texts in zip(part_names, texts_of_parts, strict=True):
-        texts_by_part[name] = texts[0] if len(texts) == 1 else f"{{{','.join(texts)}}}"
-    return filled(order_code.pattern, texts_by_part)
+        if len(texts) == 1:
+            texts_by_part[name] = texts[0]
+            continue
+        texts_by_part[name] = next(letters)
+        choice = f"{', '.join(texts[:-1])} or {texts[-1]}"
+        letter_texts.append(f"{texts_by_part[name]} = {choice}")
+    pattern = code(filled(order_code.pattern, texts_by_part))
+    return f"{pattern} with {', '.join(letter_texts)}" if letter_texts else pattern
 
 
 def _products(rows: Sequence[PartTexts]) -> Iterator[list[list[str]]]:

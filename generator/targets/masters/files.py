@@ -102,7 +102,9 @@ def _paragraphs_on_origin(device: Device, sheet: Sheet, rule: Raw, master_device
     documents = [document for document in sheet.master.documents if document.key in cited_keys]
     cited_documents = "; ".join(f"{document.key}: {document.title}" for document in documents)
     yield f"From the documents of the master: {cited_documents}."
-    reader = f"Read by {format_.reader}, see docs/master-files.md." if format_.reader else "Not yet read by its tool."
+    reader = (
+        f"Read by {format_.reader}, see docs/master/master-files.md." if format_.reader else "Not yet read by its tool."
+    )
     yield f"Not yet tested on hardware. {reader} Form of the file: {cited(rule['source'])}."
 
 

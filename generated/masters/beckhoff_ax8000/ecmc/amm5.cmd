@@ -6,7 +6,7 @@
 #-   count; rotary_steps: AX8xxx object 32EF:03 measuring steps per revolution; rotary_turns: AX8xxx object 32EF:04
 #-   number of distinguishable revolutions; rotary_clock: AX8xxx object 32EF:09 max encoder clock frequency, rotary;
 #-   rotary_inverted: AX8xxx object 32EF:0D CRC data inverted, rotary.
-#- Not yet tested on hardware. Read by the scripts of ecmccomp, see docs/master-files.md. Form of the file: ecmc.
+#- Not yet tested on hardware. Read by the scripts of ecmccomp, see docs/master/master-files.md. Form of the file: ecmc.
 #- Each block is for the first channel. A file that codewheel prints for one order code has all channels.
 #- Copy the lines below your order code and remove the first #- of each line.
 

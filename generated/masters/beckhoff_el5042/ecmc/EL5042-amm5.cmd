@@ -4,7 +4,7 @@
 #- From the documents of the master: objects: EL5042 configuration data; ej5042: EJ5042 configuration data; supply:
 #-   EL5042 setting the encoder supply voltage; psi: paulscherrerinstitute/ecmccfg,
 #-   hardware/Encoders/ecmcEL5042-Encoder-RLS-LA11-24bit.cmd.
-#- Not yet tested on hardware. Read by the scripts of ecmccomp, see docs/master-files.md. Form of the file: ecmc.
+#- Not yet tested on hardware. Read by the scripts of ecmccomp, see docs/master/master-files.md. Form of the file: ecmc.
 #- Before writing Supply Voltage, F008 (Code word) must be 0x72657375. [supply]
 #- Supply Voltage takes effect only in the INIT state. [supply]
 #- Write Disable Status Bits and CRC Polynomial after Mode. * [ssi: Mode sets both, ep7041_biss: steps 2 and 3,

@@ -2,7 +2,7 @@
 #-   ECMC_EC_SLAVE_NUM.
 #- From the spec of AMM5A and AMM5B absolute kit encoders, manual AMM5A AMM5B, revision 1.9.
 #- From the documents of the master: ep7041_objects: EP7041-4032 configuration objects.
-#- Not yet tested on hardware. Read by the scripts of ecmccomp, see docs/master-files.md. Form of the file: ecmc.
+#- Not yet tested on hardware. Read by the scripts of ecmccomp, see docs/master/master-files.md. Form of the file: ecmc.
 #- Before writing Supply Voltage, F008 (Code word) must be 0x72657375. [supply]
 #- Supply Voltage takes effect only in the INIT state. [supply]
 #- Write Disable Status Bits and CRC Polynomial after Mode. * [ssi: Mode sets both, ep7041_biss: steps 2 and 3,

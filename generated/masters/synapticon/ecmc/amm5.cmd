@@ -4,7 +4,7 @@
 #- From the documents of the master: p834: SOMANET Circulo 7, documentation v4.19.0, p. 834; p835: SOMANET Circulo 7,
 #-   documentation v4.19.0, p. 835; p846: SOMANET Circulo 7, documentation v4.19.0, p. 846; p833: SOMANET Circulo 7,
 #-   documentation v4.19.0, p. 833.
-#- Not yet tested on hardware. Read by the scripts of ecmccomp, see docs/master-files.md. Form of the file: ecmc.
+#- Not yet tested on hardware. Read by the scripts of ecmccomp, see docs/master/master-files.md. Form of the file: ecmc.
 #- Each block is for the first channel. A file that codewheel prints for one order code has all channels.
 #- Copy the lines below your order code and remove the first #- of each line.
 

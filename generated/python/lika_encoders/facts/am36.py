@@ -1545,7 +1545,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_1",
-        title="In edition 1.1, difference 1",
+        title="In edition 1.1: order code singleturn open, order code singleturn open only with and others",
         printed=(
             "order_code.parts.singleturn.open, order_code.parts.singleturn.open_only_with, "
             "order_code.parts.turns.open, order_code.parts.turns.open_only_with"
@@ -1564,7 +1564,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_2",
-        title="In edition 1.1, difference 2",
+        title="In edition 1.1: order code output BG, order code output GG and others",
         printed=(
             "order_code.parts.output.values.BG, order_code.parts.output.values.GG, interfaces.ssi, parameters.modulus"
         ),
@@ -1577,7 +1577,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_3",
-        title="In edition 1.1, difference 3",
+        title="In edition 1.1: order code also written output",
         printed="order_code.also_written[1].values.output, order_code.also_written[2].values.output",
         used="SC = I7",
         why="The labels of the SSI models are not known either.",
@@ -1588,7 +1588,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_4",
-        title="In edition 1.1, difference 4",
+        title="In edition 1.1: configuration note",
         printed="configuration.note",
         used=(
             "For edition 1.1, only two facts are known: the address of the register, and that one of its bits must be "
@@ -1604,7 +1604,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_5",
-        title="In edition 1.1, difference 5",
+        title="In edition 1.1: BiSS note",
         printed="interfaces.biss.note",
         used=(
             "The clock range is taken from edition 1.0. It is not known for 1.1. The encoder is always a slave, and "
@@ -1618,7 +1618,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_6",
-        title="In edition 1.1, difference 6",
+        title="In edition 1.1: profile ID, serial number and others",
         printed=(
             "profile_id, serial_number, command, device_type, device_id, manufacturer_id, printed_defaults, "
             "interfaces.biss.timings and 2 more"
@@ -1647,7 +1647,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_7",
-        title="In edition 1.1, difference 7",
+        title="In edition 1.1: configuration register, configuration default and others",
         printed=(
             "examples.configuration_register, examples.configuration_default, examples.configuration_procedure, "
             "examples.preset_register, examples.preset_maximum, examples.preset_procedure, "
@@ -1672,7 +1672,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_8",
-        title="In edition 1.1, difference 8",
+        title="In edition 1.1: connectors, inputs and supply",
         printed="connectors, inputs, supply",
         used="not known",
         why="No page on connections is public.",
@@ -1683,7 +1683,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_1_1_9",
-        title="In edition 1.1, difference 9",
+        title="In edition 1.1: personnel, explosive areas and others",
         printed=(
             "characteristics.personnel, characteristics.explosive_areas, characteristics.emc_directive, "
             "characteristics.emc_precautions, characteristics.shield_connection, characteristics.mechanical_safety, "

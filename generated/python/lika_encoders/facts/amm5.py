@@ -2867,7 +2867,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_8_1",
-        title="Before edition 1.8, difference 1",
+        title="Before edition 1.8: order code mount B",
         printed="order_code.parts.mount.values.B",
         used="left out",
         why="This revision introduced AMM5B.",
@@ -2878,7 +2878,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_8_2",
-        title="Before edition 1.8, difference 2",
+        title="Before edition 1.8: mounting support, ferromagnetic flange and others",
         printed=(
             "characteristics.mounting_support, characteristics.ferromagnetic_flange, characteristics.shaft_diameter, "
             "characteristics.spacer, characteristics.disk_grub_screws, characteristics.disk_grub_screw_torque, "
@@ -2908,7 +2908,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_7_1",
-        title="Before edition 1.7, difference 1",
+        title="Before edition 1.7: serial number",
         printed="serial_number",
         used="not known",
         why=(
@@ -2923,7 +2923,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_7_2",
-        title="Before edition 1.7, difference 2",
+        title="Before edition 1.7: device ID",
         printed="device_id",
         used="not known",
         why=(
@@ -2938,7 +2938,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_6_1",
-        title="Before edition 1.6, difference 1",
+        title="Before edition 1.6: order code interface BG1 and order code interface JP1",
         printed="order_code.parts.interface.values.BG1, order_code.parts.interface.values.JP1",
         used="left out",
         why="This revision added the versions with SSI and with RS-485. All earlier encoders had BiSS.",
@@ -2949,7 +2949,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_6_2",
-        title="Before edition 1.6, difference 2",
+        title="Before edition 1.6: SSI and RS-485",
         printed="interfaces.ssi, interfaces.rs485",
         used="left out",
         why="This revision added the versions with SSI and with RS-485. All earlier encoders had BiSS.",
@@ -2960,7 +2960,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_6_3",
-        title="Before edition 1.6, difference 3",
+        title="Before edition 1.6: EEPROM address, EEPROM address bit and others",
         printed=(
             "alternatives.eeprom_address, parameters.eeprom_address_bit, parameters.mem_busy_bit, crcs.rs485_8, "
             "field_groups.control_field, field_groups.status_field, field_groups.alarm_field, "
@@ -3007,7 +3007,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_6_4",
-        title="Before edition 1.6, difference 4",
+        title="Before edition 1.6: SSI BiSS connector interfaces and SSI BiSS cable interfaces",
         printed="connectors.ssi_biss_connector.interfaces, connectors.ssi_biss_cable.interfaces",
         used="biss",
         why="SSI did not exist yet.",
@@ -3018,7 +3018,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_5_1",
-        title="Before edition 1.5, difference 1",
+        title="Before edition 1.5: SSI BiSS connector 1 and ground",
         printed="connectors.ssi_biss_connector.contacts.1, characteristics.ground",
         used="not known",
         why="This revision connected pin 1 to ground. The table does not give the earlier connection.",
@@ -3029,7 +3029,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_4_1",
-        title="Before edition 1.4, difference 1",
+        title="Before edition 1.4: Register 3Bh, Counting direction",
         printed="Register 3Bh, Counting direction",
         used="not known",
         why="This revision removed the register. The table does not say which values it took, or when.",
@@ -3039,7 +3039,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_4_2",
-        title="Before edition 1.4, difference 2",
+        title="Before edition 1.4: command, BiSS timings EEPROM write and others",
         printed=(
             "command, interfaces.biss.timings.eeprom_write, procedures.set_preset, procedures.store_preset, "
             "procedures.save_parameters, procedures.activate_preset"
@@ -3064,7 +3064,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_4_3",
-        title="Before edition 1.4, difference 3",
+        title="Before edition 1.4: counting direction",
         printed="characteristics.counting_direction",
         used="not known",
         why="The information on the counting direction was updated.",
@@ -3075,7 +3075,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_3_1",
-        title="Before edition 1.3, difference 1",
+        title="Before edition 1.3: All information that was marked \"to be updated\"",
         printed="All information that was marked \"to be updated\"",
         used="not known",
         why=(
@@ -3088,7 +3088,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_2_1",
-        title="Before edition 1.2, difference 1",
+        title="Before edition 1.2: cable, cable model and others",
         printed=(
             "characteristics.cable, characteristics.cable_model, characteristics.cable_cross_section, "
             "characteristics.cable_jacket, characteristics.cable_shield, characteristics.cable_diameter, "
@@ -3116,7 +3116,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_1_1",
-        title="Before edition 1.1, difference 1",
+        title="Before edition 1.1: LED 1 error, LED 2 warning and others",
         printed=(
             "leds.led_1_error, leds.led_2_warning, characteristics.connection_order, "
             "characteristics.connection_order_singleturn"

@@ -2765,7 +2765,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_2_1",
-        title="Before edition 1.2, difference 1",
+        title="Before edition 1.2: order code output JP meaning",
         printed="order_code.parts.output.values.JP.meaning",
         used="RS-485 serial interface",
         why="This revision added the name Panasonic® to the RS-485 interface.",
@@ -2776,7 +2776,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_1_1",
-        title="Before edition 1.1, difference 1",
+        title=(
+            "Before edition 1.1: alarm field encoder inharmonious error implemented and encoder inharmonious error "
+            "implemented"
+        ),
         printed=(
             "field_groups.alarm_field.fields.encoder_inharmonious_error.implemented, "
             "alarms.encoder_inharmonious_error.implemented"
@@ -2793,7 +2796,7 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_1_2",
-        title="Before edition 1.1, difference 2",
+        title="Before edition 1.1: alarm field encoder inharmonious error when active",
         printed="field_groups.alarm_field.fields.encoder_inharmonious_error.when_active",
         used="encoder inharmonious error",
         why="Only the name of the alarm is known. Its description in manual 1.0 is not known.",
@@ -2804,7 +2807,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_1_3",
-        title="Before edition 1.1, difference 3",
+        title=(
+            "Before edition 1.1: alarm field encoder inharmonious error meaning and encoder inharmonious error "
+            "meaning"
+        ),
         printed=(
             "field_groups.alarm_field.fields.encoder_inharmonious_error.meaning, "
             "alarms.encoder_inharmonious_error.meaning"
@@ -2821,7 +2827,10 @@ ERRATA: Final[tuple[Erratum, ...]] = (
     ),
     Erratum(
         name="edition_before_1_1_4",
-        title="Before edition 1.1, difference 4",
+        title=(
+            "Before edition 1.1: The cause of \"Encoder inharmonious error\", whether it is kept, and how it is "
+            "cleared"
+        ),
         printed="The cause of \"Encoder inharmonious error\", whether it is kept, and how it is cleared",
         used="not known",
         why="The description of the alarm was removed with the alarm.",

@@ -1,0 +1,57 @@
+"""Titles of the changes of overlays and editions, from the places that they change."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+from ..language.problems import listed
+from ..model import Biss, Rs485, Spi, Ssi
+
+#: Largest number of changed places in a title.
+_MOST_PLACES = 3
+#: A path in a spec, which a colon and the former value may follow.
+_PATH = re.compile(r"([\w-]+(?:\[\d+\])?(?:\.[\w-]+(?:\[\d+\])?)*)(?:: .*)?", re.DOTALL)
+_LIST_POSITION = re.compile(r"\[\d+\]")
+#: Steps of a path that only lead to named items.
+_PASSED_STEPS = {"parts", "values", "fields", "contacts"}
+#: Words of names that prose writes in another way.
+_SPELLINGS = {"crc": "CRC", "eeprom": "EEPROM", "id": "ID", "led": "LED"}
+_SPELLINGS |= {interface.name: interface.short for interface in (Ssi, Biss, Rs485, Spi)}
+#: Sections whose items are known by their own names.
+_SECTIONS = {
+    "alarms",
+    "alternatives",
+    "characteristics",
+    "connectors",
+    "crcs",
+    "examples",
+    "field_groups",
+    "interfaces",
+    "leds",
+    "parameters",
+    "procedures",
+    "registers",
+}
+
+
+def change_title(layer_words: str, changed_places: Sequence[str]) -> str:
+    """Return the overlay or edition of a change, and what it changes: ``Before edition 1.7: serial number``.
+
+    ``changed_places`` are paths, which a colon and the former value may follow, or sentences.
+    """
+    names = list(dict.fromkeys(map(_place_name, changed_places)))
+    if len(names) > _MOST_PLACES:
+        names = [*names[: _MOST_PLACES - 1], "others"]
+    return f"{layer_words}: {listed(names)}"
+
+
+def _place_name(place: str) -> str:
+    """Return the name of what a path leads to, in words. A sentence is returned as it is."""
+    path = _PATH.fullmatch(place)
+    if path is None:
+        return place
+    steps = [_LIST_POSITION.sub("", step) for step in path[1].split(".") if step not in _PASSED_STEPS]
+    named_steps = steps[1:] if len(steps) > 1 and steps[0] in _SECTIONS else steps
+    words = " ".join(named_steps).replace("_", " ").split()
+    return " ".join(_SPELLINGS.get(word, word) for word in words)
