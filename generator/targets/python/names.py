@@ -67,9 +67,8 @@ def _runtime_modules(names: Mapping[str, str]) -> Mapping[str, tuple[str, ...]]:
 PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
     {
         "codec": """BitField Data PositionRange Rows Word Words as_bytes as_word check_kind check_limits check_signed
-            check_width
-            choice crc_by_xor crc_of_bits crc_of_bytes crc_tables create from_gray require_answer signed text_number
-            too_long_error zero_for""",
+            check_width choice crc_by_xor crc_of_bits crc_of_bytes crc_tables create from_gray require_answer
+            signed text_number too_long_error wrong_answer_error zero_for""",
         "encoder": """Encoder ErrorHandler Exchanged Positioned check_encoder load_fact look_up raise_frame_error
             return_frame_error wrong_encoder_error""",
         "measures": "FineLinear Linear Rotary Wrapping",
