@@ -921,8 +921,10 @@ class ProfileId(FixedRegister, _ProfileId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        profile = data[0] << 8 | data[1]
-        return create(cls, (profile,))
+        values = (
+            data[0] << 8 | data[1],  # profile
+        )
+        return create(cls, values)
 
 
 class _SerialNumber(NamedTuple):
@@ -967,10 +969,12 @@ class SerialNumber(FixedRegister, _SerialNumber):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        year = data[0]
-        week = data[1]
-        number_ = data[2] << 8 | data[3]
-        return create(cls, (year, week, number_))
+        values = (
+            data[0],  # year
+            data[1],  # week
+            data[2] << 8 | data[3],  # number
+        )
+        return create(cls, values)
 
 
 class Command(IntEnum):
@@ -1142,8 +1146,10 @@ class InformationPerRevolution(FixedLimitedRegister, _InformationPerRevolution):
             data = as_bytes(data)
         if len(data) != 3:
             raise LengthError(3, len(data))
-        steps = data[0] << 16 | data[1] << 8 | data[2]
-        return with_bytes(create(cls, (steps,)), data)
+        values = (
+            data[0] << 16 | data[1] << 8 | data[2],  # steps
+        )
+        return with_bytes(create(cls, values), data)
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -1196,8 +1202,10 @@ class NumberOfRevolutions(FixedLimitedRegister, _NumberOfRevolutions):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        revolutions = (data[0] << 8 | data[1]) or 65_536
-        return with_bytes(create(cls, (revolutions,)), data)
+        values = (
+            (data[0] << 8 | data[1]) or 65_536,  # revolutions
+        )
+        return with_bytes(create(cls, values), data)
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -1265,8 +1273,11 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
         zero_above_position = data[0] >> 4
         if zero_above_position:
             raise ConstantError("zero_above_position", zero_above_position, 0)
-        position = (data[0] & 0xF) << 32 | data[1] << 24 | data[2] << 16 | data[3] << 8 | data[4]
-        return with_bytes(create(cls, (variant, position)), data)
+        values = (
+            variant,
+            (data[0] & 0xF) << 32 | data[1] << 24 | data[2] << 16 | data[3] << 8 | data[4],  # position
+        )
+        return with_bytes(create(cls, values), data)
 
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:
@@ -1317,8 +1328,10 @@ class DeviceType(FixedRegister, _DeviceType):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        device_type = data[0]
-        return create(cls, (device_type,))
+        values = (
+            data[0],  # device_type
+        )
+        return create(cls, values)
 
 
 class _SingleturnBitsUsed(NamedTuple):
@@ -1358,8 +1371,10 @@ class SingleturnBitsUsed(FixedRegister, _SingleturnBitsUsed):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        bits_ = data[0]
-        return create(cls, (bits_,))
+        values = (
+            data[0],  # bits
+        )
+        return create(cls, values)
 
 
 class _MultiturnBitsUsed(NamedTuple):
@@ -1401,8 +1416,10 @@ class MultiturnBitsUsed(FixedRegister, _MultiturnBitsUsed):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        bits_ = data[0]
-        return create(cls, (bits_,))
+        values = (
+            data[0],  # bits
+        )
+        return create(cls, values)
 
 
 class _DeviceId(NamedTuple):
@@ -1509,8 +1526,10 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        name = data[0:2].decode("latin-1")
-        return create(cls, (name,))
+        values = (
+            data[0:2].decode("latin-1"),  # name
+        )
+        return create(cls, values)
 
 
 #: Parameters that registers hold at run time.

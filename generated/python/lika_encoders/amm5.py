@@ -74,6 +74,7 @@ from codewheel_runtime.codec import (
     crc_tables,
     create,
     require_answer,
+    wrong_answer_error,
     too_long_error,
 )
 from codewheel_runtime.encoder import (
@@ -1149,7 +1150,8 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
                 computed_crc = data[0] ^ data[1] ^ data[2]
                 if computed_crc != data[3]:
                     raise CrcError(data[3], computed_crc)
-                eeprom_address = require_answer(EepromAddress, eeprom_address)
+                if not isinstance(eeprom_address, EepromAddress):
+                    raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7
                 if sync != 0x2:
@@ -1167,7 +1169,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
                 values = (
                     eeprom_address,
                     number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,  # address
-                    number >> 16 & 0xFF,  # data_
+                    number >> 16 & 0xFF,  # data
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -1279,7 +1281,8 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
                 computed_crc = data[0] ^ data[1]
                 if computed_crc != data[2]:
                     raise CrcError(data[2], computed_crc)
-                eeprom_address = require_answer(EepromAddress, eeprom_address)
+                if not isinstance(eeprom_address, EepromAddress):
+                    raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7
                 if sync != 0x2:
@@ -2075,7 +2078,8 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
                 computed_crc = data[0] ^ data[1] ^ data[2]
                 if computed_crc != data[3]:
                     raise CrcError(data[3], computed_crc)
-                eeprom_address = require_answer(EepromAddress, eeprom_address)
+                if not isinstance(eeprom_address, EepromAddress):
+                    raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7
                 if sync != 0x2:
@@ -2091,7 +2095,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
                     eeprom_address,
                     number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,  # address
                     (number >> (eeprom_address.mem_busy_bit + 8) & 1) != 0,  # mem_busy
-                    number >> 16 & 0xFF,  # data_
+                    number >> 16 & 0xFF,  # data
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -2207,7 +2211,8 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
                 computed_crc = data[0] ^ data[1] ^ data[2]
                 if computed_crc != data[3]:
                     raise CrcError(data[3], computed_crc)
-                eeprom_address = require_answer(EepromAddress, eeprom_address)
+                if not isinstance(eeprom_address, EepromAddress):
+                    raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7
                 if sync != 0x2:
@@ -2223,7 +2228,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
                     eeprom_address,
                     number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,  # address
                     (number >> (eeprom_address.mem_busy_bit + 8) & 1) != 0,  # mem_busy
-                    number >> 16 & 0xFF,  # data_
+                    number >> 16 & 0xFF,  # data
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -2313,15 +2318,14 @@ def _make_request_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> 
     def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> Request:
         try:
             data = frame if type(frame) is bytes else as_bytes(frame)
-            if len(data) < 1:
+            if not data:
                 raise LengthError(1, len(data))
             data_id = data[0] >> 3 & 0xF
-            decode_kind = decoders.get(data_id)
-            if decode_kind is None:
+            if data_id not in decoders:
                 raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
         except (FrameError, TypeError) as exception:
             return handle_error(exception, frame, variant)
-        return decode_kind(frame, eeprom_address)
+        return decoders[data_id](frame, eeprom_address)
 
     return decode
 
@@ -2378,15 +2382,14 @@ def _make_reply_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> Ca
     def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> Reply:
         try:
             data = frame if type(frame) is bytes else as_bytes(frame)
-            if len(data) < 1:
+            if not data:
                 raise LengthError(1, len(data))
             data_id = data[0] >> 3 & 0xF
-            decode_kind = decoders.get(data_id)
-            if decode_kind is None:
+            if data_id not in decoders:
                 raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
         except (FrameError, TypeError) as exception:
             return handle_error(exception, frame, variant)
-        return decode_kind(frame, eeprom_address)
+        return decoders[data_id](frame, eeprom_address)
 
     return decode
 
@@ -2511,9 +2514,12 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
         zero_below_singleturn = number & ((1 << (33 - variant.singleturn_bits)) - 1)
         if zero_below_singleturn:
             raise ConstantError("zero_below_singleturn", zero_below_singleturn, 0)
-        multiturn = number >> (49 - variant.multiturn_bits) & ((1 << variant.multiturn_bits) - 1)
-        singleturn = number >> (33 - variant.singleturn_bits) & ((1 << variant.singleturn_bits) - 1)
-        return with_bytes(create(cls, (variant, multiturn, singleturn)), data)
+        values = (
+            variant,
+            number >> (49 - variant.multiturn_bits) & ((1 << variant.multiturn_bits) - 1),  # multiturn
+            number >> (33 - variant.singleturn_bits) & ((1 << variant.singleturn_bits) - 1),  # singleturn
+        )
+        return with_bytes(create(cls, values), data)
 
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:
@@ -2615,10 +2621,12 @@ class SerialNumber(FixedRegister, _SerialNumber):
         serial = int.from_bytes(data, "big")
         if serial > 999_999_999:
             raise RangeError("serial", serial, "at most 999999999")
-        year = serial // 10_000_000
-        week = serial // 100_000 % 100
-        number_ = serial % 100_000
-        return create(cls, (year, week, number_))
+        values = (
+            serial // 10_000_000,  # year
+            serial // 100_000 % 100,  # week
+            serial % 100_000,  # number
+        )
+        return create(cls, values)
 
 
 class Command(IntEnum):
@@ -2705,9 +2713,11 @@ class DeviceId(FixedRegister, _DeviceId):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        name = data[0:4].decode("latin-1")
-        release = data[4] << 8 | data[5]
-        return create(cls, (name, release))
+        values = (
+            data[0:4].decode("latin-1"),  # name
+            data[4] << 8 | data[5],  # release
+        )
+        return create(cls, values)
 
 
 class _ManufacturerId(NamedTuple):
@@ -2747,8 +2757,10 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        name = data[0:2].decode("latin-1")
-        return create(cls, (name,))
+        values = (
+            data[0:2].decode("latin-1"),  # name
+        )
+        return create(cls, values)
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:

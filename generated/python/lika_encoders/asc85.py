@@ -56,7 +56,7 @@ from codewheel_runtime.codec import (
     crc_tables,
     create,
     from_gray,
-    require_answer,
+    wrong_answer_error,
     too_long_error,
 )
 from codewheel_runtime.encoder import (
@@ -666,7 +666,8 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
 
         def decode(frame: Any, bits: int | None = None, zero_bit: ZeroBit | None = None) -> SingleCycleData:
             try:
-                zero_bit = require_answer(ZeroBit, zero_bit)
+                if not isinstance(zero_bit, ZeroBit):
+                    raise wrong_answer_error(ZeroBit, zero_bit)
                 length = zero_bit.zero_bits + variant.position_bits + 8
                 word = frame if type(frame) is int and bits is None else as_word(frame, length, bits)
                 if word >> length:
@@ -811,9 +812,11 @@ class ProfileId(FixedRegister, _ProfileId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        variant_ = data[0]
-        data_length = data[1]
-        return create(cls, (variant_, data_length))
+        values = (
+            data[0],  # variant_
+            data[1],  # data_length
+        )
+        return create(cls, values)
 
 
 class _SerialNumber(NamedTuple):
@@ -851,8 +854,10 @@ class SerialNumber(FixedRegister, _SerialNumber):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        serial = int.from_bytes(data, "big")
-        return create(cls, (serial,))
+        values = (
+            int.from_bytes(data, "big"),  # serial
+        )
+        return create(cls, values)
 
 
 class _DiagnosticData(NamedTuple):
@@ -1131,9 +1136,12 @@ class Position(RegisterOf["BissEncoder"], _Position):
         if len(data) != 4:
             raise LengthError(4, len(data))
         number = int.from_bytes(data, "little")
-        position = number >> (32 - variant.position_bits)
-        unused = number & (0xFFFFFFFF & ~(((1 << variant.position_bits) - 1) << (32 - variant.position_bits)))
-        return create(cls, (variant, position, unused))
+        values = (
+            variant,
+            number >> (32 - variant.position_bits),  # position
+            number & (0xFFFFFFFF & ~(((1 << variant.position_bits) - 1) << (32 - variant.position_bits))),  # unused
+        )
+        return create(cls, values)
 
 
 class _ErrorRegister(NamedTuple):
@@ -1253,9 +1261,11 @@ class DeviceId(FixedRegister, _DeviceId):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        name = data[0:4].decode("latin-1")
-        release = data[4:6].decode("latin-1")
-        return create(cls, (name, release))
+        values = (
+            data[0:4].decode("latin-1"),  # name
+            data[4:6].decode("latin-1"),  # release
+        )
+        return create(cls, values)
 
 
 class _ManufacturerId(NamedTuple):
@@ -1295,8 +1305,10 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        name = data[0:2].decode("latin-1")
-        return create(cls, (name,))
+        values = (
+            data[0:2].decode("latin-1"),  # name
+        )
+        return create(cls, values)
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:

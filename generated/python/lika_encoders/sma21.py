@@ -1660,15 +1660,14 @@ def _make_request_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> 
     def decode(frame: Any) -> Request:
         try:
             data = frame if type(frame) is bytes else as_bytes(frame)
-            if len(data) < 1:
+            if not data:
                 raise LengthError(1, len(data))
             data_id = data[0] >> 3 & 0xF
-            decode_kind = decoders.get(data_id)
-            if decode_kind is None:
+            if data_id not in decoders:
                 raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
         except (FrameError, TypeError) as exception:
             return handle_error(exception, frame, variant)
-        return decode_kind(frame)
+        return decoders[data_id](frame)
 
     return decode
 
@@ -1716,15 +1715,14 @@ def _make_reply_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> Ca
     def decode(frame: Any) -> Reply:
         try:
             data = frame if type(frame) is bytes else as_bytes(frame)
-            if len(data) < 1:
+            if not data:
                 raise LengthError(1, len(data))
             data_id = data[0] >> 3 & 0xF
-            decode_kind = decoders.get(data_id)
-            if decode_kind is None:
+            if data_id not in decoders:
                 raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
         except (FrameError, TypeError) as exception:
             return handle_error(exception, frame, variant)
-        return decode_kind(frame)
+        return decoders[data_id](frame)
 
     return decode
 
@@ -1808,8 +1806,11 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        profile_id = data[0] << 8 | data[1]
-        return create(cls, (variant, profile_id))
+        values = (
+            variant,
+            data[0] << 8 | data[1],  # profile_id
+        )
+        return create(cls, values)
 
 
 class _SerialNumber(NamedTuple):
@@ -1851,10 +1852,12 @@ class SerialNumber(FixedRegister, _SerialNumber):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        year = data[0]
-        week = data[1]
-        number_ = data[2] << 8 | data[3]
-        return create(cls, (year, week, number_))
+        values = (
+            data[0],  # year
+            data[1],  # week
+            data[2] << 8 | data[3],  # number
+        )
+        return create(cls, values)
 
 
 class Command(IntEnum):
@@ -2012,8 +2015,11 @@ class AbsoluteResolution(RegisterOf["BissEncoder"], _AbsoluteResolution):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        absolute_resolution = data[0]
-        return create(cls, (variant, absolute_resolution))
+        values = (
+            variant,
+            data[0],  # absolute_resolution
+        )
+        return create(cls, values)
 
 
 class _PresetOffset(NamedTuple):
@@ -2067,8 +2073,10 @@ class PresetOffset(FixedLimitedRegister, _PresetOffset):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        preset_offset = int.from_bytes(data, "big")
-        return with_bytes(create(cls, (preset_offset,)), data)
+        values = (
+            int.from_bytes(data, "big"),  # preset_offset
+        )
+        return with_bytes(create(cls, values), data)
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -2125,8 +2133,10 @@ class DeviceType(FixedRegister, _DeviceType):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        type_ = data[0]
-        return create(cls, (type_,))
+        values = (
+            data[0],  # type
+        )
+        return create(cls, values)
 
 
 class _SineCosineResolution(NamedTuple):
@@ -2166,8 +2176,10 @@ class SineCosineResolution(FixedRegister, _SineCosineResolution):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        period = data[0]
-        return create(cls, (period,))
+        values = (
+            data[0],  # period
+        )
+        return create(cls, values)
 
 
 class _PositionCheck(NamedTuple):
@@ -2206,8 +2218,10 @@ class PositionCheck(FixedRegister, _PositionCheck):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        position_check = data[0]
-        return create(cls, (position_check,))
+        values = (
+            data[0],  # position_check
+        )
+        return create(cls, values)
 
 
 class _DeviceId(NamedTuple):
@@ -2252,9 +2266,11 @@ class DeviceId(FixedRegister, _DeviceId):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        name = data[0:4].decode("latin-1")
-        release = data[4] << 8 | data[5]
-        return create(cls, (name, release))
+        values = (
+            data[0:4].decode("latin-1"),  # name
+            data[4] << 8 | data[5],  # release
+        )
+        return create(cls, values)
 
 
 class _ManufacturerId(NamedTuple):
@@ -2294,8 +2310,10 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        name = data[0:2].decode("latin-1")
-        return create(cls, (name,))
+        values = (
+            data[0:2].decode("latin-1"),  # name
+        )
+        return create(cls, values)
 
 
 #: Parameters that registers hold at run time.
