@@ -74,8 +74,8 @@ from codewheel_runtime.codec import (
     crc_tables,
     create,
     require_answer,
-    wrong_answer_error,
     too_long_error,
+    wrong_answer_error,
 )
 from codewheel_runtime.encoder import (
     ErrorHandler,
