@@ -112,7 +112,6 @@ def test_of_two_channels_the_other_one_is_the_remaining_line(tmp_path: Path) -> 
         read([path], clock=2, data="z")
 
 
-
 @pytest.mark.parametrize("write", [saleae_csv, saleae, session])
 def test_exchanged_lines_are_named_once(write: Writer, tmp_path: Path) -> None:
     """MA on the data line and SLO on the clock."""
