@@ -93,7 +93,8 @@ def test_resets_are_sent_ten_times(amm5: Any, lika: Any) -> None:
         # 7.4.2 p.45: ten times in succession, at intervals of 40 µs or more.
         # 7.2.1 p.41 and 7.4.2: each is answered by a reply of six bytes, of which the last is the XOR of the others.
         request = bytes([byte])
-        expected = codewheel_runtime.Send(request, times=10, every_us=40, in_succession=True, reply=6, is_xor=True)
+        intervals = {"times": 10, "every_us": 40, "in_succession": True}
+        expected = codewheel_runtime.Send(request, **intervals, reply_length=6, reply_ends_in_xor=True)
         assert send == expected
         assert "Stop polling" in " ".join((getattr(amm5, name).__doc__ or "").split())
 
