@@ -372,7 +372,7 @@ class SsiEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SsiWord, self, self)
+        return decode_many(frames, SsiWord, self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -448,7 +448,7 @@ class BissEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SingleCycleData, self, self)
+        return decode_many(frames, SingleCycleData, self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -679,7 +679,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
-                    word = from_gray(word, 0, gray_bits)
+                    word = from_gray(word, low=0, width=gray_bits)
                 values = (
                     variant,
                     word >> multiturn_low,  # multiturn
@@ -834,7 +834,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                     received_crc = word & 0x3F
                     raise CrcError(received_crc, received_crc ^ difference)
                 if variant.biss_gray:
-                    word = from_gray(word, 8, gray_bits)
+                    word = from_gray(word, low=8, width=gray_bits)
                 values = (
                     variant,
                     word >> multiturn_low,  # multiturn
@@ -1679,7 +1679,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
             encode_register("configuration", Configuration, configuration, 1, "big"),
             "takes effect immediately",
         ),
-        Verify(Address.CONFIGURATION, 1, "configuration", 0xFF),
+        Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0xFF),
         *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save it"),
         Wait(30_000, "EEPROM writing time"),
     )
@@ -1710,15 +1710,22 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "enable writing of the Preset registers"),
+        Modify(
+            Address.CONFIGURATION,
+            length=1,
+            register="configuration",
+            mask=0x04,
+            value=0x00,
+            meaning="enable writing of the Preset registers",
+        ),
         *byte_writes(
             "preset",
             Address.PRESET,
             Preset(variant, position=position).encode(),
             "write the five Preset registers",
         ),
-        Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
-        Verify(Address.PRESET, 5, "preset", 0xFFFFFFFFFF, order="big"),
+        Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04),
+        Verify(Address.PRESET, length=5, register="preset", mask=0xFFFFFFFFFF, order="big"),
         *byte_writes(
             "command",
             Address.COMMAND,
@@ -1753,15 +1760,22 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "enable writing of the Preset registers"),
+        Modify(
+            Address.CONFIGURATION,
+            length=1,
+            register="configuration",
+            mask=0x04,
+            value=0x00,
+            meaning="enable writing of the Preset registers",
+        ),
         *byte_writes(
             "preset",
             Address.PRESET,
             Preset(variant, position=position).encode(),
             "write the five Preset registers",
         ),
-        Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
-        Verify(Address.PRESET, 5, "preset", 0xFFFFFFFFFF, order="big"),
+        Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04),
+        Verify(Address.PRESET, length=5, register="preset", mask=0xFFFFFFFFFF, order="big"),
         *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save the preset"),
         Wait(30_000, "EEPROM writing time"),
     )
@@ -1901,8 +1915,14 @@ def set_resolution(
     variant = variant.with_registers(dict(enumerate(content, Address.NUMBER_OF_REVOLUTIONS)))
     return (
         *before,
-        Verify(Address.INFORMATION_PER_REVOLUTION, 3, "information_per_revolution", 0xFFFFFF, order="big"),
-        Verify(Address.NUMBER_OF_REVOLUTIONS, 2, "number_of_revolutions", 0xFFFF, order="big"),
+        Verify(
+            Address.INFORMATION_PER_REVOLUTION,
+            length=3,
+            register="information_per_revolution",
+            mask=0xFFFFFF,
+            order="big",
+        ),
+        Verify(Address.NUMBER_OF_REVOLUTIONS, length=2, register="number_of_revolutions", mask=0xFFFF, order="big"),
         *byte_writes(
             "command",
             Address.COMMAND,
@@ -1910,15 +1930,22 @@ def set_resolution(
             "save the resolution first, separately from the preset",
         ),
         Wait(30_000, "EEPROM writing time"),
-        Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "enable writing of the Preset registers"),
+        Modify(
+            Address.CONFIGURATION,
+            length=1,
+            register="configuration",
+            mask=0x04,
+            value=0x00,
+            meaning="enable writing of the Preset registers",
+        ),
         *byte_writes(
             "preset",
             Address.PRESET,
             Preset(variant, position=position).encode(),
             "write the preset again, since it was set to zero",
         ),
-        Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
-        Verify(Address.PRESET, 5, "preset", 0xFFFFFFFFFF, order="big"),
+        Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04),
+        Verify(Address.PRESET, length=5, register="preset", mask=0xFFFFFFFFFF, order="big"),
         *byte_writes(
             "command",
             Address.COMMAND,
@@ -1926,8 +1953,18 @@ def set_resolution(
             "save and activate the preset",
         ),
         Wait(30_000, "EEPROM writing time"),
-        Read(Address.SINGLETURN_BITS_USED, 1, "singleturn_bits_used", "singleturn bits of all following frames"),
-        Read(Address.MULTITURN_BITS_USED, 1, "multiturn_bits_used", "multiturn bits of all following frames"),
+        Read(
+            Address.SINGLETURN_BITS_USED,
+            length=1,
+            register="singleturn_bits_used",
+            meaning="singleturn bits of all following frames",
+        ),
+        Read(
+            Address.MULTITURN_BITS_USED,
+            length=1,
+            register="multiturn_bits_used",
+            meaning="multiturn bits of all following frames",
+        ),
     )
 
 
@@ -1950,18 +1987,28 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        Read(Address.MANUFACTURER_ID, 2, "manufacturer_id", "Li means Lika Electronic"),
+        Read(Address.MANUFACTURER_ID, length=2, register="manufacturer_id", meaning="Li means Lika Electronic"),
         Read(
             Address.DEVICE_ID,
-            6,
-            "device_id",
-            "AM, I7 and 2 mean AM36 or AMC36 with BiSS. The software version follows",
+            length=6,
+            register="device_id",
+            meaning="AM, I7 and 2 mean AM36 or AMC36 with BiSS. The software version follows",
         ),
-        Read(Address.PROFILE_ID, 2, "profile_id"),
-        Read(Address.DEVICE_TYPE, 1, "device_type", "02 means multiturn encoder"),
-        Read(Address.SERIAL_NUMBER, 4, "serial_number"),
-        Read(Address.SINGLETURN_BITS_USED, 1, "singleturn_bits_used", "singleturn bits of the frame"),
-        Read(Address.MULTITURN_BITS_USED, 1, "multiturn_bits_used", "multiturn bits of the frame"),
+        Read(Address.PROFILE_ID, length=2, register="profile_id"),
+        Read(Address.DEVICE_TYPE, length=1, register="device_type", meaning="02 means multiturn encoder"),
+        Read(Address.SERIAL_NUMBER, length=4, register="serial_number"),
+        Read(
+            Address.SINGLETURN_BITS_USED,
+            length=1,
+            register="singleturn_bits_used",
+            meaning="singleturn bits of the frame",
+        ),
+        Read(
+            Address.MULTITURN_BITS_USED,
+            length=1,
+            register="multiturn_bits_used",
+            meaning="multiturn bits of the frame",
+        ),
     )
 
 

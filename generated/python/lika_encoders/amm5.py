@@ -102,7 +102,7 @@ from codewheel_runtime.frames.base import (
     with_bytes,
 )
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
-from codewheel_runtime.frames.descriptions import decoding_arguments, shape_of
+from codewheel_runtime.frames.descriptions import shape_of
 from codewheel_runtime.registers import bytes_by_address, is_consistent
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 from codewheel_runtime.steps import Send, Step, Verify, Wait, byte_writes
@@ -358,7 +358,7 @@ class SsiEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SsiWord, self, self)
+        return decode_many(frames, SsiWord, self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -434,7 +434,7 @@ class BissEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SingleCycleData, self, self)
+        return decode_many(frames, SingleCycleData, self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -517,7 +517,7 @@ class Rs485Encoder(Variant):
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         check_kind(kind, Reply)
-        return decode_many(frames, kind, self, *decoding_arguments(kind, self, eeprom_address=eeprom_address))
+        return decode_many(frames, kind, self, eeprom_address=eeprom_address)
 
     def encode_many(
         self,
@@ -542,7 +542,7 @@ class Rs485Encoder(Variant):
             TypeError: A column is missing or unknown.
         """
         check_kind(kind, Reply)
-        return encode_many(columns, kind, *decoding_arguments(kind, self, eeprom_address=eeprom_address))
+        return encode_many(columns, kind, self, eeprom_address=eeprom_address)
 
 
 @overload
@@ -1065,9 +1065,9 @@ class DataRequest(FixedBytes, _DataRequest):
                     raise ConstantError("sync", sync, 0x2)
                 data_id = data[0] >> 3 & 0xF
                 parity = data[0] >> 7
-                expected = data_id.bit_count() & 1
-                if parity != expected:
-                    raise ConstantError("parity", parity, expected)
+                expected_parity = data_id.bit_count() & 1
+                if parity != expected_parity:
+                    raise ConstantError("parity", parity, expected_parity)
                 if data_id not in (0, 1, 2, 3, 7, 8, 0xC):
                     raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 7h, 8h, Ch")
                 values = (
@@ -1158,9 +1158,9 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
                     raise ConstantError("sync", sync, 0x2)
                 data_id = number >> 3 & 0xF
                 parity = number >> 7 & 0x1
-                expected = data_id.bit_count() & 1
-                if parity != expected:
-                    raise ConstantError("parity", parity, expected)
+                expected_parity = data_id.bit_count() & 1
+                if parity != expected_parity:
+                    raise ConstantError("parity", parity, expected_parity)
                 mem_busy = number >> (eeprom_address.mem_busy_bit + 8) & 0x1
                 if mem_busy:
                     raise ConstantError("mem_busy", mem_busy, 0)
@@ -1193,7 +1193,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, cls, None, eeprom_address)
+        return decode_many(frames, cls, None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -1210,7 +1210,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, cls, eeprom_address)
+        return encode_many(columns, cls, None, eeprom_address=eeprom_address)
 
 
 class _EepromReadRequest(NamedTuple):
@@ -1289,9 +1289,9 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
                     raise ConstantError("sync", sync, 0x2)
                 data_id = number >> 3 & 0xF
                 parity = number >> 7 & 0x1
-                expected = data_id.bit_count() & 1
-                if parity != expected:
-                    raise ConstantError("parity", parity, expected)
+                expected_parity = data_id.bit_count() & 1
+                if parity != expected_parity:
+                    raise ConstantError("parity", parity, expected_parity)
                 mem_busy = number >> (eeprom_address.mem_busy_bit + 8) & 0x1
                 if mem_busy:
                     raise ConstantError("mem_busy", mem_busy, 0)
@@ -1323,7 +1323,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, cls, None, eeprom_address)
+        return decode_many(frames, cls, None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -1340,7 +1340,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, cls, eeprom_address)
+        return encode_many(columns, cls, None, eeprom_address=eeprom_address)
 
 
 class _SingleturnReply(NamedTuple):
@@ -1471,9 +1471,9 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF
                     parity = b0 >> 7
-                    expected = data_id.bit_count() & 1
-                    if parity != expected:
-                        raise ConstantError("parity", parity, expected)
+                    expected_parity = data_id.bit_count() & 1
+                    if parity != expected_parity:
+                        raise ConstantError("parity", parity, expected_parity)
                     padding = singleturn >> singleturn_bits
                     if padding:
                         raise ConstantError("singleturn_padding", padding, 0)
@@ -1615,9 +1615,9 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF
                     parity = b0 >> 7
-                    expected = data_id.bit_count() & 1
-                    if parity != expected:
-                        raise ConstantError("parity", parity, expected)
+                    expected_parity = data_id.bit_count() & 1
+                    if parity != expected_parity:
+                        raise ConstantError("parity", parity, expected_parity)
                     padding = multiturn >> multiturn_bits
                     if padding:
                         raise ConstantError("multiturn_padding", padding, 0)
@@ -1734,9 +1734,9 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF
                     parity = b0 >> 7
-                    expected = data_id.bit_count() & 1
-                    if parity != expected:
-                        raise ConstantError("parity", parity, expected)
+                    expected_parity = data_id.bit_count() & 1
+                    if parity != expected_parity:
+                        raise ConstantError("parity", parity, expected_parity)
                     if data_id != 2:
                         raise RangeError("data_id", data_id, "2h")
                 values = (
@@ -1974,9 +1974,9 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF
                     parity = b0 >> 7
-                    expected = data_id.bit_count() & 1
-                    if parity != expected:
-                        raise ConstantError("parity", parity, expected)
+                    expected_parity = data_id.bit_count() & 1
+                    if parity != expected_parity:
+                        raise ConstantError("parity", parity, expected_parity)
                     padding = singleturn >> singleturn_bits
                     if padding:
                         raise ConstantError("singleturn_padding", padding, 0)
@@ -2086,9 +2086,9 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
                     raise ConstantError("sync", sync, 0x2)
                 data_id = number >> 3 & 0xF
                 parity = number >> 7 & 0x1
-                expected = data_id.bit_count() & 1
-                if parity != expected:
-                    raise ConstantError("parity", parity, expected)
+                expected_parity = data_id.bit_count() & 1
+                if parity != expected_parity:
+                    raise ConstantError("parity", parity, expected_parity)
                 if data_id != 6:
                     raise RangeError("data_id", data_id, "6h")
                 values = (
@@ -2119,7 +2119,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, cls, None, eeprom_address)
+        return decode_many(frames, cls, None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -2136,7 +2136,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, cls, eeprom_address)
+        return encode_many(columns, cls, None, eeprom_address=eeprom_address)
 
 
 class _EepromReadReply(NamedTuple):
@@ -2219,9 +2219,9 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
                     raise ConstantError("sync", sync, 0x2)
                 data_id = number >> 3 & 0xF
                 parity = number >> 7 & 0x1
-                expected = data_id.bit_count() & 1
-                if parity != expected:
-                    raise ConstantError("parity", parity, expected)
+                expected_parity = data_id.bit_count() & 1
+                if parity != expected_parity:
+                    raise ConstantError("parity", parity, expected_parity)
                 if data_id != 0xD:
                     raise RangeError("data_id", data_id, "Dh")
                 values = (
@@ -2252,7 +2252,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, cls, None, eeprom_address)
+        return decode_many(frames, cls, None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -2269,7 +2269,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, cls, eeprom_address)
+        return encode_many(columns, cls, None, eeprom_address=eeprom_address)
 
 
 Request: TypeAlias = Union[
@@ -2845,7 +2845,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             Preset.from_position(variant, position).encode(),
             "write the seven Preset registers",
         ),
-        Verify(Address.PRESET, 7, "preset", 0xFFFFFFFFFFFFFF, order="little"),
+        Verify(Address.PRESET, length=7, register="preset", mask=0xFFFFFFFFFFFFFF, order="little"),
         *byte_writes(
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
@@ -2895,7 +2895,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             Preset.from_position(variant, position).encode(),
             "write the seven Preset registers",
         ),
-        Verify(Address.PRESET, 7, "preset", 0xFFFFFFFFFFFFFF, order="little"),
+        Verify(Address.PRESET, length=7, register="preset", mask=0xFFFFFFFFFFFFFF, order="little"),
         *byte_writes(
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
@@ -2995,7 +2995,7 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
     if variant is not None:
         check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
-        Send(b"\xc2", times=10, every_us=40, in_succession=True, reply=6, is_xor=True),
+        Send(b"\xc2", times=10, every_us=40, in_succession=True, reply_length=6, reply_ends_in_xor=True),
         Wait(18_000, "execution takes at most 18 ms, including the write to the EEPROM"),
     )
 
@@ -3031,7 +3031,7 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
     if variant is not None:
         check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
-        Send(b"\x62", times=10, every_us=40, in_succession=True, reply=6, is_xor=True),
+        Send(b"\x62", times=10, every_us=40, in_succession=True, reply_length=6, reply_ends_in_xor=True),
         Wait(2000, "the BUSY flag is set for at most 2 ms"),
     )
 
@@ -3067,7 +3067,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
-        Send(b"\xba", times=10, every_us=40, in_succession=True, reply=6, is_xor=True),
+        Send(b"\xba", times=10, every_us=40, in_succession=True, reply_length=6, reply_ends_in_xor=True),
         Wait(2000, "the BUSY flag is set for at most 2 ms"),
     )
 

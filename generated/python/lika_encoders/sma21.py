@@ -97,7 +97,6 @@ from codewheel_runtime.frames.base import (
     with_bytes,
 )
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
-from codewheel_runtime.frames.descriptions import decoding_arguments
 from codewheel_runtime.registers import (
     RegisterParameter,
     bytes_by_address,
@@ -421,7 +420,7 @@ class SsiEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SsiWord, self, self)
+        return decode_many(frames, SsiWord, self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -497,7 +496,7 @@ class BissEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SingleCycleData, self, self)
+        return decode_many(frames, SingleCycleData, self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -568,7 +567,7 @@ class Rs485Encoder(Variant):
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         check_kind(kind, Reply)
-        return decode_many(frames, kind, self, *decoding_arguments(kind, self))
+        return decode_many(frames, kind, self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table, kind: type[Reply]) -> Any:
         """Encode many frames of one ``kind``. Needs NumPy.
@@ -585,7 +584,7 @@ class Rs485Encoder(Variant):
             TypeError: A column is missing or unknown.
         """
         check_kind(kind, Reply)
-        return encode_many(columns, kind, *decoding_arguments(kind, self))
+        return encode_many(columns, kind, self)
 
     def _ranges(self) -> Mapping[str, PositionRange]:
         return {
@@ -839,7 +838,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
-                    word = from_gray(word, 1, position_bits)
+                    word = from_gray(word, low=1, width=position_bits)
                 values = (
                     variant,
                     word >> 1,  # position
@@ -973,7 +972,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                     received_crc = word & 0x3F
                     raise CrcError(received_crc, received_crc ^ difference)
                 if variant.biss_gray:
-                    word = from_gray(word, 8, position_bits)
+                    word = from_gray(word, low=8, width=position_bits)
                 padding_ = word >> padding_low
                 if padding_:
                     raise ConstantError("padding", padding_, 0)
@@ -1047,9 +1046,9 @@ class DataRequest(FixedBytes, _DataRequest):
                     raise ConstantError("sync", sync, 0x2)
                 data_id = data[0] >> 3 & 0xF
                 parity = data[0] >> 7
-                expected = data_id.bit_count() & 1
-                if parity != expected:
-                    raise ConstantError("parity", parity, expected)
+                expected_parity = data_id.bit_count() & 1
+                if parity != expected_parity:
+                    raise ConstantError("parity", parity, expected_parity)
                 if data_id not in (4, 5, 0xA, 0xB, 0xF):
                     raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
                 values = (
@@ -1237,9 +1236,9 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF
                     parity = b0 >> 7
-                    expected = data_id.bit_count() & 1
-                    if parity != expected:
-                        raise ConstantError("parity", parity, expected)
+                    expected_parity = data_id.bit_count() & 1
+                    if parity != expected_parity:
+                        raise ConstantError("parity", parity, expected_parity)
                     padding = position >> position_bits
                     if padding:
                         raise ConstantError("position_padding", padding, 0)
@@ -1397,9 +1396,9 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF
                     parity = b0 >> 7
-                    expected = data_id.bit_count() & 1
-                    if parity != expected:
-                        raise ConstantError("parity", parity, expected)
+                    expected_parity = data_id.bit_count() & 1
+                    if parity != expected_parity:
+                        raise ConstantError("parity", parity, expected_parity)
                     if data_id != 5:
                         raise RangeError("data_id", data_id, "5h")
                 values = (
@@ -1587,9 +1586,9 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF
                     parity = b0 >> 7
-                    expected = data_id.bit_count() & 1
-                    if parity != expected:
-                        raise ConstantError("parity", parity, expected)
+                    expected_parity = data_id.bit_count() & 1
+                    if parity != expected_parity:
+                        raise ConstantError("parity", parity, expected_parity)
                     padding = position >> position_bits
                     if padding:
                         raise ConstantError("position_padding", padding, 0)
@@ -2438,7 +2437,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
             encode_register("configuration", Configuration, configuration, 1, "big"),
             "active immediately",
         ),
-        Verify(Address.CONFIGURATION, 1, "configuration", 0xFF),
+        Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0xFF),
         *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save it permanently"),
         Wait(30_000, "EEPROM writing time"),
     )
@@ -2473,7 +2472,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             PresetOffset(preset_offset=position).encode(),
             "write the four Preset / Offset registers",
         ),
-        Verify(Address.PRESET_OFFSET, 4, "preset_offset", 0xFFFFFFFF, order="big"),
+        Verify(Address.PRESET_OFFSET, length=4, register="preset_offset", mask=0xFFFFFFFF, order="big"),
         *byte_writes(
             "command",
             Address.COMMAND,
@@ -2502,10 +2501,10 @@ def select_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00),
-        Modify(Address.CONFIGURATION, 1, "configuration", 0x02, 0x00),
-        Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
-        Verify(Address.CONFIGURATION, 1, "configuration", 0x02),
+        Modify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04, value=0x00),
+        Modify(Address.CONFIGURATION, length=1, register="configuration", mask=0x02, value=0x00),
+        Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04),
+        Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x02),
         *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save it permanently"),
         Wait(30_000, "EEPROM writing time"),
     )
@@ -2541,10 +2540,24 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     check_limits("offset", offset, PresetOffset.offset_limits(variant))
     return (
-        Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "enable preset and offset"),
-        Modify(Address.CONFIGURATION, 1, "configuration", 0x02, 0x02, "select offset for the register"),
-        Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
-        Verify(Address.CONFIGURATION, 1, "configuration", 0x02),
+        Modify(
+            Address.CONFIGURATION,
+            length=1,
+            register="configuration",
+            mask=0x04,
+            value=0x00,
+            meaning="enable preset and offset",
+        ),
+        Modify(
+            Address.CONFIGURATION,
+            length=1,
+            register="configuration",
+            mask=0x02,
+            value=0x02,
+            meaning="select offset for the register",
+        ),
+        Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04),
+        Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x02),
         *byte_writes(
             "command",
             Address.COMMAND,
@@ -2558,7 +2571,7 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
             PresetOffset(preset_offset=offset).encode(),
             "write the four Preset / Offset registers",
         ),
-        Verify(Address.PRESET_OFFSET, 4, "preset_offset", 0xFFFFFFFF, order="big"),
+        Verify(Address.PRESET_OFFSET, length=4, register="preset_offset", mask=0xFFFFFFFF, order="big"),
         *byte_writes(
             "command",
             Address.COMMAND,
@@ -2638,10 +2651,10 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        Read(Address.MANUFACTURER_ID, 2, "manufacturer_id", "4C 69 means Lika"),
-        Read(Address.DEVICE_ID, 6, "device_id", "name SM21, and the release"),
-        Read(Address.PROFILE_ID, 2, "profile_id", "shows the resolution"),
-        Read(Address.SERIAL_NUMBER, 4, "serial_number", "year, week and number"),
+        Read(Address.MANUFACTURER_ID, length=2, register="manufacturer_id", meaning="4C 69 means Lika"),
+        Read(Address.DEVICE_ID, length=6, register="device_id", meaning="name SM21, and the release"),
+        Read(Address.PROFILE_ID, length=2, register="profile_id", meaning="shows the resolution"),
+        Read(Address.SERIAL_NUMBER, length=4, register="serial_number", meaning="year, week and number"),
     )
 
 
@@ -2672,7 +2685,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
-        Send(b"\xda", times=10, every_us=40, in_succession=True, reply=7, is_xor=True),
+        Send(b"\xda", times=10, every_us=40, in_succession=True, reply_length=7, reply_ends_in_xor=True),
     )
 
 
@@ -2707,7 +2720,7 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
-        Send(b"\x7a", times=10, every_us=40, in_succession=True, reply=7, is_xor=True),
+        Send(b"\x7a", times=10, every_us=40, in_succession=True, reply_length=7, reply_ends_in_xor=True),
     )
 
 

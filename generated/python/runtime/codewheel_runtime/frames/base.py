@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar, cast
 from ..codec import BitField
 from ..encoder import Encoder
 from ..reports import Report
-from .descriptions import any_shape, described, module_of, shape_of
+from .descriptions import any_shape, decoding_arguments, described, module_of, shape_of
 from .encoders import Encode, encoder_of_class
 
 if TYPE_CHECKING:
@@ -192,7 +192,7 @@ class FixedFrame(Fixed):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, cls)
+        return encode_many(columns, cls, None)
 
 
 class FixedBits(FixedFrame, InBits):
@@ -267,7 +267,7 @@ class FrameOf(ByEncoder[_Encoder]):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, cls, variant, variant)
+        return decode_many(frames, cls, variant)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, variant: _Encoder) -> Any:
@@ -343,17 +343,20 @@ def with_bytes(register: _Limited, data: bytes) -> _Limited:
     return register
 
 
-def decode_many(frames: object, kind: type, encoder: Encoder | None, *arguments: object) -> Table:
-    """Decode many frames of one class. ``arguments`` are the encoder and the answers that the class needs."""
-    shape = shape_of(kind, *arguments)
+def decode_many(frames: object, kind: type, encoder: Encoder | None, /, **answers: object) -> Table:
+    """Decode many frames of one class. ``encoder`` is None for frames that are the same for every encoder.
+
+    ``answers`` are the answers to open questions by name. Those that the class does not need are ignored.
+    """
+    shape = shape_of(kind, *decoding_arguments(kind, encoder, **answers))
     from ..bulk import decode as bulk_decode
 
     return bulk_decode.decode_many(frames, shape, encoder)
 
 
-def encode_many(columns: Mapping[str, Any] | Table, kind: type, *arguments: object) -> Any:
-    """Encode many frames of one class. ``arguments`` are the encoder and the answers that the class needs."""
-    shape = shape_of(kind, *arguments)
+def encode_many(columns: Mapping[str, Any] | Table, kind: type, encoder: Encoder | None, /, **answers: object) -> Any:
+    """Encode many frames of one class. See ``decode_many`` for the arguments."""
+    shape = shape_of(kind, *decoding_arguments(kind, encoder, **answers))
     from ..bulk import encode as bulk_encode
 
     return bulk_encode.encode_many(columns, shape)

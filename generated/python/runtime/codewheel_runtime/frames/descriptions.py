@@ -60,7 +60,7 @@ def module_of(kind: type, folder: str) -> Any:
     return import_module(f"{package}.{folder}.{family}")
 
 
-def decoding_arguments(kind: type, encoder: Encoder, **answers: object) -> tuple[object, ...]:
+def decoding_arguments(kind: type, encoder: Encoder | None, /, **answers: object) -> tuple[object, ...]:
     """Return the encoder and the answers that a class of frames needs, in the order in which it takes them."""
     fields: tuple[str, ...] = cast(Any, kind)._fields
     needed_fields = fields[: len(described(kind)[1])]
