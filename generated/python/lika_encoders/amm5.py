@@ -358,7 +358,7 @@ class SsiEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SsiWord, self)
+        return decode_many(frames, SsiWord, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -373,7 +373,7 @@ class SsiEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, SsiWord, self)
+        return encode_many(columns, SsiWord, variant=self)
 
 
 class BissEncoder(Variant):
@@ -434,7 +434,7 @@ class BissEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SingleCycleData, self)
+        return decode_many(frames, SingleCycleData, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -449,7 +449,7 @@ class BissEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, SingleCycleData, self)
+        return encode_many(columns, SingleCycleData, variant=self)
 
 
 class Rs485Encoder(Variant):
@@ -517,7 +517,7 @@ class Rs485Encoder(Variant):
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         check_kind(kind, Reply)
-        return decode_many(frames, kind, self, eeprom_address=eeprom_address)
+        return decode_many(frames, kind, variant=self, eeprom_address=eeprom_address)
 
     def encode_many(
         self,
@@ -542,7 +542,7 @@ class Rs485Encoder(Variant):
             TypeError: A column is missing or unknown.
         """
         check_kind(kind, Reply)
-        return encode_many(columns, kind, self, eeprom_address=eeprom_address)
+        return encode_many(columns, kind, variant=self, eeprom_address=eeprom_address)
 
 
 @overload
@@ -1055,7 +1055,7 @@ class DataRequest(FixedBytes, _DataRequest):
     def _make_decoder(cls, variant: object, handle_error: ErrorHandler) -> Callable[..., DataRequest]:
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
-        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> DataRequest:
+        def decode(frame: Any, _eeprom_address: object = None) -> DataRequest:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 1:
@@ -1193,7 +1193,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, cls, None, eeprom_address=eeprom_address)
+        return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -1210,7 +1210,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, cls, None, eeprom_address=eeprom_address)
+        return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
 
 
 class _EepromReadRequest(NamedTuple):
@@ -1323,7 +1323,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, cls, None, eeprom_address=eeprom_address)
+        return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -1340,7 +1340,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, cls, None, eeprom_address=eeprom_address)
+        return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
 
 
 class _SingleturnReply(NamedTuple):
@@ -1454,7 +1454,7 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
             0xC2: DataId.RESET_SINGLETURN_AND_MULTITURN,
         }
 
-        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> SingleturnReply:
+        def decode(frame: Any, _eeprom_address: object = None) -> SingleturnReply:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 6:
@@ -1598,7 +1598,7 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
         """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
         multiturn_bits = variant.multiturn_bits
 
-        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> MultiturnReply:
+        def decode(frame: Any, _eeprom_address: object = None) -> MultiturnReply:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 6:
@@ -1718,7 +1718,7 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
     def _make_decoder(cls, variant: object, handle_error: ErrorHandler) -> Callable[..., EncoderIdReply]:
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
-        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> EncoderIdReply:
+        def decode(frame: Any, _eeprom_address: object = None) -> EncoderIdReply:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 4:
@@ -1956,7 +1956,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
         singleturn_bits = variant.singleturn_bits
         multiturn_bits = variant.multiturn_bits
 
-        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> CompleteReply:
+        def decode(frame: Any, _eeprom_address: object = None) -> CompleteReply:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 11:
@@ -2119,7 +2119,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, cls, None, eeprom_address=eeprom_address)
+        return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -2136,7 +2136,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, cls, None, eeprom_address=eeprom_address)
+        return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
 
 
 class _EepromReadReply(NamedTuple):
@@ -2252,7 +2252,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, cls, None, eeprom_address=eeprom_address)
+        return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -2269,7 +2269,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, cls, None, eeprom_address=eeprom_address)
+        return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
 
 
 Request: TypeAlias = Union[

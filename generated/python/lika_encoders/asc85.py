@@ -283,7 +283,7 @@ class SsiEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SsiWord, self)
+        return decode_many(frames, SsiWord, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -298,7 +298,7 @@ class SsiEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, SsiWord, self)
+        return encode_many(columns, SsiWord, variant=self)
 
 
 class BissEncoder(Variant):
@@ -360,7 +360,7 @@ class BissEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SingleCycleData, self, zero_bit=zero_bit)
+        return decode_many(frames, SingleCycleData, variant=self, zero_bit=zero_bit)
 
     def encode_many(self, columns: Mapping[str, Any] | Table, *, zero_bit: ZeroBit) -> Any:
         """Encode many frames. Needs NumPy.
@@ -377,7 +377,7 @@ class BissEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, SingleCycleData, self, zero_bit=zero_bit)
+        return encode_many(columns, SingleCycleData, variant=self, zero_bit=zero_bit)
 
 
 @overload
@@ -716,7 +716,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, cls, variant, zero_bit=zero_bit)
+        return decode_many(frames, cls, variant=variant, zero_bit=zero_bit)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, variant: BissEncoder, zero_bit: ZeroBit) -> Any:
@@ -734,7 +734,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, cls, variant, zero_bit=zero_bit)
+        return encode_many(columns, cls, variant=variant, zero_bit=zero_bit)
 
 
 #: Any frame that an encoder of this family sends.

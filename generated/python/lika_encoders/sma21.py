@@ -420,7 +420,7 @@ class SsiEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SsiWord, self)
+        return decode_many(frames, SsiWord, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -435,7 +435,7 @@ class SsiEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, SsiWord, self)
+        return encode_many(columns, SsiWord, variant=self)
 
 
 class BissEncoder(Variant):
@@ -496,7 +496,7 @@ class BissEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SingleCycleData, self)
+        return decode_many(frames, SingleCycleData, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -511,7 +511,7 @@ class BissEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, SingleCycleData, self)
+        return encode_many(columns, SingleCycleData, variant=self)
 
 
 class Rs485Encoder(Variant):
@@ -567,7 +567,7 @@ class Rs485Encoder(Variant):
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         check_kind(kind, Reply)
-        return decode_many(frames, kind, self)
+        return decode_many(frames, kind, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table, kind: type[Reply]) -> Any:
         """Encode many frames of one ``kind``. Needs NumPy.
@@ -584,7 +584,7 @@ class Rs485Encoder(Variant):
             TypeError: A column is missing or unknown.
         """
         check_kind(kind, Reply)
-        return encode_many(columns, kind, self)
+        return encode_many(columns, kind, variant=self)
 
     def _ranges(self) -> Mapping[str, PositionRange]:
         return {
