@@ -30,7 +30,7 @@ MAX_FOUND = 1000
 LONGEST_QUOTE = 60
 _LONGEST_PATH = 200
 #: Largest number of known words listed in a message.
-_FEW_CHOICES = 10
+_FEW_CHOICES = 11
 _BETWEEN = re.compile(r"[_\s-]")
 _DIGITS = re.compile(r"[0-9]+")
 #: Units at the end of a key. Keys with different units are never typos of each other: the number would be wrong.

@@ -299,6 +299,7 @@ class Manufacturer:
     version: str
     trademarks: tuple[str, ...]
     main: bool = False
+    website: str = ""
 
     @property
     def distribution(self) -> str:

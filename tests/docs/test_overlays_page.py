@@ -101,7 +101,8 @@ def test_every_output_has_the_change_with_reason_and_source(generated: Path) -> 
 @pytest.mark.slow
 def test_the_generated_python_has_it(generated: Path) -> None:
     program = """
-from tolvarn_encoders import Wait, lookup, tv62, tv62_s042
+from codewheel_runtime import Wait
+from tolvarn_encoders import lookup, tv62, tv62_s042
 special, standard = lookup("TV62-M17-B1-5M/S042"), lookup("TV62-M17-B1-5M")
 assert isinstance(special, tv62_s042.Variant) and isinstance(standard, tv62.Variant)
 waits = [step.microseconds for step in tv62_s042.set_preset(special, 1) if isinstance(step, Wait)]

@@ -10,6 +10,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import codewheel_runtime
 import pytest
 from codewheel.loading.library import load_library
 from codewheel.targets import Library
@@ -38,7 +39,7 @@ def test_preset_of_the_manual(amm5: Any, lika: Any) -> None:
     steps = amm5.set_preset(variant, 1000003)
     kinds = [type(step).__name__ for step in steps]
     assert kinds == ["Write"] * 8 + ["Verify"] + ["Write"] * 2 + ["Wait", "Write", "Wait"]
-    assert [step.microseconds for step in steps if isinstance(step, lika.Wait)] == [30_000, 30_000]
+    assert [step.microseconds for step in steps if isinstance(step, codewheel_runtime.Wait)] == [30_000, 30_000]
     assert {step.register for step in steps[1:8]} == {"preset"}
 
 
@@ -91,7 +92,9 @@ def test_resets_are_sent_ten_times(amm5: Any, lika: Any) -> None:
         send = getattr(amm5, name)()[0]
         # 7.4.2 p.45: ten times in succession, at intervals of 40 µs or more.
         # 7.2.1 p.41 and 7.4.2: each is answered by a reply of six bytes, of which the last is the XOR of the others.
-        expected = lika.Send(bytes([byte]), times=10, every_us=40, in_succession=True, reply=6, is_xor=True)
+        request = bytes([byte])
+        intervals = {"times": 10, "every_us": 40, "in_succession": True}
+        expected = codewheel_runtime.Send(request, **intervals, reply_length=6, reply_ends_in_xor=True)
         assert send == expected
         assert "Stop polling" in " ".join((getattr(amm5, name).__doc__ or "").split())
 

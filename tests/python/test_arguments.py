@@ -21,6 +21,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import codewheel_runtime
 import numpy
 import pytest
 from codewheel.model import Device
@@ -495,7 +496,7 @@ def test_frames_of_different_classes_are_never_equal(lika: Any, rs485: Any) -> N
         (amm5.SsiWord(ssi, 0, 5), amm5.Preset(ssi, 0, 5)),
         (amm5.DataRequest(amm5.DataId.SINGLETURN), amm5.EepromReadRequest(printed, 0)),
         (lika.am36.SsiWord(biss, 0, 5), amm5.SsiWord(biss, 0, 5)),
-        (lika.Modify(1, 1, "a", 1, 1), lika.Poll(1, 1, "a", 1, 1)),
+        (codewheel_runtime.Modify(1, 1, "a", 1, 1), codewheel_runtime.Poll(1, 1, "a", 1, 1)),
         (amm5.SsiWord(ssi, 0, 5), (ssi, 0, 5)),
     ]
     for first, plain_form in pairs:
@@ -591,10 +592,10 @@ def test_the_version_is_known(lika: Any, library: Any) -> None:
 
 def test_a_step_tells_its_byte_order(lika: Any) -> None:
     steps = lika.am36.set_preset(lika.lookup("AM3616/4096-I7"), 100_000)
-    step = next(candidate for candidate in steps if isinstance(candidate, lika.Modify))
+    step = next(candidate for candidate in steps if isinstance(candidate, codewheel_runtime.Modify))
     assert step.length == 1
     assert step.order == "little"
-    assert lika.Poll(0, 2, "x", 1, 1, order="big").order == "big"
+    assert codewheel_runtime.Poll(0, 2, "x", 1, 1, order="big").order == "big"
 
 
 def test_a_reply_does_not_ask(lika: Any) -> None:

@@ -101,6 +101,17 @@ def test_every_form(form: str, block: int, tmp_path: Path, monkeypatch: pytest.M
     assert capture.table["time"] == pytest.approx(times, abs=2.01 / HERTZ)
 
 
+def test_of_two_channels_the_other_one_is_the_remaining_line(tmp_path: Path) -> None:
+    """The clock is chosen by its number, and the channels have no usual names."""
+    path = tmp_path / "line.csv"
+    rows = "".join(f"{row / HERTZ:.9f},{data},{clock}\n" for row, (clock, data) in enumerate(wave().samples(RATE)))
+    path.write_text("time,x,y\n" + rows)
+    assert read([path], clock=2).table["position"].tolist() == POSITIONS
+    assert read([path], data="x").table["position"].tolist() == POSITIONS
+    with pytest.raises(InputError, match=r"no channel 'z'; the channels are 'x', 'y'"):
+        read([path], clock=2, data="z")
+
+
 @pytest.mark.parametrize("write", [saleae_csv, saleae, session])
 def test_exchanged_lines_are_named_once(write: Writer, tmp_path: Path) -> None:
     """MA on the data line and SLO on the clock."""

@@ -11,6 +11,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any, TypeVar
 
+import codewheel_runtime
 import pytest
 from codewheel.model import (
     Biss,
@@ -94,9 +95,9 @@ def test_procedure_examples(lika: Any, devices: Mapping[str, Device]) -> None:
             register_bytes |= enumerate(register.default or b"", register.address)
         writes = []
         for step in steps:
-            if isinstance(step, lika.Write):
+            if isinstance(step, codewheel_runtime.Write):
                 writes.append((step.address, step.value))
-            elif isinstance(step, lika.Modify):
+            elif isinstance(step, codewheel_runtime.Modify):
                 assert step.length == 1
                 writes.append((step.address, register_bytes[step.address] & ~step.mask | step.value))
             register_bytes |= dict(writes)
@@ -372,7 +373,7 @@ def test_a_preset_is_below_the_product_of_the_resolution(lika: Any) -> None:
     # The new resolution applies to the preset that is written after it, even if the old one is smaller.
     steps = am36.set_resolution(small, 8192, 10, 40_960)
     assert steps[:5] == am36.set_resolution(encoder, 8192, 10, 40_960)[:5]
-    written = bytes(step.value for step in steps if isinstance(step, lika.Write))
+    written = bytes(step.value for step in steps if isinstance(step, codewheel_runtime.Write))
     assert written[:5] == bytes.fromhex("00 20 00 00 0A")
     assert bytes.fromhex("00 00 00 A0 00") in written[5:]
 

@@ -143,5 +143,6 @@ def test_wheel_and_source_archive_have_the_guides(output: Path, tmp_path: Path) 
         metadata = next(wheel.read(name) for name in wheel.namelist() if name.endswith("/METADATA"))
     assert documents == guides
     assert b"\nAuthor: the codewheel authors\n" in metadata
+    assert b"\nProject-URL: Manufacturer, https://www.lika.biz\n" in metadata
     with tarfile.open(next(tmp_path.glob("*.tar.gz"))) as archive:
         assert guides <= {Path(name).name for name in archive.getnames()}

@@ -9,6 +9,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+import codewheel_runtime
 import pytest
 
 
@@ -97,7 +98,7 @@ def test_an_interrupted_run_closes_too(lika: Any) -> None:
 def test_bits_that_were_changed_are_put_back(lika: Any) -> None:
     """AM36 opens its preset with a bit of the configuration, whose other bits stay the same."""
     steps = lika.am36.set_preset(lika.lookup("AM3616/4096-I7"), 100_000)
-    change = next(step for step in steps if isinstance(step, lika.Modify))
+    change = next(step for step in steps if isinstance(step, codewheel_runtime.Modify))
     before = 0xFF & ~change.mask
     sound, broken = Memory({change.address: before}), Memory({change.address: before}, fails_at=4)
     lika.run(steps, sound, wait=lambda seconds: None)
@@ -110,17 +111,17 @@ def test_bits_that_were_changed_are_put_back(lika: Any) -> None:
 def test_byte_order_of_a_step(lika: Any) -> None:
     for order, expected in (("little", b"\x01\x80"), ("big", b"\x80\x01")):
         memory = Memory({5: 1, 6: 0} if order == "little" else {5: 0, 6: 1})
-        lika.run([lika.Modify(5, 2, "it", 0xFF00, 0x8000, order=order)], memory)
+        lika.run([codewheel_runtime.Modify(5, 2, "it", 0xFF00, 0x8000, order=order)], memory)
         assert memory.read(5, 2) == expected
-        lika.run([lika.Poll(5, 2, "it", 0xFF00, 0x8000, order=order)], memory)
+        lika.run([codewheel_runtime.Poll(5, 2, "it", 0xFF00, 0x8000, order=order)], memory)
         with pytest.raises(lika.StepError, match=r"the register did not reach the expected value within 0\.01 s"):
-            lika.run([lika.Poll(5, 2, "it", 0xFFFF, 1, order=order)], memory, poll_s=0.01)
+            lika.run([codewheel_runtime.Poll(5, 2, "it", 0xFFFF, 1, order=order)], memory, poll_s=0.01)
 
 
 def test_what_is_read_is_given(lika: Any) -> None:
     steps = lika.asc85.reset_errors(lika.lookup("ASC8525/SC1"))
     reads = lika.run(steps, Memory({0x69: 7}))
-    expected = [(step.register, step.length) for step in steps if isinstance(step, lika.Read)]
+    expected = [(step.register, step.length) for step in steps if isinstance(step, codewheel_runtime.Read)]
     assert [(result.step.register, len(result.data)) for result in reads] == expected
     assert reads[0].data == b"\x07"
 
@@ -245,7 +246,8 @@ def test_a_disturbed_preset_is_never_saved(lika: Any, register: int, bit: int) -
 def test_bits_that_do_not_count_may_differ(lika: Any) -> None:
     """The mask covers the whole number. A field of a register that was changed is verified, too."""
     for order, mask in (("little", 0x00FF), ("big", 0xFF00)):
-        steps = [lika.Write(5, 1, "it"), lika.Write(6, 2, "it"), lika.Verify(5, 2, "it", mask, order=order)]
+        writes = [codewheel_runtime.Write(5, 1, "it"), codewheel_runtime.Write(6, 2, "it")]
+        steps = [*writes, codewheel_runtime.Verify(5, 2, "it", mask, order=order)]
         memory = Memory()
         lika.run([*steps[:2]], memory)
         memory.write = lambda address, data: None  # type: ignore[method-assign]
@@ -255,21 +257,21 @@ def test_bits_that_do_not_count_may_differ(lika: Any) -> None:
         with pytest.raises(lika.StepError, match="register it at 05h holds 07 07, but 01 02 was written"):
             lika.run(steps, memory)
     with pytest.raises(lika.StepError, match="no earlier step wrote to it, so it cannot be verified"):
-        lika.run([lika.Verify(5, 1, "it", 0xFF)], Memory())
+        lika.run([codewheel_runtime.Verify(5, 1, "it", 0xFF)], Memory())
     with pytest.raises(lika.StepError, match="no earlier step wrote to it, so it cannot be verified"):
-        lika.run([lika.Write(5, 1, "it"), lika.Verify(5, 2, "it", 0xFFFF)], Memory())
-    changed = [lika.Modify(5, 1, "it", 0x0F, 0x05), lika.Verify(5, 1, "it", 0x0F)]
+        lika.run([codewheel_runtime.Write(5, 1, "it"), codewheel_runtime.Verify(5, 2, "it", 0xFFFF)], Memory())
+    changed = [codewheel_runtime.Modify(5, 1, "it", 0x0F, 0x05), codewheel_runtime.Verify(5, 1, "it", 0x0F)]
     assert lika.run(changed, Memory({5: 0xF0})) == ()
 
 
 def test_each_byte_is_compared_with_its_last_value(lika: Any) -> None:
     """Later steps change the second byte of a register, and then both bytes."""
-    both_bytes, second = lika.Modify(5, 2, "it", 0xFFFF, 0x0201), lika.Write(6, 7, "other")
-    verified = lika.Verify(5, 2, "it", 0xFFFF)
+    both_bytes, second = codewheel_runtime.Modify(5, 2, "it", 0xFFFF, 0x0201), codewheel_runtime.Write(6, 7, "other")
+    verified = codewheel_runtime.Verify(5, 2, "it", 0xFFFF)
     memory = Memory({5: 0, 6: 0})
     assert lika.run([both_bytes, second, verified], memory) == ()
     assert (memory.registers[5], memory.registers[6]) == (1, 7)
-    assert lika.run([second, both_bytes, verified, lika.Verify(6, 1, "other", 0xFF)], memory) == ()
+    assert lika.run([second, both_bytes, verified, codewheel_runtime.Verify(6, 1, "other", 0xFF)], memory) == ()
     assert (memory.registers[5], memory.registers[6]) == (1, 2)
     memory.write = lambda address, data: None  # type: ignore[method-assign]
     with pytest.raises(lika.StepError, match="register it at 05h holds 01 02, but 01 07 was written"):
@@ -303,8 +305,8 @@ def test_a_disturbed_preset_is_never_saved_over_biss(lika: Any, disturbed_place:
 
 def test_steps_are_logged(lika: Any, caplog: pytest.LogCaptureFixture) -> None:
     with caplog.at_level(logging.DEBUG, logger="codewheel_runtime"):
-        lika.run([lika.Write(5, 6, "it")], Memory())
+        lika.run([codewheel_runtime.Write(5, 6, "it")], Memory())
         with pytest.raises(lika.StepError):
-            lika.run([lika.Write(5, 6, "it")], Memory(fails_at=0))
+            lika.run([codewheel_runtime.Write(5, 6, "it")], Memory(fails_at=0))
     assert [record.levelname for record in caplog.records] == ["DEBUG", "DEBUG", "WARNING"]
     assert caplog.records[0].getMessage().startswith("step 1 of 1: Write(address=5, value=6")

@@ -119,7 +119,7 @@ def test_registers_at_the_next_address_are_not_confused(load: Callable[[str], An
         *steps.write_whole("zposm", 0x16, bytes.fromhex("00 12")),
         *steps.write_whole("zposl", 0x17, bytes.fromhex("00 34")),
     )
-    verified = [package.Verify(address, 2, name, 0xFFFF, order="big") for address, name in ((0x16, "a"), (0x17, "b"))]
+    verified = [steps.Verify(address, 2, name, 0xFFFF, order="big") for address, name in ((0x16, "a"), (0x17, "b"))]
     package.run((*written, *verified), bus)
 
     def disturbed(address: int, data: bytes) -> None:

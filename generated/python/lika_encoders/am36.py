@@ -372,7 +372,7 @@ class SsiEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SsiWord, self, self)
+        return decode_many(frames, SsiWord, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -387,7 +387,7 @@ class SsiEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, SsiWord, self)
+        return encode_many(columns, SsiWord, variant=self)
 
 
 class BissEncoder(Variant):
@@ -448,7 +448,7 @@ class BissEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SingleCycleData, self, self)
+        return decode_many(frames, SingleCycleData, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -463,7 +463,7 @@ class BissEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, SingleCycleData, self)
+        return encode_many(columns, SingleCycleData, variant=self)
 
 
 @overload
@@ -679,7 +679,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
-                    word = from_gray(word, 0, gray_bits)
+                    word = from_gray(word, low=0, width=gray_bits)
                 values = (
                     variant,
                     word >> multiturn_low,  # multiturn
@@ -834,7 +834,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                     received_crc = word & 0x3F
                     raise CrcError(received_crc, received_crc ^ difference)
                 if variant.biss_gray:
-                    word = from_gray(word, 8, gray_bits)
+                    word = from_gray(word, low=8, width=gray_bits)
                 values = (
                     variant,
                     word >> multiturn_low,  # multiturn
@@ -921,8 +921,10 @@ class ProfileId(FixedRegister, _ProfileId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        profile = data[0] << 8 | data[1]
-        return create(cls, (profile,))
+        values = (
+            data[0] << 8 | data[1],  # profile
+        )
+        return create(cls, values)
 
 
 class _SerialNumber(NamedTuple):
@@ -967,10 +969,12 @@ class SerialNumber(FixedRegister, _SerialNumber):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        year = data[0]
-        week = data[1]
-        number_ = data[2] << 8 | data[3]
-        return create(cls, (year, week, number_))
+        values = (
+            data[0],  # year
+            data[1],  # week
+            data[2] << 8 | data[3],  # number
+        )
+        return create(cls, values)
 
 
 class Command(IntEnum):
@@ -1142,8 +1146,10 @@ class InformationPerRevolution(FixedLimitedRegister, _InformationPerRevolution):
             data = as_bytes(data)
         if len(data) != 3:
             raise LengthError(3, len(data))
-        steps = data[0] << 16 | data[1] << 8 | data[2]
-        return with_bytes(create(cls, (steps,)), data)
+        values = (
+            data[0] << 16 | data[1] << 8 | data[2],  # steps
+        )
+        return with_bytes(create(cls, values), data)
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -1196,8 +1202,10 @@ class NumberOfRevolutions(FixedLimitedRegister, _NumberOfRevolutions):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        revolutions = (data[0] << 8 | data[1]) or 65_536
-        return with_bytes(create(cls, (revolutions,)), data)
+        values = (
+            (data[0] << 8 | data[1]) or 65_536,  # revolutions
+        )
+        return with_bytes(create(cls, values), data)
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -1265,8 +1273,11 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
         zero_above_position = data[0] >> 4
         if zero_above_position:
             raise ConstantError("zero_above_position", zero_above_position, 0)
-        position = (data[0] & 0xF) << 32 | data[1] << 24 | data[2] << 16 | data[3] << 8 | data[4]
-        return with_bytes(create(cls, (variant, position)), data)
+        values = (
+            variant,
+            (data[0] & 0xF) << 32 | data[1] << 24 | data[2] << 16 | data[3] << 8 | data[4],  # position
+        )
+        return with_bytes(create(cls, values), data)
 
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:
@@ -1317,8 +1328,10 @@ class DeviceType(FixedRegister, _DeviceType):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        device_type = data[0]
-        return create(cls, (device_type,))
+        values = (
+            data[0],  # device_type
+        )
+        return create(cls, values)
 
 
 class _SingleturnBitsUsed(NamedTuple):
@@ -1358,8 +1371,10 @@ class SingleturnBitsUsed(FixedRegister, _SingleturnBitsUsed):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        bits_ = data[0]
-        return create(cls, (bits_,))
+        values = (
+            data[0],  # bits
+        )
+        return create(cls, values)
 
 
 class _MultiturnBitsUsed(NamedTuple):
@@ -1401,8 +1416,10 @@ class MultiturnBitsUsed(FixedRegister, _MultiturnBitsUsed):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        bits_ = data[0]
-        return create(cls, (bits_,))
+        values = (
+            data[0],  # bits
+        )
+        return create(cls, values)
 
 
 class _DeviceId(NamedTuple):
@@ -1509,8 +1526,10 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        name = data[0:2].decode("latin-1")
-        return create(cls, (name,))
+        values = (
+            data[0:2].decode("latin-1"),  # name
+        )
+        return create(cls, values)
 
 
 #: Parameters that registers hold at run time.
@@ -1660,7 +1679,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
             encode_register("configuration", Configuration, configuration, 1, "big"),
             "takes effect immediately",
         ),
-        Verify(Address.CONFIGURATION, 1, "configuration", 0xFF),
+        Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0xFF),
         *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save it"),
         Wait(30_000, "EEPROM writing time"),
     )
@@ -1691,15 +1710,22 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "enable writing of the Preset registers"),
+        Modify(
+            Address.CONFIGURATION,
+            length=1,
+            register="configuration",
+            mask=0x04,
+            value=0x00,
+            meaning="enable writing of the Preset registers",
+        ),
         *byte_writes(
             "preset",
             Address.PRESET,
             Preset(variant, position=position).encode(),
             "write the five Preset registers",
         ),
-        Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
-        Verify(Address.PRESET, 5, "preset", 0xFFFFFFFFFF, order="big"),
+        Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04),
+        Verify(Address.PRESET, length=5, register="preset", mask=0xFFFFFFFFFF, order="big"),
         *byte_writes(
             "command",
             Address.COMMAND,
@@ -1734,15 +1760,22 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
     """
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "enable writing of the Preset registers"),
+        Modify(
+            Address.CONFIGURATION,
+            length=1,
+            register="configuration",
+            mask=0x04,
+            value=0x00,
+            meaning="enable writing of the Preset registers",
+        ),
         *byte_writes(
             "preset",
             Address.PRESET,
             Preset(variant, position=position).encode(),
             "write the five Preset registers",
         ),
-        Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
-        Verify(Address.PRESET, 5, "preset", 0xFFFFFFFFFF, order="big"),
+        Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04),
+        Verify(Address.PRESET, length=5, register="preset", mask=0xFFFFFFFFFF, order="big"),
         *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save the preset"),
         Wait(30_000, "EEPROM writing time"),
     )
@@ -1882,8 +1915,14 @@ def set_resolution(
     variant = variant.with_registers(dict(enumerate(content, Address.NUMBER_OF_REVOLUTIONS)))
     return (
         *before,
-        Verify(Address.INFORMATION_PER_REVOLUTION, 3, "information_per_revolution", 0xFFFFFF, order="big"),
-        Verify(Address.NUMBER_OF_REVOLUTIONS, 2, "number_of_revolutions", 0xFFFF, order="big"),
+        Verify(
+            Address.INFORMATION_PER_REVOLUTION,
+            length=3,
+            register="information_per_revolution",
+            mask=0xFFFFFF,
+            order="big",
+        ),
+        Verify(Address.NUMBER_OF_REVOLUTIONS, length=2, register="number_of_revolutions", mask=0xFFFF, order="big"),
         *byte_writes(
             "command",
             Address.COMMAND,
@@ -1891,15 +1930,22 @@ def set_resolution(
             "save the resolution first, separately from the preset",
         ),
         Wait(30_000, "EEPROM writing time"),
-        Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "enable writing of the Preset registers"),
+        Modify(
+            Address.CONFIGURATION,
+            length=1,
+            register="configuration",
+            mask=0x04,
+            value=0x00,
+            meaning="enable writing of the Preset registers",
+        ),
         *byte_writes(
             "preset",
             Address.PRESET,
             Preset(variant, position=position).encode(),
             "write the preset again, since it was set to zero",
         ),
-        Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
-        Verify(Address.PRESET, 5, "preset", 0xFFFFFFFFFF, order="big"),
+        Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04),
+        Verify(Address.PRESET, length=5, register="preset", mask=0xFFFFFFFFFF, order="big"),
         *byte_writes(
             "command",
             Address.COMMAND,
@@ -1907,8 +1953,18 @@ def set_resolution(
             "save and activate the preset",
         ),
         Wait(30_000, "EEPROM writing time"),
-        Read(Address.SINGLETURN_BITS_USED, 1, "singleturn_bits_used", "singleturn bits of all following frames"),
-        Read(Address.MULTITURN_BITS_USED, 1, "multiturn_bits_used", "multiturn bits of all following frames"),
+        Read(
+            Address.SINGLETURN_BITS_USED,
+            length=1,
+            register="singleturn_bits_used",
+            meaning="singleturn bits of all following frames",
+        ),
+        Read(
+            Address.MULTITURN_BITS_USED,
+            length=1,
+            register="multiturn_bits_used",
+            meaning="multiturn bits of all following frames",
+        ),
     )
 
 
@@ -1931,18 +1987,28 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        Read(Address.MANUFACTURER_ID, 2, "manufacturer_id", "Li means Lika Electronic"),
+        Read(Address.MANUFACTURER_ID, length=2, register="manufacturer_id", meaning="Li means Lika Electronic"),
         Read(
             Address.DEVICE_ID,
-            6,
-            "device_id",
-            "AM, I7 and 2 mean AM36 or AMC36 with BiSS. The software version follows",
+            length=6,
+            register="device_id",
+            meaning="AM, I7 and 2 mean AM36 or AMC36 with BiSS. The software version follows",
         ),
-        Read(Address.PROFILE_ID, 2, "profile_id"),
-        Read(Address.DEVICE_TYPE, 1, "device_type", "02 means multiturn encoder"),
-        Read(Address.SERIAL_NUMBER, 4, "serial_number"),
-        Read(Address.SINGLETURN_BITS_USED, 1, "singleturn_bits_used", "singleturn bits of the frame"),
-        Read(Address.MULTITURN_BITS_USED, 1, "multiturn_bits_used", "multiturn bits of the frame"),
+        Read(Address.PROFILE_ID, length=2, register="profile_id"),
+        Read(Address.DEVICE_TYPE, length=1, register="device_type", meaning="02 means multiturn encoder"),
+        Read(Address.SERIAL_NUMBER, length=4, register="serial_number"),
+        Read(
+            Address.SINGLETURN_BITS_USED,
+            length=1,
+            register="singleturn_bits_used",
+            meaning="singleturn bits of the frame",
+        ),
+        Read(
+            Address.MULTITURN_BITS_USED,
+            length=1,
+            register="multiturn_bits_used",
+            meaning="multiturn bits of the frame",
+        ),
     )
 
 

@@ -75,6 +75,7 @@ from codewheel_runtime.codec import (
     create,
     require_answer,
     too_long_error,
+    wrong_answer_error,
 )
 from codewheel_runtime.encoder import (
     ErrorHandler,
@@ -101,7 +102,7 @@ from codewheel_runtime.frames.base import (
     with_bytes,
 )
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
-from codewheel_runtime.frames.descriptions import decoding_arguments, shape_of
+from codewheel_runtime.frames.descriptions import shape_of
 from codewheel_runtime.registers import bytes_by_address, is_consistent
 from codewheel_runtime.reports import Family, Interface, Movement, Verdict
 from codewheel_runtime.steps import Send, Step, Verify, Wait, byte_writes
@@ -357,7 +358,7 @@ class SsiEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SsiWord, self, self)
+        return decode_many(frames, SsiWord, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -372,7 +373,7 @@ class SsiEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, SsiWord, self)
+        return encode_many(columns, SsiWord, variant=self)
 
 
 class BissEncoder(Variant):
@@ -433,7 +434,7 @@ class BissEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SingleCycleData, self, self)
+        return decode_many(frames, SingleCycleData, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -448,7 +449,7 @@ class BissEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, SingleCycleData, self)
+        return encode_many(columns, SingleCycleData, variant=self)
 
 
 class Rs485Encoder(Variant):
@@ -516,7 +517,7 @@ class Rs485Encoder(Variant):
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         check_kind(kind, Reply)
-        return decode_many(frames, kind, self, *decoding_arguments(kind, self, eeprom_address=eeprom_address))
+        return decode_many(frames, kind, variant=self, eeprom_address=eeprom_address)
 
     def encode_many(
         self,
@@ -541,7 +542,7 @@ class Rs485Encoder(Variant):
             TypeError: A column is missing or unknown.
         """
         check_kind(kind, Reply)
-        return encode_many(columns, kind, *decoding_arguments(kind, self, eeprom_address=eeprom_address))
+        return encode_many(columns, kind, variant=self, eeprom_address=eeprom_address)
 
 
 @overload
@@ -1054,7 +1055,7 @@ class DataRequest(FixedBytes, _DataRequest):
     def _make_decoder(cls, variant: object, handle_error: ErrorHandler) -> Callable[..., DataRequest]:
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
-        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> DataRequest:
+        def decode(frame: Any, _eeprom_address: object = None) -> DataRequest:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 1:
@@ -1064,9 +1065,9 @@ class DataRequest(FixedBytes, _DataRequest):
                     raise ConstantError("sync", sync, 0x2)
                 data_id = data[0] >> 3 & 0xF
                 parity = data[0] >> 7
-                expected = data_id.bit_count() & 1
-                if parity != expected:
-                    raise ConstantError("parity", parity, expected)
+                expected_parity = data_id.bit_count() & 1
+                if parity != expected_parity:
+                    raise ConstantError("parity", parity, expected_parity)
                 if data_id not in (0, 1, 2, 3, 7, 8, 0xC):
                     raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 7h, 8h, Ch")
                 values = (
@@ -1149,16 +1150,17 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
                 computed_crc = data[0] ^ data[1] ^ data[2]
                 if computed_crc != data[3]:
                     raise CrcError(data[3], computed_crc)
-                eeprom_address = require_answer(EepromAddress, eeprom_address)
+                if not isinstance(eeprom_address, EepromAddress):
+                    raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
                 data_id = number >> 3 & 0xF
                 parity = number >> 7 & 0x1
-                expected = data_id.bit_count() & 1
-                if parity != expected:
-                    raise ConstantError("parity", parity, expected)
+                expected_parity = data_id.bit_count() & 1
+                if parity != expected_parity:
+                    raise ConstantError("parity", parity, expected_parity)
                 mem_busy = number >> (eeprom_address.mem_busy_bit + 8) & 0x1
                 if mem_busy:
                     raise ConstantError("mem_busy", mem_busy, 0)
@@ -1167,7 +1169,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
                 values = (
                     eeprom_address,
                     number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,  # address
-                    number >> 16 & 0xFF,  # data_
+                    number >> 16 & 0xFF,  # data
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -1191,7 +1193,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, cls, None, eeprom_address)
+        return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -1208,7 +1210,7 @@ class EepromWriteRequest(InBytes, _EepromWriteRequest):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, cls, eeprom_address)
+        return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
 
 
 class _EepromReadRequest(NamedTuple):
@@ -1279,16 +1281,17 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
                 computed_crc = data[0] ^ data[1]
                 if computed_crc != data[2]:
                     raise CrcError(data[2], computed_crc)
-                eeprom_address = require_answer(EepromAddress, eeprom_address)
+                if not isinstance(eeprom_address, EepromAddress):
+                    raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
                 data_id = number >> 3 & 0xF
                 parity = number >> 7 & 0x1
-                expected = data_id.bit_count() & 1
-                if parity != expected:
-                    raise ConstantError("parity", parity, expected)
+                expected_parity = data_id.bit_count() & 1
+                if parity != expected_parity:
+                    raise ConstantError("parity", parity, expected_parity)
                 mem_busy = number >> (eeprom_address.mem_busy_bit + 8) & 0x1
                 if mem_busy:
                     raise ConstantError("mem_busy", mem_busy, 0)
@@ -1320,7 +1323,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, cls, None, eeprom_address)
+        return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -1337,7 +1340,7 @@ class EepromReadRequest(InBytes, _EepromReadRequest):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, cls, eeprom_address)
+        return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
 
 
 class _SingleturnReply(NamedTuple):
@@ -1451,7 +1454,7 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
             0xC2: DataId.RESET_SINGLETURN_AND_MULTITURN,
         }
 
-        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> SingleturnReply:
+        def decode(frame: Any, _eeprom_address: object = None) -> SingleturnReply:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 6:
@@ -1468,9 +1471,9 @@ class SingleturnReply(Sent, BytesOf["Rs485Encoder"], _SingleturnReply):
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF
                     parity = b0 >> 7
-                    expected = data_id.bit_count() & 1
-                    if parity != expected:
-                        raise ConstantError("parity", parity, expected)
+                    expected_parity = data_id.bit_count() & 1
+                    if parity != expected_parity:
+                        raise ConstantError("parity", parity, expected_parity)
                     padding = singleturn >> singleturn_bits
                     if padding:
                         raise ConstantError("singleturn_padding", padding, 0)
@@ -1595,7 +1598,7 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
         """Create the function that decodes frames of one encoder. ``handle_error`` raises or returns an error."""
         multiturn_bits = variant.multiturn_bits
 
-        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> MultiturnReply:
+        def decode(frame: Any, _eeprom_address: object = None) -> MultiturnReply:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 6:
@@ -1612,9 +1615,9 @@ class MultiturnReply(Sent, BytesOf["Rs485Encoder"], _MultiturnReply):
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF
                     parity = b0 >> 7
-                    expected = data_id.bit_count() & 1
-                    if parity != expected:
-                        raise ConstantError("parity", parity, expected)
+                    expected_parity = data_id.bit_count() & 1
+                    if parity != expected_parity:
+                        raise ConstantError("parity", parity, expected_parity)
                     padding = multiturn >> multiturn_bits
                     if padding:
                         raise ConstantError("multiturn_padding", padding, 0)
@@ -1715,7 +1718,7 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
     def _make_decoder(cls, variant: object, handle_error: ErrorHandler) -> Callable[..., EncoderIdReply]:
         """Create the function that decodes frames. ``handle_error`` raises or returns an error."""
 
-        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> EncoderIdReply:
+        def decode(frame: Any, _eeprom_address: object = None) -> EncoderIdReply:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 4:
@@ -1731,9 +1734,9 @@ class EncoderIdReply(Sent, FixedBytes, _EncoderIdReply):
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF
                     parity = b0 >> 7
-                    expected = data_id.bit_count() & 1
-                    if parity != expected:
-                        raise ConstantError("parity", parity, expected)
+                    expected_parity = data_id.bit_count() & 1
+                    if parity != expected_parity:
+                        raise ConstantError("parity", parity, expected_parity)
                     if data_id != 2:
                         raise RangeError("data_id", data_id, "2h")
                 values = (
@@ -1953,7 +1956,7 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
         singleturn_bits = variant.singleturn_bits
         multiturn_bits = variant.multiturn_bits
 
-        def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> CompleteReply:
+        def decode(frame: Any, _eeprom_address: object = None) -> CompleteReply:
             try:
                 data = frame if type(frame) is bytes else as_bytes(frame)
                 if len(data) != 11:
@@ -1971,9 +1974,9 @@ class CompleteReply(Sent, BytesOf["Rs485Encoder"], _CompleteReply, Positioned):
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF
                     parity = b0 >> 7
-                    expected = data_id.bit_count() & 1
-                    if parity != expected:
-                        raise ConstantError("parity", parity, expected)
+                    expected_parity = data_id.bit_count() & 1
+                    if parity != expected_parity:
+                        raise ConstantError("parity", parity, expected_parity)
                     padding = singleturn >> singleturn_bits
                     if padding:
                         raise ConstantError("singleturn_padding", padding, 0)
@@ -2075,23 +2078,24 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
                 computed_crc = data[0] ^ data[1] ^ data[2]
                 if computed_crc != data[3]:
                     raise CrcError(data[3], computed_crc)
-                eeprom_address = require_answer(EepromAddress, eeprom_address)
+                if not isinstance(eeprom_address, EepromAddress):
+                    raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
                 data_id = number >> 3 & 0xF
                 parity = number >> 7 & 0x1
-                expected = data_id.bit_count() & 1
-                if parity != expected:
-                    raise ConstantError("parity", parity, expected)
+                expected_parity = data_id.bit_count() & 1
+                if parity != expected_parity:
+                    raise ConstantError("parity", parity, expected_parity)
                 if data_id != 6:
                     raise RangeError("data_id", data_id, "6h")
                 values = (
                     eeprom_address,
                     number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,  # address
                     (number >> (eeprom_address.mem_busy_bit + 8) & 1) != 0,  # mem_busy
-                    number >> 16 & 0xFF,  # data_
+                    number >> 16 & 0xFF,  # data
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -2115,7 +2119,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, cls, None, eeprom_address)
+        return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -2132,7 +2136,7 @@ class EepromWriteReply(Sent, InBytes, _EepromWriteReply):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, cls, eeprom_address)
+        return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
 
 
 class _EepromReadReply(NamedTuple):
@@ -2207,23 +2211,24 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
                 computed_crc = data[0] ^ data[1] ^ data[2]
                 if computed_crc != data[3]:
                     raise CrcError(data[3], computed_crc)
-                eeprom_address = require_answer(EepromAddress, eeprom_address)
+                if not isinstance(eeprom_address, EepromAddress):
+                    raise wrong_answer_error(EepromAddress, eeprom_address)
                 number = int.from_bytes(data, "little")
                 sync = number & 0x7
                 if sync != 0x2:
                     raise ConstantError("sync", sync, 0x2)
                 data_id = number >> 3 & 0xF
                 parity = number >> 7 & 0x1
-                expected = data_id.bit_count() & 1
-                if parity != expected:
-                    raise ConstantError("parity", parity, expected)
+                expected_parity = data_id.bit_count() & 1
+                if parity != expected_parity:
+                    raise ConstantError("parity", parity, expected_parity)
                 if data_id != 0xD:
                     raise RangeError("data_id", data_id, "Dh")
                 values = (
                     eeprom_address,
                     number >> (eeprom_address.eeprom_address_bit + 8) & 0x7F,  # address
                     (number >> (eeprom_address.mem_busy_bit + 8) & 1) != 0,  # mem_busy
-                    number >> 16 & 0xFF,  # data_
+                    number >> 16 & 0xFF,  # data
                 )
                 return create(cls, values)
             except (FrameError, TypeError) as exception:
@@ -2247,7 +2252,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, cls, None, eeprom_address)
+        return decode_many(frames, cls, variant=None, eeprom_address=eeprom_address)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, eeprom_address: EepromAddress) -> Any:
@@ -2264,7 +2269,7 @@ class EepromReadReply(Sent, InBytes, _EepromReadReply):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, cls, eeprom_address)
+        return encode_many(columns, cls, variant=None, eeprom_address=eeprom_address)
 
 
 Request: TypeAlias = Union[
@@ -2313,15 +2318,14 @@ def _make_request_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> 
     def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> Request:
         try:
             data = frame if type(frame) is bytes else as_bytes(frame)
-            if len(data) < 1:
+            if not data:
                 raise LengthError(1, len(data))
             data_id = data[0] >> 3 & 0xF
-            decode_kind = decoders.get(data_id)
-            if decode_kind is None:
+            if data_id not in decoders:
                 raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
         except (FrameError, TypeError) as exception:
             return handle_error(exception, frame, variant)
-        return decode_kind(frame, eeprom_address)
+        return decoders[data_id](frame, eeprom_address)
 
     return decode
 
@@ -2378,15 +2382,14 @@ def _make_reply_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> Ca
     def decode(frame: Any, eeprom_address: EepromAddress | None = None) -> Reply:
         try:
             data = frame if type(frame) is bytes else as_bytes(frame)
-            if len(data) < 1:
+            if not data:
                 raise LengthError(1, len(data))
             data_id = data[0] >> 3 & 0xF
-            decode_kind = decoders.get(data_id)
-            if decode_kind is None:
+            if data_id not in decoders:
                 raise RangeError("data_id", data_id, "one of 0h, 1h, 2h, 3h, 6h, 7h, 8h, Ch, Dh")
         except (FrameError, TypeError) as exception:
             return handle_error(exception, frame, variant)
-        return decode_kind(frame, eeprom_address)
+        return decoders[data_id](frame, eeprom_address)
 
     return decode
 
@@ -2511,9 +2514,12 @@ class Preset(LimitedRegisterOf["BissEncoder"], _Preset):
         zero_below_singleturn = number & ((1 << (33 - variant.singleturn_bits)) - 1)
         if zero_below_singleturn:
             raise ConstantError("zero_below_singleturn", zero_below_singleturn, 0)
-        multiturn = number >> (49 - variant.multiturn_bits) & ((1 << variant.multiturn_bits) - 1)
-        singleturn = number >> (33 - variant.singleturn_bits) & ((1 << variant.singleturn_bits) - 1)
-        return with_bytes(create(cls, (variant, multiturn, singleturn)), data)
+        values = (
+            variant,
+            number >> (49 - variant.multiturn_bits) & ((1 << variant.multiturn_bits) - 1),  # multiturn
+            number >> (33 - variant.singleturn_bits) & ((1 << variant.singleturn_bits) - 1),  # singleturn
+        )
+        return with_bytes(create(cls, values), data)
 
     @staticmethod
     def limits(variant: BissEncoder) -> tuple[int, int]:
@@ -2615,10 +2621,12 @@ class SerialNumber(FixedRegister, _SerialNumber):
         serial = int.from_bytes(data, "big")
         if serial > 999_999_999:
             raise RangeError("serial", serial, "at most 999999999")
-        year = serial // 10_000_000
-        week = serial // 100_000 % 100
-        number_ = serial % 100_000
-        return create(cls, (year, week, number_))
+        values = (
+            serial // 10_000_000,  # year
+            serial // 100_000 % 100,  # week
+            serial % 100_000,  # number
+        )
+        return create(cls, values)
 
 
 class Command(IntEnum):
@@ -2705,9 +2713,11 @@ class DeviceId(FixedRegister, _DeviceId):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        name = data[0:4].decode("latin-1")
-        release = data[4] << 8 | data[5]
-        return create(cls, (name, release))
+        values = (
+            data[0:4].decode("latin-1"),  # name
+            data[4] << 8 | data[5],  # release
+        )
+        return create(cls, values)
 
 
 class _ManufacturerId(NamedTuple):
@@ -2747,8 +2757,10 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        name = data[0:2].decode("latin-1")
-        return create(cls, (name,))
+        values = (
+            data[0:2].decode("latin-1"),  # name
+        )
+        return create(cls, values)
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
@@ -2833,7 +2845,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             Preset.from_position(variant, position).encode(),
             "write the seven Preset registers",
         ),
-        Verify(Address.PRESET, 7, "preset", 0xFFFFFFFFFFFFFF, order="little"),
+        Verify(Address.PRESET, length=7, register="preset", mask=0xFFFFFFFFFFFFFF, order="little"),
         *byte_writes(
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
@@ -2883,7 +2895,7 @@ def store_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             Preset.from_position(variant, position).encode(),
             "write the seven Preset registers",
         ),
-        Verify(Address.PRESET, 7, "preset", 0xFFFFFFFFFFFFFF, order="little"),
+        Verify(Address.PRESET, length=7, register="preset", mask=0xFFFFFFFFFFFFFF, order="little"),
         *byte_writes(
             "preset_setting_enable",
             Address.PRESET_SETTING_ENABLE,
@@ -2983,7 +2995,7 @@ def reset_singleturn_and_multiturn(variant: Rs485Encoder | None = None) -> tuple
     if variant is not None:
         check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
-        Send(b"\xc2", times=10, every_us=40, in_succession=True, reply=6, is_xor=True),
+        Send(b"\xc2", times=10, every_us=40, in_succession=True, reply_length=6, reply_ends_in_xor=True),
         Wait(18_000, "execution takes at most 18 ms, including the write to the EEPROM"),
     )
 
@@ -3019,7 +3031,7 @@ def reset_multiturn_and_errors(variant: Rs485Encoder | None = None) -> tuple[Ste
     if variant is not None:
         check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
-        Send(b"\x62", times=10, every_us=40, in_succession=True, reply=6, is_xor=True),
+        Send(b"\x62", times=10, every_us=40, in_succession=True, reply_length=6, reply_ends_in_xor=True),
         Wait(2000, "the BUSY flag is set for at most 2 ms"),
     )
 
@@ -3055,7 +3067,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
-        Send(b"\xba", times=10, every_us=40, in_succession=True, reply=6, is_xor=True),
+        Send(b"\xba", times=10, every_us=40, in_succession=True, reply_length=6, reply_ends_in_xor=True),
         Wait(2000, "the BUSY flag is set for at most 2 ms"),
     )
 

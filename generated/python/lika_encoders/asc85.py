@@ -56,8 +56,8 @@ from codewheel_runtime.codec import (
     crc_tables,
     create,
     from_gray,
-    require_answer,
     too_long_error,
+    wrong_answer_error,
 )
 from codewheel_runtime.encoder import (
     ErrorHandler,
@@ -283,7 +283,7 @@ class SsiEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SsiWord, self, self)
+        return decode_many(frames, SsiWord, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -298,7 +298,7 @@ class SsiEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, SsiWord, self)
+        return encode_many(columns, SsiWord, variant=self)
 
 
 class BissEncoder(Variant):
@@ -360,7 +360,7 @@ class BissEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SingleCycleData, self, self, zero_bit)
+        return decode_many(frames, SingleCycleData, variant=self, zero_bit=zero_bit)
 
     def encode_many(self, columns: Mapping[str, Any] | Table, *, zero_bit: ZeroBit) -> Any:
         """Encode many frames. Needs NumPy.
@@ -377,7 +377,7 @@ class BissEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, SingleCycleData, self, zero_bit)
+        return encode_many(columns, SingleCycleData, variant=self, zero_bit=zero_bit)
 
 
 @overload
@@ -556,7 +556,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
-                    word = from_gray(word, 0, frame_bits)
+                    word = from_gray(word, low=0, width=frame_bits)
                 values = (
                     variant,
                     word,  # position
@@ -666,7 +666,8 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
 
         def decode(frame: Any, bits: int | None = None, zero_bit: ZeroBit | None = None) -> SingleCycleData:
             try:
-                zero_bit = require_answer(ZeroBit, zero_bit)
+                if not isinstance(zero_bit, ZeroBit):
+                    raise wrong_answer_error(ZeroBit, zero_bit)
                 length = zero_bit.zero_bits + variant.position_bits + 8
                 word = frame if type(frame) is int and bits is None else as_word(frame, length, bits)
                 if word >> length:
@@ -715,7 +716,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, cls, variant, variant, zero_bit)
+        return decode_many(frames, cls, variant=variant, zero_bit=zero_bit)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, variant: BissEncoder, zero_bit: ZeroBit) -> Any:
@@ -733,7 +734,7 @@ class SingleCycleData(Sent, ForEncoder, InBits, _SingleCycleData, Positioned):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, cls, variant, zero_bit)
+        return encode_many(columns, cls, variant=variant, zero_bit=zero_bit)
 
 
 #: Any frame that an encoder of this family sends.
@@ -811,9 +812,11 @@ class ProfileId(FixedRegister, _ProfileId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        variant_ = data[0]
-        data_length = data[1]
-        return create(cls, (variant_, data_length))
+        values = (
+            data[0],  # variant_
+            data[1],  # data_length
+        )
+        return create(cls, values)
 
 
 class _SerialNumber(NamedTuple):
@@ -851,8 +854,10 @@ class SerialNumber(FixedRegister, _SerialNumber):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        serial = int.from_bytes(data, "big")
-        return create(cls, (serial,))
+        values = (
+            int.from_bytes(data, "big"),  # serial
+        )
+        return create(cls, values)
 
 
 class _DiagnosticData(NamedTuple):
@@ -1131,9 +1136,12 @@ class Position(RegisterOf["BissEncoder"], _Position):
         if len(data) != 4:
             raise LengthError(4, len(data))
         number = int.from_bytes(data, "little")
-        position = number >> (32 - variant.position_bits)
-        unused = number & (0xFFFFFFFF & ~(((1 << variant.position_bits) - 1) << (32 - variant.position_bits)))
-        return create(cls, (variant, position, unused))
+        values = (
+            variant,
+            number >> (32 - variant.position_bits),  # position
+            number & (0xFFFFFFFF & ~(((1 << variant.position_bits) - 1) << (32 - variant.position_bits))),  # unused
+        )
+        return create(cls, values)
 
 
 class _ErrorRegister(NamedTuple):
@@ -1253,9 +1261,11 @@ class DeviceId(FixedRegister, _DeviceId):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        name = data[0:4].decode("latin-1")
-        release = data[4:6].decode("latin-1")
-        return create(cls, (name, release))
+        values = (
+            data[0:4].decode("latin-1"),  # name
+            data[4:6].decode("latin-1"),  # release
+        )
+        return create(cls, values)
 
 
 class _ManufacturerId(NamedTuple):
@@ -1295,8 +1305,10 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        name = data[0:2].decode("latin-1")
-        return create(cls, (name,))
+        values = (
+            data[0:2].decode("latin-1"),  # name
+        )
+        return create(cls, values)
 
 
 def identify(read: Mapping[int, int] | Mapping[str, Data]) -> tuple[str, ...]:
@@ -1377,8 +1389,15 @@ def request_position(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *byte_writes("command", Address.COMMAND, Command.REQUEST_POSITION.encode()),
-        Poll(Address.STATUS, 1, "status", 0x01, 0x01, "0 until the new data are available"),
-        Read(Address.POSITION, 4, "position"),
+        Poll(
+            Address.STATUS,
+            length=1,
+            register="status",
+            mask=0x01,
+            value=0x01,
+            meaning="0 until the new data are available",
+        ),
+        Read(Address.POSITION, length=4, register="position"),
     )
 
 
@@ -1409,8 +1428,20 @@ def save_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *byte_writes("command", Address.COMMAND, Command.SAVE_CONFIGURATION.encode()),
-        Poll(Address.STATUS, 1, "status", 0x04, 0x00, "1 while the configuration is being written"),
-        Read(Address.ERROR_REGISTER, 1, "error_register", "returns to 0 unless the write failed"),
+        Poll(
+            Address.STATUS,
+            length=1,
+            register="status",
+            mask=0x04,
+            value=0x00,
+            meaning="1 while the configuration is being written",
+        ),
+        Read(
+            Address.ERROR_REGISTER,
+            length=1,
+            register="error_register",
+            meaning="returns to 0 unless the write failed",
+        ),
     )
 
 
@@ -1442,8 +1473,8 @@ def read_absolute_data(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *byte_writes("command", Address.COMMAND, Command.READ_ABSOLUTE_DATA.encode()),
-        Poll(Address.STATUS, 1, "status", 0x02, 0x02, "1 when the data were loaded"),
-        Read(Address.ERROR_REGISTER, 1, "error_register", "1 if the data were rejected"),
+        Poll(Address.STATUS, length=1, register="status", mask=0x02, value=0x02, meaning="1 when the data were loaded"),
+        Read(Address.ERROR_REGISTER, length=1, register="error_register", meaning="1 if the data were rejected"),
     )
 
 
@@ -1470,12 +1501,19 @@ def software_reset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *byte_writes("command", Address.COMMAND, Command.SOFTWARE_RESET.encode()),
-        Poll(Address.STATUS, 1, "status", 0x80, 0x80, "configuration verified, absolute data read"),
+        Poll(
+            Address.STATUS,
+            length=1,
+            register="status",
+            mask=0x80,
+            value=0x80,
+            meaning="configuration verified, absolute data read",
+        ),
         Read(
             Address.ERROR_REGISTER,
-            1,
-            "error_register",
-            "should be 0. Also read it if you stopped polling and the encoder still answers",
+            length=1,
+            register="error_register",
+            meaning="should be 0. Also read it if you stopped polling and the encoder still answers",
         ),
     )
 
@@ -1503,8 +1541,13 @@ def verify_configuration(variant: BissEncoder | None = None) -> tuple[Step, ...]
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *byte_writes("command", Address.COMMAND, Command.VERIFY_CONFIGURATION.encode()),
-        Poll(Address.STATUS, 1, "status", 0x04, 0x00, "1 during the verification"),
-        Read(Address.ERROR_REGISTER, 1, "error_register", "returns to 0 unless the verification failed"),
+        Poll(Address.STATUS, length=1, register="status", mask=0x04, value=0x00, meaning="1 during the verification"),
+        Read(
+            Address.ERROR_REGISTER,
+            length=1,
+            register="error_register",
+            meaning="returns to 0 unless the verification failed",
+        ),
     )
 
 
@@ -1527,7 +1570,7 @@ def simulate_error(variant: BissEncoder | None = None) -> tuple[Step, ...]:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *byte_writes("command", Address.COMMAND, Command.SIMULATE_ERROR.encode()),
-        Read(Address.STATUS, 1, "status", "1 while the error is simulated"),
+        Read(Address.STATUS, length=1, register="status", meaning="1 while the error is simulated"),
     )
 
 
@@ -1550,7 +1593,7 @@ def clear_simulated_error(variant: BissEncoder | None = None) -> tuple[Step, ...
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
         *byte_writes("command", Address.COMMAND, Command.CLEAR_SIMULATED_ERROR.encode()),
-        Read(Address.STATUS, 1, "status", "0 after the simulation"),
+        Read(Address.STATUS, length=1, register="status", meaning="0 after the simulation"),
     )
 
 
@@ -1576,15 +1619,20 @@ def reset_errors(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        Read(Address.ERROR_REGISTER, 1, "error_register", "shows the active messages"),
+        Read(Address.ERROR_REGISTER, length=1, register="error_register", meaning="shows the active messages"),
         Read(
             Address.DIAGNOSTIC_DATA,
-            1,
-            "diagnostic_data",
-            "shows the cause of \"Control error\" and \"Signal error\"",
+            length=1,
+            register="diagnostic_data",
+            meaning="shows the cause of \"Control error\" and \"Signal error\"",
         ),
-        Read(Address.POSITION, 4, "position", "reading out position data resets the messages"),
-        Read(Address.ERROR_REGISTER, 1, "error_register", "a message that is still set has a persistent cause"),
+        Read(Address.POSITION, length=4, register="position", meaning="reading out position data resets the messages"),
+        Read(
+            Address.ERROR_REGISTER,
+            length=1,
+            register="error_register",
+            meaning="a message that is still set has a persistent cause",
+        ),
     )
 
 
@@ -1610,10 +1658,10 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        Read(Address.MANUFACTURER_ID, 2, "manufacturer_id", "Li means Lika Electronic"),
-        Read(Address.DEVICE_ID, 6, "device_id", "AS85 and the release"),
-        Read(Address.PROFILE_ID, 2, "profile_id", "281Ah is printed for all models"),
-        Read(Address.SERIAL_NUMBER, 4, "serial_number"),
+        Read(Address.MANUFACTURER_ID, length=2, register="manufacturer_id", meaning="Li means Lika Electronic"),
+        Read(Address.DEVICE_ID, length=6, register="device_id", meaning="AS85 and the release"),
+        Read(Address.PROFILE_ID, length=2, register="profile_id", meaning="281Ah is printed for all models"),
+        Read(Address.SERIAL_NUMBER, length=4, register="serial_number"),
     )
 
 

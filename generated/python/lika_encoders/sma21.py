@@ -97,7 +97,6 @@ from codewheel_runtime.frames.base import (
     with_bytes,
 )
 from codewheel_runtime.frames.decoders import cached_decoder, raise_error
-from codewheel_runtime.frames.descriptions import decoding_arguments
 from codewheel_runtime.registers import (
     RegisterParameter,
     bytes_by_address,
@@ -421,7 +420,7 @@ class SsiEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SsiWord, self, self)
+        return decode_many(frames, SsiWord, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -436,7 +435,7 @@ class SsiEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, SsiWord, self)
+        return encode_many(columns, SsiWord, variant=self)
 
 
 class BissEncoder(Variant):
@@ -497,7 +496,7 @@ class BissEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SingleCycleData, self, self)
+        return decode_many(frames, SingleCycleData, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -512,7 +511,7 @@ class BissEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, SingleCycleData, self)
+        return encode_many(columns, SingleCycleData, variant=self)
 
 
 class Rs485Encoder(Variant):
@@ -568,7 +567,7 @@ class Rs485Encoder(Variant):
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
         check_kind(kind, Reply)
-        return decode_many(frames, kind, self, *decoding_arguments(kind, self))
+        return decode_many(frames, kind, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table, kind: type[Reply]) -> Any:
         """Encode many frames of one ``kind``. Needs NumPy.
@@ -585,7 +584,7 @@ class Rs485Encoder(Variant):
             TypeError: A column is missing or unknown.
         """
         check_kind(kind, Reply)
-        return encode_many(columns, kind, *decoding_arguments(kind, self))
+        return encode_many(columns, kind, variant=self)
 
     def _ranges(self) -> Mapping[str, PositionRange]:
         return {
@@ -839,7 +838,7 @@ class SsiWord(Sent, BitsOf["SsiEncoder"], _SsiWord, Positioned):
                 if word >> frame_bits:
                     raise too_long_error(word, frame_bits)
                 if variant.ssi_gray:
-                    word = from_gray(word, 1, position_bits)
+                    word = from_gray(word, low=1, width=position_bits)
                 values = (
                     variant,
                     word >> 1,  # position
@@ -973,7 +972,7 @@ class SingleCycleData(Sent, BitsOf["BissEncoder"], _SingleCycleData, Positioned)
                     received_crc = word & 0x3F
                     raise CrcError(received_crc, received_crc ^ difference)
                 if variant.biss_gray:
-                    word = from_gray(word, 8, position_bits)
+                    word = from_gray(word, low=8, width=position_bits)
                 padding_ = word >> padding_low
                 if padding_:
                     raise ConstantError("padding", padding_, 0)
@@ -1047,9 +1046,9 @@ class DataRequest(FixedBytes, _DataRequest):
                     raise ConstantError("sync", sync, 0x2)
                 data_id = data[0] >> 3 & 0xF
                 parity = data[0] >> 7
-                expected = data_id.bit_count() & 1
-                if parity != expected:
-                    raise ConstantError("parity", parity, expected)
+                expected_parity = data_id.bit_count() & 1
+                if parity != expected_parity:
+                    raise ConstantError("parity", parity, expected_parity)
                 if data_id not in (4, 5, 0xA, 0xB, 0xF):
                     raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
                 values = (
@@ -1238,9 +1237,9 @@ class PositionReply(Sent, BytesOf["Rs485Encoder"], _PositionReply, Positioned):
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF
                     parity = b0 >> 7
-                    expected = data_id.bit_count() & 1
-                    if parity != expected:
-                        raise ConstantError("parity", parity, expected)
+                    expected_parity = data_id.bit_count() & 1
+                    if parity != expected_parity:
+                        raise ConstantError("parity", parity, expected_parity)
                     padding = position >> position_bits
                     if padding:
                         raise ConstantError("position_padding", padding, 0)
@@ -1398,9 +1397,9 @@ class WidePositionReply(Sent, FixedBytes, _WidePositionReply, Positioned):
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF
                     parity = b0 >> 7
-                    expected = data_id.bit_count() & 1
-                    if parity != expected:
-                        raise ConstantError("parity", parity, expected)
+                    expected_parity = data_id.bit_count() & 1
+                    if parity != expected_parity:
+                        raise ConstantError("parity", parity, expected_parity)
                     if data_id != 5:
                         raise RangeError("data_id", data_id, "5h")
                 values = (
@@ -1589,9 +1588,9 @@ class IdentificationReply(Sent, BytesOf["Rs485Encoder"], _IdentificationReply, P
                         raise ConstantError("sync", sync, 0x2)
                     data_id = b0 >> 3 & 0xF
                     parity = b0 >> 7
-                    expected = data_id.bit_count() & 1
-                    if parity != expected:
-                        raise ConstantError("parity", parity, expected)
+                    expected_parity = data_id.bit_count() & 1
+                    if parity != expected_parity:
+                        raise ConstantError("parity", parity, expected_parity)
                     padding = position >> position_bits
                     if padding:
                         raise ConstantError("position_padding", padding, 0)
@@ -1662,15 +1661,14 @@ def _make_request_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> 
     def decode(frame: Any) -> Request:
         try:
             data = frame if type(frame) is bytes else as_bytes(frame)
-            if len(data) < 1:
+            if not data:
                 raise LengthError(1, len(data))
             data_id = data[0] >> 3 & 0xF
-            decode_kind = decoders.get(data_id)
-            if decode_kind is None:
+            if data_id not in decoders:
                 raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
         except (FrameError, TypeError) as exception:
             return handle_error(exception, frame, variant)
-        return decode_kind(frame)
+        return decoders[data_id](frame)
 
     return decode
 
@@ -1718,15 +1716,14 @@ def _make_reply_decoder(variant: Rs485Encoder, handle_error: ErrorHandler) -> Ca
     def decode(frame: Any) -> Reply:
         try:
             data = frame if type(frame) is bytes else as_bytes(frame)
-            if len(data) < 1:
+            if not data:
                 raise LengthError(1, len(data))
             data_id = data[0] >> 3 & 0xF
-            decode_kind = decoders.get(data_id)
-            if decode_kind is None:
+            if data_id not in decoders:
                 raise RangeError("data_id", data_id, "one of 4h, 5h, Ah, Bh, Fh")
         except (FrameError, TypeError) as exception:
             return handle_error(exception, frame, variant)
-        return decode_kind(frame)
+        return decoders[data_id](frame)
 
     return decode
 
@@ -1810,8 +1807,11 @@ class ProfileId(RegisterOf["BissEncoder"], _ProfileId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        profile_id = data[0] << 8 | data[1]
-        return create(cls, (variant, profile_id))
+        values = (
+            variant,
+            data[0] << 8 | data[1],  # profile_id
+        )
+        return create(cls, values)
 
 
 class _SerialNumber(NamedTuple):
@@ -1853,10 +1853,12 @@ class SerialNumber(FixedRegister, _SerialNumber):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        year = data[0]
-        week = data[1]
-        number_ = data[2] << 8 | data[3]
-        return create(cls, (year, week, number_))
+        values = (
+            data[0],  # year
+            data[1],  # week
+            data[2] << 8 | data[3],  # number
+        )
+        return create(cls, values)
 
 
 class Command(IntEnum):
@@ -2014,8 +2016,11 @@ class AbsoluteResolution(RegisterOf["BissEncoder"], _AbsoluteResolution):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        absolute_resolution = data[0]
-        return create(cls, (variant, absolute_resolution))
+        values = (
+            variant,
+            data[0],  # absolute_resolution
+        )
+        return create(cls, values)
 
 
 class _PresetOffset(NamedTuple):
@@ -2069,8 +2074,10 @@ class PresetOffset(FixedLimitedRegister, _PresetOffset):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        preset_offset = int.from_bytes(data, "big")
-        return with_bytes(create(cls, (preset_offset,)), data)
+        values = (
+            int.from_bytes(data, "big"),  # preset_offset
+        )
+        return with_bytes(create(cls, values), data)
 
     @staticmethod
     def limits() -> tuple[int, int]:
@@ -2127,8 +2134,10 @@ class DeviceType(FixedRegister, _DeviceType):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        type_ = data[0]
-        return create(cls, (type_,))
+        values = (
+            data[0],  # type
+        )
+        return create(cls, values)
 
 
 class _SineCosineResolution(NamedTuple):
@@ -2168,8 +2177,10 @@ class SineCosineResolution(FixedRegister, _SineCosineResolution):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        period = data[0]
-        return create(cls, (period,))
+        values = (
+            data[0],  # period
+        )
+        return create(cls, values)
 
 
 class _PositionCheck(NamedTuple):
@@ -2208,8 +2219,10 @@ class PositionCheck(FixedRegister, _PositionCheck):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        position_check = data[0]
-        return create(cls, (position_check,))
+        values = (
+            data[0],  # position_check
+        )
+        return create(cls, values)
 
 
 class _DeviceId(NamedTuple):
@@ -2254,9 +2267,11 @@ class DeviceId(FixedRegister, _DeviceId):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        name = data[0:4].decode("latin-1")
-        release = data[4] << 8 | data[5]
-        return create(cls, (name, release))
+        values = (
+            data[0:4].decode("latin-1"),  # name
+            data[4] << 8 | data[5],  # release
+        )
+        return create(cls, values)
 
 
 class _ManufacturerId(NamedTuple):
@@ -2296,8 +2311,10 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        name = data[0:2].decode("latin-1")
-        return create(cls, (name,))
+        values = (
+            data[0:2].decode("latin-1"),  # name
+        )
+        return create(cls, values)
 
 
 #: Parameters that registers hold at run time.
@@ -2422,7 +2439,7 @@ def set_configuration(configuration: Configuration | int, *, variant: BissEncode
             encode_register("configuration", Configuration, configuration, 1, "big"),
             "active immediately",
         ),
-        Verify(Address.CONFIGURATION, 1, "configuration", 0xFF),
+        Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0xFF),
         *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save it permanently"),
         Wait(30_000, "EEPROM writing time"),
     )
@@ -2457,7 +2474,7 @@ def set_preset(variant: BissEncoder, position: int) -> tuple[Step, ...]:
             PresetOffset(preset_offset=position).encode(),
             "write the four Preset / Offset registers",
         ),
-        Verify(Address.PRESET_OFFSET, 4, "preset_offset", 0xFFFFFFFF, order="big"),
+        Verify(Address.PRESET_OFFSET, length=4, register="preset_offset", mask=0xFFFFFFFF, order="big"),
         *byte_writes(
             "command",
             Address.COMMAND,
@@ -2486,10 +2503,10 @@ def select_preset(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00),
-        Modify(Address.CONFIGURATION, 1, "configuration", 0x02, 0x00),
-        Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
-        Verify(Address.CONFIGURATION, 1, "configuration", 0x02),
+        Modify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04, value=0x00),
+        Modify(Address.CONFIGURATION, length=1, register="configuration", mask=0x02, value=0x00),
+        Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04),
+        Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x02),
         *byte_writes("command", Address.COMMAND, Command.SAVE_PARAMETERS.encode(), "save it permanently"),
         Wait(30_000, "EEPROM writing time"),
     )
@@ -2525,10 +2542,24 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
     check_encoder(variant, Variant, _BISS, _PROCEDURES)
     check_limits("offset", offset, PresetOffset.offset_limits(variant))
     return (
-        Modify(Address.CONFIGURATION, 1, "configuration", 0x04, 0x00, "enable preset and offset"),
-        Modify(Address.CONFIGURATION, 1, "configuration", 0x02, 0x02, "select offset for the register"),
-        Verify(Address.CONFIGURATION, 1, "configuration", 0x04),
-        Verify(Address.CONFIGURATION, 1, "configuration", 0x02),
+        Modify(
+            Address.CONFIGURATION,
+            length=1,
+            register="configuration",
+            mask=0x04,
+            value=0x00,
+            meaning="enable preset and offset",
+        ),
+        Modify(
+            Address.CONFIGURATION,
+            length=1,
+            register="configuration",
+            mask=0x02,
+            value=0x02,
+            meaning="select offset for the register",
+        ),
+        Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x04),
+        Verify(Address.CONFIGURATION, length=1, register="configuration", mask=0x02),
         *byte_writes(
             "command",
             Address.COMMAND,
@@ -2542,7 +2573,7 @@ def set_offset(variant: BissEncoder, offset: int) -> tuple[Step, ...]:
             PresetOffset(preset_offset=offset).encode(),
             "write the four Preset / Offset registers",
         ),
-        Verify(Address.PRESET_OFFSET, 4, "preset_offset", 0xFFFFFFFF, order="big"),
+        Verify(Address.PRESET_OFFSET, length=4, register="preset_offset", mask=0xFFFFFFFF, order="big"),
         *byte_writes(
             "command",
             Address.COMMAND,
@@ -2622,10 +2653,10 @@ def identify_steps(variant: BissEncoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _BISS, _PROCEDURES)
     return (
-        Read(Address.MANUFACTURER_ID, 2, "manufacturer_id", "4C 69 means Lika"),
-        Read(Address.DEVICE_ID, 6, "device_id", "name SM21, and the release"),
-        Read(Address.PROFILE_ID, 2, "profile_id", "shows the resolution"),
-        Read(Address.SERIAL_NUMBER, 4, "serial_number", "year, week and number"),
+        Read(Address.MANUFACTURER_ID, length=2, register="manufacturer_id", meaning="4C 69 means Lika"),
+        Read(Address.DEVICE_ID, length=6, register="device_id", meaning="name SM21, and the release"),
+        Read(Address.PROFILE_ID, length=2, register="profile_id", meaning="shows the resolution"),
+        Read(Address.SERIAL_NUMBER, length=4, register="serial_number", meaning="year, week and number"),
     )
 
 
@@ -2656,7 +2687,7 @@ def reset_errors(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
-        Send(b"\xda", times=10, every_us=40, in_succession=True, reply=7, is_xor=True),
+        Send(b"\xda", times=10, every_us=40, in_succession=True, reply_length=7, reply_ends_in_xor=True),
     )
 
 
@@ -2691,7 +2722,7 @@ def reset_position(variant: Rs485Encoder | None = None) -> tuple[Step, ...]:
     if variant is not None:
         check_encoder(variant, Variant, _RS485, _PROCEDURES)
     return (
-        Send(b"\x7a", times=10, every_us=40, in_succession=True, reply=7, is_xor=True),
+        Send(b"\x7a", times=10, every_us=40, in_succession=True, reply_length=7, reply_ends_in_xor=True),
     )
 
 

@@ -27,6 +27,7 @@ IDENTITY = (
         Member("version", "name", "Version of the generated packages."),
         Member("trademarks", "[text]", "Notes on trademarks.", "words"),
         Member("main"),
+        Member("website"),
         is_sourced=False,
     ),
     Part(

@@ -484,9 +484,6 @@ class Decoder:
             decoded.values.append((str(self.read.unused()), "unused"))
         elif self.codec.keeps_others:
             decoded.values.append((str(self.read.others()), "unused"))
-        # In a register, which is decoded rarely, a few values have a variable each.
-        if not isinstance(self.scope, NamedValues) and len(decoded.named_values) <= _FEW_VALUES:
-            decoded.use_variables()
         return decoded
 
     def _add_values(self, part: Part, decoded: DecodedValues) -> None:
@@ -494,13 +491,10 @@ class Decoder:
         runs = part.field.runs
         if len(runs) > 1 and part.field.name not in self.assigned:
             decoded.statements.append(self.assign(part.field, self.read.bits(part.bits)))
-        names = [self.local(run) for run in runs] or [self.local(part.field)]
-        for name, value in zip(names, map(str, self.values(part)), strict=True):
-            decoded.values.append((value, "" if value == name else name))
-
-
-#: Maximum number of values of a register that have a variable each.
-_FEW_VALUES = 3
+        members: Sequence[Field | Digits] = runs or (part.field,)
+        for member, value in zip(members, map(str, self.values(part)), strict=True):
+            is_variable = value == self.local(member)
+            decoded.values.append((value, "" if is_variable else self.names.attribute(member.name)))
 
 
 class DecodedValues:
@@ -517,14 +511,6 @@ class DecodedValues:
     def named_values(self) -> list[tuple[str, str]]:
         """Values whose expression does not show the name of the attribute."""
         return [(value, name) for value, name in self.values if name]
-
-    def use_variables(self) -> None:
-        """Assign the named values to variables, unless a statement has assigned another value to the same name."""
-        assigned_names = {statement.partition(" = ")[0] for statement in self.statements}
-        if any(name in assigned_names or name in value.split() for value, name in self.named_values):
-            return
-        self.statements += [f"{name} = {value}" for value, name in self.named_values]
-        self.values = [(name or value, "") for value, name in self.values]
 
 
 def sum_comment(codec: Codec, value: Expression) -> str:

@@ -67,9 +67,8 @@ def _runtime_modules(names: Mapping[str, str]) -> Mapping[str, tuple[str, ...]]:
 PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
     {
         "codec": """BitField Data PositionRange Rows Word Words as_bytes as_word check_kind check_limits check_signed
-            check_width
-            choice crc_by_xor crc_of_bits crc_of_bytes crc_tables create from_gray require_answer signed text_number
-            too_long_error zero_for""",
+            check_width choice crc_by_xor crc_of_bits crc_of_bytes crc_tables create from_gray require_answer
+            signed text_number too_long_error wrong_answer_error zero_for""",
         "encoder": """Encoder ErrorHandler Exchanged Positioned check_encoder load_fact look_up raise_frame_error
             return_frame_error wrong_encoder_error""",
         "measures": "FineLinear Linear Rotary Wrapping",
@@ -77,7 +76,7 @@ PACKAGE: Mapping[str, tuple[str, ...]] = _runtime_modules(
         "frames.base": """BitsOf BytesOf FixedBits FixedBytes FixedLimitedRegister FixedRegister ForEncoder InBits
             InBytes LimitedRegisterOf RegisterOf Sent decode_many encode_many with_bytes""",
         "frames.decoders": "cached_decoder raise_error",
-        "frames.descriptions": "decoding_arguments shape_of",
+        "frames.descriptions": "shape_of",
         "registers": "RegisterParameter bytes_by_address encode_register is_consistent parameters_in parameters_text",
         "reports": "Family Interface Movement Report Verdict",
         "spi": "Pipeline",
@@ -134,7 +133,7 @@ VARIANT_NAMES = """bytes cls code counts_per_turn decode decode_many degrees enc
 CLASS_NAMES = """bit_fields check_width cls count decode decode_many encode encode_many frame_bits index
     is_as_documented limits reports self to_dict usable_position variant verdict""".split()
 LOCAL_NAMES = [
-    *"bits cls computed_crc difference data decode decode_frame exception expected frame frame_bits".split(),
+    *"bits cls computed_crc difference data decode decode_frame exception expected_parity frame frame_bits".split(),
     *"handle_error high isinstance len length low number padding received_crc self sent type unused".split(),
     *"valid_first_bytes values variant word".split(),
     *(f"b{place}" for place in range(16)),

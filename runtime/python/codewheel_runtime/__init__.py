@@ -1,7 +1,7 @@
 # Licence 0BSD: you may use, change and distribute this file without any condition.
 """Code shared by the packages of all manufacturers, such as verdicts, errors, and the functions that run procedures.
 
-Programs import these names from the package of a manufacturer or from here. They are the same objects, so encoders of
+The package of a manufacturer also has the names that most programs need. They are the same objects, so encoders of
 several manufacturers can be used together.
 """
 

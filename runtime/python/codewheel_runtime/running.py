@@ -185,8 +185,8 @@ class _Procedure:
         for _ in range(step.times):
             line.drain()
             line.send(step.request)
-            if step.reply:
-                _check_reply(step, bytes(line.receive(step.reply)))
+            if step.reply_length:
+                _check_reply(step, bytes(line.receive(step.reply_length)))
             self.wait(step.every_us / 1_000_000)
         line.drain()
 
@@ -216,14 +216,14 @@ def _check_reply(step: Send, reply: bytes) -> None:
     reply_text = f"the reply to {step.request.hex(' ').upper()} is {reply.hex(' ').upper()}"
     if not reply:
         raise TimeoutError(f"no reply to {step.request.hex(' ').upper()}")
-    if len(reply) != step.reply:
-        raise ValueError(f"{reply_text}: expected {step.reply} bytes, got {len(reply)}")
+    if len(reply) != step.reply_length:
+        raise ValueError(f"{reply_text}: expected {step.reply_length} bytes, got {len(reply)}")
     if reply[0] != step.request[0]:
         raise ValueError(f"{reply_text}: it is the reply to another request")
     crc = 0
     for byte in reply[:-1]:
         crc ^= byte
-    if step.is_xor and crc != reply[-1]:
+    if step.reply_ends_in_xor and crc != reply[-1]:
         echo = ". Is it an echo of the request?" if reply.startswith(step.request * 2) else ""
         raise ValueError(f"{reply_text}: expected CRC {crc:#04x}, got {reply[-1]:#04x}{echo}")
 

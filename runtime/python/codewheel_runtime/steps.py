@@ -52,9 +52,9 @@ class Send(NamedTuple):
         every_us: Minimum time from one request to the next, in microseconds.
         meaning: Purpose of the step.
         in_succession: True if no other request may be sent between the requests.
-        reply: Number of bytes in the reply to each request, 0 if it is not known. The first byte of the reply equals
-            the first byte of the request.
-        is_xor: True if the last byte of the reply is the XOR of all others.
+        reply_length: Number of bytes in the reply to each request, 0 if it is not known. The first byte of the reply
+            equals the first byte of the request.
+        reply_ends_in_xor: True if the last byte of the reply is the XOR of all others.
     """
 
     request: bytes
@@ -62,8 +62,8 @@ class Send(NamedTuple):
     every_us: int = 0
     meaning: str = ""
     in_succession: bool = False
-    reply: int = 0
-    is_xor: bool = False
+    reply_length: int = 0
+    reply_ends_in_xor: bool = False
 
 
 @by_class

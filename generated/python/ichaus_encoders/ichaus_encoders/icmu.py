@@ -234,7 +234,7 @@ class BissEncoder(Variant):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, SingleCycleData, self, self)
+        return decode_many(frames, SingleCycleData, variant=self)
 
     def encode_many(self, columns: Mapping[str, Any] | Table) -> Any:
         """Encode many frames. Needs NumPy.
@@ -249,7 +249,7 @@ class BissEncoder(Variant):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, SingleCycleData, self)
+        return encode_many(columns, SingleCycleData, variant=self)
 
 
 @overload
@@ -516,8 +516,11 @@ class Mode(FixedRegister, _Mode):
         if len(data) != 1:
             raise LengthError(1, len(data))
         modea = choice(Modea, "modea", data[0] & 0x7)
-        unused = data[0] & 0xF8
-        return create(cls, (modea, unused))
+        values = (
+            modea,
+            data[0] & 0xF8,  # unused
+        )
+        return create(cls, values)
 
 
 class _OutputLength(NamedTuple):
@@ -554,9 +557,11 @@ class OutputLength(FixedRegister, _OutputLength):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        out_zero = data[0] >> 5
-        out_msb = data[0] & 0x1F
-        return create(cls, (out_zero, out_msb))
+        values = (
+            data[0] >> 5,  # out_zero
+            data[0] & 0x1F,  # out_msb
+        )
+        return create(cls, values)
 
 
 class _OutputSelection(NamedTuple):
@@ -599,10 +604,13 @@ class OutputSelection(FixedRegister, _OutputSelection):
         if len(data) != 1:
             raise LengthError(1, len(data))
         mode_st = choice(ModeSt, "mode_st", data[0] >> 4 & 0x3)
-        gssi = (data[0] & 0x80) != 0
-        rssi = (data[0] & 0x40) != 0
-        out_lsb = data[0] & 0xF
-        return create(cls, (gssi, rssi, mode_st, out_lsb))
+        values = (
+            (data[0] & 0x80) != 0,  # gssi
+            (data[0] & 0x40) != 0,  # rssi
+            mode_st,
+            data[0] & 0xF,  # out_lsb
+        )
+        return create(cls, values)
 
 
 class _Bank(NamedTuple):
@@ -636,9 +644,11 @@ class Bank(FixedRegister, _Bank):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        bank = data[0] & 0x1F
-        unused = data[0] & 0xE0
-        return create(cls, (bank, unused))
+        values = (
+            data[0] & 0x1F,  # bank
+            data[0] & 0xE0,  # unused
+        )
+        return create(cls, values)
 
 
 class _EdsBank(NamedTuple):
@@ -673,8 +683,10 @@ class EdsBank(FixedRegister, _EdsBank):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        eds_bank = data[0]
-        return create(cls, (eds_bank,))
+        values = (
+            data[0],  # eds_bank
+        )
+        return create(cls, values)
 
 
 class _ProfileId(NamedTuple):
@@ -713,8 +725,10 @@ class ProfileId(FixedRegister, _ProfileId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        profile_id = data[0] << 8 | data[1]
-        return create(cls, (profile_id,))
+        values = (
+            data[0] << 8 | data[1],  # profile_id
+        )
+        return create(cls, values)
 
 
 class _SerialNumber(NamedTuple):
@@ -753,8 +767,10 @@ class SerialNumber(FixedRegister, _SerialNumber):
             data = as_bytes(data)
         if len(data) != 4:
             raise LengthError(4, len(data))
-        serial_number = int.from_bytes(data, "big")
-        return create(cls, (serial_number,))
+        values = (
+            int.from_bytes(data, "big"),  # serial_number
+        )
+        return create(cls, values)
 
 
 class _EventCount(NamedTuple):
@@ -786,8 +802,10 @@ class EventCount(FixedRegister, _EventCount):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        event_count = data[0]
-        return create(cls, (event_count,))
+        values = (
+            data[0],  # event_count
+        )
+        return create(cls, values)
 
 
 class _HardwareRevision(NamedTuple):
@@ -819,8 +837,10 @@ class HardwareRevision(FixedRegister, _HardwareRevision):
             data = as_bytes(data)
         if len(data) != 1:
             raise LengthError(1, len(data))
-        hardware_revision = data[0]
-        return create(cls, (hardware_revision,))
+        values = (
+            data[0],  # hardware_revision
+        )
+        return create(cls, values)
 
 
 class Command(IntEnum):
@@ -1025,8 +1045,10 @@ class DeviceId(FixedRegister, _DeviceId):
             data = as_bytes(data)
         if len(data) != 6:
             raise LengthError(6, len(data))
-        device_id = int.from_bytes(data, "big")
-        return create(cls, (device_id,))
+        values = (
+            int.from_bytes(data, "big"),  # device_id
+        )
+        return create(cls, values)
 
 
 class _ManufacturerId(NamedTuple):
@@ -1065,8 +1087,10 @@ class ManufacturerId(FixedRegister, _ManufacturerId):
             data = as_bytes(data)
         if len(data) != 2:
             raise LengthError(2, len(data))
-        manufacturer_id = data[0] << 8 | data[1]
-        return create(cls, (manufacturer_id,))
+        values = (
+            data[0] << 8 | data[1],  # manufacturer_id
+        )
+        return create(cls, values)
 
 
 # Every order code that the manual lists

@@ -97,9 +97,14 @@ def shortened(value: object) -> str:
 def require_answer(kind: type[_Answer], answer: _Answer | None) -> _Answer:
     """Return the answer to a question that the manual leaves open. Raises TypeError unless it is a ``kind``."""
     if not isinstance(answer, kind):
-        answers = " or ".join(f"{kind.__name__}.{member.name}" for member in kind)
-        raise TypeError(f"expected {answers}, got {shortened(answer)}: the manual leaves this open")
+        raise wrong_answer_error(kind, answer)
     return answer
+
+
+def wrong_answer_error(kind: type[Enum], answer: object) -> TypeError:
+    """Return the error for an answer that is missing or not a ``kind``."""
+    answers = " or ".join(f"{kind.__name__}.{member.name}" for member in kind)
+    return TypeError(f"expected {answers}, got {shortened(answer)}: the manual leaves this open")
 
 
 def check_kind(kind: object, kinds: object) -> None:

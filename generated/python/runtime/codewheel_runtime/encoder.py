@@ -121,6 +121,8 @@ class Encoder:
     tail: str
     special_code: str
     written_as_in: str
+    #: Functions that decode frames of this encoder.
+    _decoders: dict[object, Any]
 
     def __init__(
         self,
@@ -145,6 +147,7 @@ class Encoder:
             tail=tail,
             special_code=special_code,
             written_as_in=written_as_in,
+            _decoders={},
         )
 
     def __init_subclass__(cls, **keywords: Any) -> None:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Final, Generic, TypeVar, cast
 from ..codec import BitField
 from ..encoder import Encoder
 from ..reports import Report
-from .descriptions import any_shape, described, module_of, shape_of
+from .descriptions import any_shape, decoding_arguments, described, module_of, shape_of
 from .encoders import Encode, encoder_of_class
 
 if TYPE_CHECKING:
@@ -176,7 +176,7 @@ class FixedFrame(Fixed):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, cls, None)
+        return decode_many(frames, cls, variant=None)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table) -> Any:
@@ -192,7 +192,7 @@ class FixedFrame(Fixed):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, cls)
+        return encode_many(columns, cls, variant=None)
 
 
 class FixedBits(FixedFrame, InBits):
@@ -267,7 +267,7 @@ class FrameOf(ByEncoder[_Encoder]):
         Returns:
             The columns. An error in a frame is not raised, but recorded in the column ``fault``.
         """
-        return decode_many(frames, cls, variant, variant)
+        return decode_many(frames, cls, variant=variant)
 
     @classmethod
     def encode_many(cls, columns: Mapping[str, Any] | Table, variant: _Encoder) -> Any:
@@ -284,7 +284,7 @@ class FrameOf(ByEncoder[_Encoder]):
             RangeError: A value does not fit its field. ``row`` is the first row with such a value.
             TypeError: A column is missing or unknown.
         """
-        return encode_many(columns, cls, variant)
+        return encode_many(columns, cls, variant=variant)
 
 
 class BitsOf(FrameOf[_Encoder], InBits):
@@ -343,17 +343,22 @@ def with_bytes(register: _Limited, data: bytes) -> _Limited:
     return register
 
 
-def decode_many(frames: object, kind: type, encoder: Encoder | None, *arguments: object) -> Table:
-    """Decode many frames of one class. ``arguments`` are the encoder and the answers that the class needs."""
-    shape = shape_of(kind, *arguments)
+def decode_many(frames: object, kind: type, /, *, variant: Encoder | None, **answers: object) -> Table:
+    """Decode many frames of one class. ``variant`` is None for frames that are the same for every encoder.
+
+    ``answers`` are the answers to open questions by name. Those that the class does not need are ignored.
+    """
+    shape = shape_of(kind, *decoding_arguments(kind, variant=variant, **answers))
     from ..bulk import decode as bulk_decode
 
-    return bulk_decode.decode_many(frames, shape, encoder)
+    return bulk_decode.decode_many(frames, shape, variant)
 
 
-def encode_many(columns: Mapping[str, Any] | Table, kind: type, *arguments: object) -> Any:
-    """Encode many frames of one class. ``arguments`` are the encoder and the answers that the class needs."""
-    shape = shape_of(kind, *arguments)
+def encode_many(
+    columns: Mapping[str, Any] | Table, kind: type, /, *, variant: Encoder | None, **answers: object
+) -> Any:
+    """Encode many frames of one class. See ``decode_many`` for the arguments."""
+    shape = shape_of(kind, *decoding_arguments(kind, variant=variant, **answers))
     from ..bulk import encode as bulk_encode
 
     return bulk_encode.encode_many(columns, shape)

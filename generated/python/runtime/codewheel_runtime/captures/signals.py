@@ -72,7 +72,7 @@ class Names(NamedTuple):
 
     def _places(self, channels: Sequence[str], file: str) -> tuple[int, ...]:
         """Return the index of each signal, the clock first, without an exchange of them."""
-        signals: list[tuple[str, tuple[str, ...], str]] = [(self.data, _SERIAL, "--data")]
+        signals: list[_Signal] = [(self.data, _SERIAL, "--data")]
         if self.clock is not None:
             signals = [(self.clock, _CLOCKS, "--clock"), (self.data, _DATA, "--data")]
         places: list[int | None] = []
@@ -82,6 +82,8 @@ class Names(NamedTuple):
         if None in places and not has_choice and len(channels) == len(signals):
             # Of two channels with other names, the first one is the clock.
             return tuple(range(len(signals)))
+        if len(signals) == len(channels) == 2:
+            places = _with_remaining_channel(signals, places)
         for (name, _, option), place in zip(signals, places, strict=True):
             if place is None:
                 problem = f"no channel {short(name)}" if name else f"choose a channel with {option}"
@@ -90,6 +92,18 @@ class Names(NamedTuple):
             raise UsageError("the clock and the data line are the same channel")
         return tuple(place for place in places if place is not None)
 
+
+def _with_remaining_channel(signals: Sequence[_Signal], places: list[int | None]) -> list[int | None]:
+    """Return the places of two signals among two channels. If one is known, the other has the remaining channel."""
+    known = [place for place in places if place is not None]
+    has_unknown_name = any(signal[0] and place is None for signal, place in zip(signals, places, strict=True))
+    if len(known) != 1 or has_unknown_name:
+        return places
+    return [1 - known[0] if place is None else place for place in places]
+
+
+#: Chosen name of a signal, its usual names, and the option that chooses it.
+_Signal = tuple[str, tuple[str, ...], str]
 
 _CLOCKS: Final = ("ma", "clock", "clk", "sck", "sclk", "scl")
 _DATA: Final = ("slo", "sl", "data", "dat", "miso", "sdo", "sda")

@@ -19,11 +19,12 @@ def cached_decoder(
     ``handle_error`` receives each error, and raises or returns it. ``encoder`` is None for frames that are the same
     for every encoder.
     """
-    decoders: dict[object, _Decode] = _DECODERS if encoder is None else encoder.__dict__.setdefault("_decoders", {})
-    decode = decoders.get((make_decoder, handle_error))
-    if decode is None:
+    decoders: dict[object, _Decode] = _DECODERS if encoder is None else encoder._decoders
+    try:
+        return decoders[make_decoder, handle_error]
+    except KeyError:
         decode = decoders[make_decoder, handle_error] = make_decoder(encoder, handle_error)
-    return decode
+        return decode
 
 
 _DECODERS: dict[object, Any] = {}

@@ -60,8 +60,8 @@ def module_of(kind: type, folder: str) -> Any:
     return import_module(f"{package}.{folder}.{family}")
 
 
-def decoding_arguments(kind: type, encoder: Encoder, **answers: object) -> tuple[object, ...]:
-    """Return the encoder and the answers that a class of frames needs, in the order in which it takes them."""
+def decoding_arguments(kind: type, /, **arguments: object) -> tuple[object, ...]:
+    """Return the encoder, ``variant``, and the answers that a class of frames needs, in the order of its fields."""
     fields: tuple[str, ...] = cast(Any, kind)._fields
     needed_fields = fields[: len(described(kind)[1])]
-    return tuple(encoder if name == "variant" else answers[name] for name in needed_fields)
+    return tuple(arguments[name] for name in needed_fields)

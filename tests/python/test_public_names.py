@@ -1,0 +1,25 @@
+"""Names at the top of a package."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from types import ModuleType
+
+import codewheel_runtime
+
+#: Names for programs that create steps or implement a bus. They are in the runtime.
+RARE = {
+    "BitField", "Bus", "Line", "Modify", "Movement", "Poll", "Read", "Reading", "Send", "Verify", "Wait", "Write",
+}  # fmt: skip
+
+
+def test_rare_names_are_only_in_the_runtime(generated_python: tuple[Path, ModuleType]) -> None:
+    _, lika = generated_python
+    assert set(codewheel_runtime.__all__) >= RARE
+    assert not RARE & {*lika.__all__, *dir(lika)}
+    assert not any(hasattr(lika, name) for name in RARE)
+
+
+def test_errors_of_a_link_and_asyncio_are_at_the_top(generated_python: tuple[Path, ModuleType]) -> None:
+    _, lika = generated_python
+    assert {"LinkError", "NoReplyError", "NotUsableError", "open_async", "open_encoder"} <= set(lika.__all__)
