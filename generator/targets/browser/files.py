@@ -16,6 +16,7 @@ from typing import Annotated, Any, TypedDict
 
 from ...language.problems import LONGEST_QUOTE, listed
 from ...model import UNEXPLAINED, Alternative, Answer, CodePart, Crc, Device, Fault, Interface, Spelling, Variant
+from ...model.known_crcs import KNOWN_CRCS
 from ...model.layout import have_lengths
 from ...order_codes import labels
 from ...order_codes.labels import AFTER, LONGEST, NEAR, as_listed, regex
@@ -312,6 +313,7 @@ def script_table(library: Library) -> Data:
         "inside": [FRAME_INSIDE, FRAME_INSIDE_TEXT],
         "likely": {"kinds": dict(MISTAKES), "idle": IDLE, "active": ACTIVE, "frames": MOST_FRAMES},
         "line": {"mark": GRADES[-1], "evidence": f"Evidence: {lowest_grade()}."},
+        "known_crcs": [[json_number(known.polynomial), known.init, known.use] for known in KNOWN_CRCS],
         "byte_polynomials": [polynomial for polynomial in in_bits.POLYNOMIALS if polynomial.bit_length() == 9],
         "families": [library.part(_family_data, device, NO_OPTIONS) for device in library.devices],
     }
