@@ -75,7 +75,7 @@ def value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None
     if "unknown" in rule:
         raise UnknownValue(rule["unknown"])
     if "value" in rule:
-        number = _evaluated(rule["value"], rule["name"], record)
+        number = _evaluated(rule["value"], rule["name"], record, may_be_negative=rule.get("as") == "signed")
         if rule.get("as") == "boolean":
             text = "TRUE" if number else "FALSE"
             return bool(number), text, ""
@@ -95,17 +95,18 @@ def value_of_setting(rule: Raw, record: Record) -> tuple[int | bool | str | None
     return text, text, ""
 
 
-def _evaluated(value: int | str, name: str, record: Record) -> int:
+def _evaluated(value: int | str, name: str, record: Record, *, may_be_negative: bool = False) -> int:
     """Return the number that an expression has for a record. ``name`` is the name of the setting."""
     expression = Expression.parse(value)
     for parameter in expression.parameters:
         if record.numbers[parameter] is None:
             raise _unknown_number(parameter, record.step)
+    number: int | None
     try:
         number = expression.value(record.known_numbers)
     except ExpressionError:
-        number = -1
-    if number < 0:
+        number = None
+    if number is None or (number < 0 and not may_be_negative):
         raise UnsupportedFeature(f"{name} would be {expression.render()}, which cannot be set")
     return number
 

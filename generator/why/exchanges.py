@@ -92,7 +92,9 @@ def _frames_in(device: Device, variant: Variant, data: bytes) -> tuple[Exchanged
     # The fewest frames from each byte to the end. The bytes are searched from the end, so those behind are known.
     fewest: dict[int, tuple[ExchangedFrame, ...]] = {len(data): ()}
     for start in range(len(data) - 1, -1, -1):
-        for placed in candidates:
+        # A request is in front of its reply, even if both have the same form.
+        in_likely_order = sorted(candidates, key=lambda placed: (placed.layout.sender == "master") != (start == 0))
+        for placed in in_likely_order:
             following = fewest.get(start + placed.bits // 8)
             if following is None:
                 continue

@@ -9,6 +9,7 @@ from ..model import Answer, Crc, Device, Flag, Kind, Number, PlacedLayout, Unuse
 from ..model.known_crcs import KNOWN_CRCS
 from ..reference.bits import binary_to_gray, gray_to_binary, reflect
 from .recordings import LINES, FrameOffset, line_name, recorded_bits, recording_tries, window_tries
+from .texts import START_BITS, TEXTS
 from .tries import NOT_INVERTED, BitText, Try, covered_number, fixed_bits, likelihood, other_codes, read_as
 
 #: Polynomials, including their top bit, that BiSS masters offer.
@@ -26,14 +27,13 @@ def tries(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc, text
     """
     if placed.bits in _lengths(placed, text):
         yield from _other_crc_tries(placed, crc, text.number)
-        yield from _whole_frame_tries(placed, crc, text.number)
+    yield from rearranged_frames(placed, crc, text)
     yield from moved_frames(device, variant, placed, crc, text)
     if placed.covers_part:
         return
     yield from _without_status(placed, crc, text)
     yield from other_answers(device, variant, placed, crc, text)
     yield from _other_polynomials(placed, crc, text)
-    yield from _bytes_reversed(placed, crc, text)
     yield from other_codes(device, variant, placed, crc, text)
 
 
@@ -123,13 +123,13 @@ def _other_crc_tries(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Tr
     try_as_sent = as_sent(placed, crc, number)
     for kind, description, other_crc in other_crcs(crc):
         yield replace(try_as_sent, kind=kind, text=description, crc=other_crc)
+    reversed_crc = reflect(try_as_sent.received, crc.width)
+    yield replace(try_as_sent, kind="crc_reversed", text=TEXTS["crc_reversed"], received=reversed_crc)
     if placed.covers_part:
         return
     yield from _status_otherwise(try_as_sent, placed, number)
     yield from _position_otherwise(try_as_sent, placed, number)
     yield from _start_bits_in_crc(try_as_sent)
-    description = "the bits of the CRC are in reverse order"
-    yield replace(try_as_sent, kind="crc_reversed", text=description, received=reflect(try_as_sent.received, crc.width))
 
 
 def _status_otherwise(try_as_sent: Try, placed: PlacedLayout, number: int) -> Iterator[Try]:
@@ -138,13 +138,12 @@ def _status_otherwise(try_as_sent: Try, placed: PlacedLayout, number: int) -> It
     if not status_mask:
         return
     data, bits = _without_bits(try_as_sent.data, try_as_sent.bits, status_mask >> crc_bits)
-    description = "the CRC covers only the bits before error and warning"
-    yield replace(try_as_sent, kind="status_left_out", text=description, data=data, bits=bits)
+    yield replace(try_as_sent, kind="status_left_out", text=TEXTS["status_left_out"], data=data, bits=bits)
     inverted = number ^ status_mask
     yield replace(
         try_as_sent,
         kind="status_turned",
-        text="error and warning were converted to active high",
+        text=TEXTS["status_turned"],
         data=inverted >> crc_bits,
         likelihood=likelihood(placed, inverted),
     )
@@ -158,8 +157,8 @@ def _position_otherwise(try_as_sent: Try, placed: PlacedLayout, number: int) -> 
     position = number >> low & ((1 << width) - 1)
     without_position = number ^ position << low
     conversions = (
-        (gray_to_binary(position), "the CRC covers the position in binary, but here it is in Gray code"),
-        (binary_to_gray(position), "the CRC covers the position in Gray code, but here it is already binary"),
+        (gray_to_binary(position), TEXTS["covers_binary"]),
+        (binary_to_gray(position), TEXTS["covers_gray"]),
     )
     for converted_position, description in conversions:
         covered_frame = without_position | converted_position << low
@@ -169,18 +168,13 @@ def _position_otherwise(try_as_sent: Try, placed: PlacedLayout, number: int) -> 
 
 def _start_bits_in_crc(try_as_sent: Try) -> Iterator[Try]:
     """Yield tries in which the CRC also covers the bits that BiSS sends in front of the frame."""
-    fronts = (
-        (0b1, "the start bit, or a CDS bit of 1"),
-        (0b10, "the start bit and a CDS bit of 0"),
-        (0b11, "the start bit and a CDS bit of 1"),
-    )
-    for front, description in fronts:
+    for front, description in START_BITS:
         yield replace(
             try_as_sent,
             kind="start_bits_in_crc",
-            text=f"the CRC also covers {description}",
-            data=front << try_as_sent.bits | try_as_sent.data,
-            bits=try_as_sent.bits + front.bit_length(),
+            text=description,
+            data=int(front, 2) << try_as_sent.bits | try_as_sent.data,
+            bits=try_as_sent.bits + len(front),
         )
 
 
@@ -195,32 +189,52 @@ def other_crcs(crc: Crc) -> Iterator[OtherCrc]:
     yield "polynomial_reversed", description, replace(crc, poly=backwards)
 
 
-def _whole_frame_tries(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:
-    description = "every bit is inverted, as with swapped data wires"
-    yield read_as("all_inverted", description, placed, crc, number ^ (1 << placed.bits) - 1)
-    yield read_as("bits_reversed", "the bits are in reverse order", placed, crc, reflect(number, placed.bits))
+def rearranged_frames(placed: PlacedLayout, crc: Crc | None, text: BitText) -> Iterator[Try]:
+    """Yield tries in which all bits are inverted, or the bits or bytes are in another order."""
+    if placed.bits in _lengths(placed, text):
+        other_frames = {
+            "all_inverted": text.number ^ (1 << placed.bits) - 1,
+            "bits_reversed": reflect(text.number, placed.bits),
+        }
+        if placed.bits % 8 == 0:
+            other_frames["bits_reversed_in_bytes"] = reflected_bytes(text.number, placed.bits // 8)
+        for kind, frame in other_frames.items():
+            yield read_as(kind, TEXTS[kind], placed, crc, frame)
+    yield from _bytes_moved("bytes_reversed", placed, crc, text)
+    # With two bytes, this is the same.
+    if placed.bits > 16:
+        yield from _bytes_moved("words_swapped", placed, crc, text)
 
 
-def _bytes_reversed(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
-    """Yield a try in which the bytes of the frame, filled up with zeros, are in reverse order."""
-    byte_count = (placed.bits + 7) // 8
-    filled_bits = 8 * byte_count
+def reflected_bytes(number: int, count: int) -> int:
+    """Return ``count`` bytes with the bits of each in reverse order."""
+    return int.from_bytes(bytes(reflect(byte, 8) for byte in number.to_bytes(count, "big")), "big")
+
+
+def _bytes_moved(kind: str, placed: PlacedLayout, crc: Crc | None, text: BitText) -> Iterator[Try]:
+    """Yield a try in which the bytes of the frame, filled up with zeros, are in reverse order, or in each word."""
+    unit = 16 if kind == "words_swapped" else 8
+    filled_bits = (placed.bits + unit - 1) // unit * unit
     if text.number >> filled_bits:
         return
     is_whole_bytes = text.bits % 8 == 0 and text.bits in (placed.bits, filled_bits)
     if text.exact and not is_whole_bytes:
         return
-    swapped = int.from_bytes(text.number.to_bytes(byte_count, "little"), "big")
+    if kind == "words_swapped":
+        swapped = swapped_words(text.number, filled_bits // 8)
+    else:
+        swapped = int.from_bytes(text.number.to_bytes(filled_bits // 8, "little"), "big")
     frame = swapped & ((1 << placed.bits) - 1)
-    yield read_as(
-        "bytes_reversed",
-        "the bytes are in reverse order",
-        placed,
-        crc,
-        frame,
-        demanded=filled_bits - placed.bits,
-        holds=frame == swapped,
-    )
+    demanded = filled_bits - placed.bits
+    yield read_as(kind, TEXTS[kind], placed, crc, frame, demanded=demanded, holds=frame == swapped)
+
+
+def swapped_words(number: int, count: int) -> int:
+    """Return ``count`` bytes with the two bytes of each 16-bit word swapped."""
+    data = number.to_bytes(count, "big")
+    swapped = bytearray(count)
+    swapped[0::2], swapped[1::2] = data[1::2], data[0::2]
+    return int.from_bytes(swapped, "big")
 
 
 def _without_status(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[Try]:
@@ -234,13 +248,11 @@ def _without_status(placed: PlacedLayout, crc: Crc, text: BitText) -> Iterator[T
         return
     data, received = text.number >> crc.width, text.number & crc.mask
     frame = data << (crc.width + status_bits) | _idle_status(placed, status_mask) | received
-    description = "error and warning were removed from the frame"
-    as_if_inactive = f"{description}, and the CRC is computed as if they were inactive"
-    yield read_as("status_not_sent", as_if_inactive, placed, crc, frame)
+    yield read_as("status_not_sent", TEXTS["removed_and_idle"], placed, crc, frame)
     if text.exact:  # Otherwise this is the same as a CRC over the bits before them.
         yield Try(
             kind="status_not_sent",
-            text=f"{description}, and the CRC covers the rest",
+            text=TEXTS["removed"],
             crc=crc,
             data=data,
             bits=bits_without_status - crc.width,
@@ -325,11 +337,11 @@ def _of_length(placed: PlacedLayout, crc: Crc, other_crc: Crc, number: int, leng
     zeros = max(bits_after_data - other_crc.width, 0)
     are_zero = after_data & ((1 << zeros) - 1) == 0
     fixed, are_right = fixed_bits(placed, data << crc.width)
-    description = f"the polynomial is {other_crc.poly_with_top_bit:#x}, a {other_crc.width}-bit CRC"
+    description = TEXTS["polynomial"].format(f"{other_crc.poly_with_top_bit:#x}", other_crc.width)
     if known_crc_bits < other_crc.width:
-        description += f", of which only {known_crc_bits} bits arrived"
+        description = TEXTS["bits_arrived"].format(description, known_crc_bits)
     elif zeros:
-        description += ", followed by zeros"
+        description = TEXTS["then_zeros"].format(description)
     # In a frame of the expected length, the mistake does not move the constants, so they prove nothing.
     has_frame_length = length == placed.bits
     return Try(

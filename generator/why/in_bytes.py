@@ -8,6 +8,7 @@ from dataclasses import replace
 from ..model import Constant, Crc, Device, Parity, PlacedLayout, Variant, number_from_bytes, number_to_bytes
 from ..reference.bits import parity_bit
 from .in_bits import POLYNOMIALS, OtherCrc, as_sent
+from .texts import TEXTS
 from .tries import NOT_INVERTED, Try, read_as
 
 #: More extra bytes than this do not come from an echoed request.
@@ -26,9 +27,10 @@ def tries_with_bytes(
             continue
         placed = layout.place(variant.parameters)
         crc = device.crc_of(placed.layout)
-        if crc is None or crc.width != 8:
+        if crc is not None and crc.width != 8:
             continue
-        if expected is not None and expected.name == placed.name and 8 * len(data) == placed.bits:
+        is_expected = expected is not None and expected.name == placed.name and 8 * len(data) == placed.bits
+        if crc is not None and is_expected:
             yield from _other_crc_tries(placed, crc, data)
         yield from _moved_byte_tries(placed, crc, data)
 
@@ -48,7 +50,7 @@ def _other_crc_tries(placed: PlacedLayout, crc: Crc, data: bytes) -> Iterator[Tr
     yield replace(
         try_as_sent,
         kind="first_byte_left_out",
-        text="the CRC does not cover the first byte",
+        text=TEXTS["first_byte_left_out"],
         data=int.from_bytes(bytes_without_first_and_crc, "big"),
         bits=try_as_sent.bits - 8,
     )
@@ -74,7 +76,7 @@ def other_crcs(crc: Crc) -> Iterator[OtherCrc]:
             yield "other_polynomial", f"{text}, least significant bit first", least_first
 
 
-def _moved_byte_tries(placed: PlacedLayout, crc: Crc, data: bytes) -> Iterator[Try]:
+def _moved_byte_tries(placed: PlacedLayout, crc: Crc | None, data: bytes) -> Iterator[Try]:
     """Yield tries in which the bytes do not begin and end with the frame, or are inverted."""
 
     def try_of(kind: str, description: str, frame: bytes) -> Try:
@@ -83,26 +85,28 @@ def _moved_byte_tries(placed: PlacedLayout, crc: Crc, data: bytes) -> Iterator[T
     frame_length = placed.bits // 8
     extra_bytes = len(data) - frame_length
     if 0 < extra_bytes <= _MOST_ECHOED_BYTES:
-        counted_bytes = f"{extra_bytes} extra bytes" if extra_bytes > 1 else "an extra byte"
-        description = f"{counted_bytes} before the frame, such as an echo of the request"
-        yield try_of("bytes_in_front", description, data[extra_bytes:])
-        yield try_of("bytes_behind", f"{counted_bytes} after the frame", data[:frame_length])
+        counted_bytes = TEXTS["extra_bytes" if extra_bytes > 1 else "extra_byte"].format(extra_bytes)
+        yield try_of("bytes_in_front", TEXTS["before"].format(counted_bytes), data[extra_bytes:])
+        yield try_of("bytes_behind", TEXTS["after"].format(counted_bytes), data[:frame_length])
     is_right_length = extra_bytes == 0
     is_one_byte_short = extra_bytes == -1
     if is_right_length or is_one_byte_short:
         # With the right length, a byte that follows the frame replaces the one that is missing.
-        following_byte = ", and an extra byte follows the frame" if is_right_length else ""
         for first_byte in _first_bytes(placed):
-            description = f"the first byte ({first_byte:02X}) is missing{following_byte}"
+            description = TEXTS["byte_missing"].format(f"{first_byte:02X}")
+            if is_right_length:
+                description = TEXTS["and_follows"].format(description)
             frame = bytes([first_byte]) + data[: frame_length - 1]
-            yield try_of("first_byte_lost", description, frame)
+            template = TEXTS["and_follows" if is_right_length else "byte_missing"].format(TEXTS["byte_missing"])
+            yield replace(try_of("first_byte_lost", description, frame), template=template)
     if is_right_length:
         inverted_frame = bytes(byte ^ 0xFF for byte in data)
-        yield try_of("all_inverted", "every bit is inverted", inverted_frame)
+        yield try_of("all_inverted", TEXTS["bytes_inverted"], inverted_frame)
 
 
-def _read_as(kind: str, description: str, placed: PlacedLayout, crc: Crc, data: bytes) -> Try:
-    return _over_bytes(read_as(kind, description, placed, crc, number_from_bytes(placed.layout, data)), data)
+def _read_as(kind: str, description: str, placed: PlacedLayout, crc: Crc | None, data: bytes) -> Try:
+    attempt = read_as(kind, description, placed, crc, number_from_bytes(placed.layout, data))
+    return attempt if crc is None else _over_bytes(attempt, data)
 
 
 def _over_bytes(try_as_sent: Try, data: bytes) -> Try:

@@ -22,9 +22,10 @@ from ..model import (
 from ..model.record import dataclass
 from ..reference import codec
 from .exchanges import exchange_tries
-from .in_bits import as_sent, moved_frames, other_answers, tries
+from .in_bits import as_sent, moved_frames, other_answers, rearranged_frames, tries
 from .in_bytes import is_valid_in_bytes, tries_with_bytes
 from .recordings import FRAME_INSIDE, LINES, line_name, missing_part, recorded_bits
+from .texts import TEXTS
 from .tries import MISTAKES, NOT_INVERTED, BitText, Try, read_as
 
 #: A mistake that matches more than one random frame in eight explains nothing.
@@ -69,6 +70,7 @@ class Why:
     of random frames. ``cannot_see`` lists mistakes that a CRC of this kind cannot detect. ``disturbed`` are the bits,
     counted from the last as 0, that make the frame valid if one of them is inverted. Such noise is the usual cause if
     only some frames fail, but one frame cannot prove it: the CRC is short, and most random frames have such a bit.
+    ``unmerged`` has all that fit, also those that lead to the same frame as a likelier one.
     ``missing`` is the part that a recording without a complete frame lacks. ``has_crc`` is false if only constants,
     parity and the length can contradict a frame, so that nothing is certain.
     """
@@ -80,6 +82,7 @@ class Why:
     disturbed: tuple[int, ...] = ()
     missing: str = ""
     has_crc: bool = True
+    unmerged: tuple[Explanation, ...] = ()
 
     @property
     def needs_another_frame(self) -> bool:
@@ -114,7 +117,7 @@ def explain_bits(
         return None
     missing = _missing_part(device, variant, placed, text)
     if crc is None:
-        return _readings(device, moved_frames(device, variant, placed, crc, text), missing)
+        return _readings(device, _frames_without_crc(device, variant, placed, text), missing)
     failed = _known_to_fail(placed, crc, text)
     why = _why(device, tries(device, variant, placed, crc, text), failed, (crc,), with_pairs=with_pairs)
     if why is None:
@@ -151,28 +154,45 @@ def _missing_part(device: Device, variant: Variant, placed: PlacedLayout, text: 
     return missing_part(line, placed.bits, recorded_bits(text, placed.bits))
 
 
+def _frames_without_crc(device: Device, variant: Variant, placed: PlacedLayout, text: BitText) -> Iterator[Try]:
+    """Yield tries with a frame that has no CRC: with other bits around it, or with its bits or bytes rearranged."""
+    yield from moved_frames(device, variant, placed, None, text)
+    yield from rearranged_frames(placed, None, text)
+
+
 def _readings(device: Device, tries: Iterable[Try], missing: str) -> Why | None:
     """Return the readings of a frame without a CRC, most likely first. Nothing proves one of them."""
     fitting_tries = sorted((attempt for attempt in tries if attempt.fits), key=lambda attempt: -attempt.score)
-    likeliest_tries: dict[int, Try] = {}
-    for attempt in fitting_tries:
-        likeliest_tries.setdefault(attempt.number, attempt)
-    explanations = [_explanation(device, attempt, frozenset()) for attempt in likeliest_tries.values()]
-    if not explanations and not missing:
+    unmerged = [_explanation(device, attempt, frozenset()) for attempt in fitting_tries]
+    likeliest: dict[int, Explanation] = {}
+    for attempt, explanation in zip(fitting_tries, unmerged, strict=True):
+        likeliest.setdefault(attempt.number, explanation)
+    if not likeliest and not missing:
         return None
-    return Why(tuple(explanations), len(explanations), coincidence=1.0, cannot_see=(), missing=missing, has_crc=False)
+    return Why(
+        explanations=tuple(likeliest.values()),
+        tried=len(likeliest),
+        coincidence=1.0,
+        cannot_see=(),
+        missing=missing,
+        has_crc=False,
+        unmerged=tuple(unmerged),
+    )
 
 
 def explain_constant(device: Device, variant: Variant, placed: PlacedLayout, text: BitText) -> Why | None:
     """Explain a wrong constant.
 
-    With a valid CRC, this is another answer to a question that the manual leaves open. Without a CRC, it is a frame
-    that was read one clock early or late. Return None if nothing matches.
+    With a valid CRC, this is another answer to a question that the manual leaves open, or the CRC of a moved or
+    rearranged frame is valid by coincidence. Without a CRC, it is a moved or rearranged frame. Return None if nothing
+    matches.
     """
     crc = device.crc_of(placed.layout)
     if crc is None:
-        return _readings(device, moved_frames(device, variant, placed, crc, text), "")
+        return _readings(device, _frames_without_crc(device, variant, placed, text), "")
     fitting = [candidate for candidate in other_answers(device, variant, placed, crc, text) if candidate.fits]
+    moved = (*rearranged_frames(placed, crc, text), *moved_frames(device, variant, placed, crc, text))
+    fitting += _significant_tries((frame for frame in moved if frame.fits), _known_to_fail(placed, crc, text))
     return _why(device, fitting, (), (crc,)) if fitting else None
 
 
@@ -226,19 +246,22 @@ def _why(
     with_pairs: bool = False,
 ) -> Why | None:
     """Return the explanations among the tries, without those known as ``failed``, or None if there is no try."""
-    single_tries = _distinct_tries(tries, failed)
+    significant_tries = _significant_tries(tries, failed)
+    single_tries = _distinct_tries(significant_tries)
     if not single_tries:
         return None
     explanations = [_explanation(device, attempt, undecided) for attempt in single_tries if attempt.fits]
+    unmerged = [_explanation(device, attempt, undecided) for attempt in significant_tries if attempt.fits]
     all_tries = single_tries
     # More pairs would mostly match by coincidence, so they are only tried if no single mistake matches.
     is_unexplained = all(explanation.kind == FRAME_INSIDE for explanation in explanations)
     if with_pairs or is_unexplained:
-        all_tries = _distinct_tries((*single_tries, *_pairs(single_tries)), failed)
-        for pair in all_tries[len(single_tries) :]:
-            if pair.fits:
-                explanations.append(replace(_explanation(device, pair, undecided), twice=True))
+        pairs = _significant_tries(_pairs(significant_tries), failed)
+        all_tries = _distinct_tries((*single_tries, *pairs))
+        explanations += _twice_explanations(device, all_tries[len(single_tries) :], undecided)
+        unmerged += _twice_explanations(device, pairs, undecided)
     explanations.sort(key=lambda explanation: -explanation.score)
+    unmerged.sort(key=lambda explanation: -explanation.score)
     chances = {attempt.question: attempt.one_in for attempt in all_tries}
     blind_spots: dict[str, None] = {}
     for crc in crcs:
@@ -248,13 +271,19 @@ def _why(
         tried=len(all_tries),
         coincidence=1 - prod(1 - 1 / one_in for one_in in chances.values()),
         cannot_see=tuple(blind_spots),
+        unmerged=tuple(unmerged),
     )
+
+
+def _twice_explanations(device: Device, pairs: Iterable[Try], undecided: frozenset[str]) -> list[Explanation]:
+    """Return the explanations by two mistakes."""
+    return [replace(_explanation(device, pair, undecided), twice=True) for pair in pairs if pair.fits]
 
 
 def _pairs(single_tries: Iterable[Try]) -> Iterator[Try]:
     """Yield the tries together with the most common mistake, a CRC that is inverted or not."""
     for attempt in single_tries:
-        if attempt.kind not in (NOT_INVERTED, FRAME_INSIDE):
+        if attempt.crc is not None and attempt.kind not in (NOT_INVERTED, FRAME_INSIDE):
             yield _not_inverted(attempt)
 
 
@@ -262,13 +291,16 @@ def _is_significant(attempt: Try) -> bool:
     return attempt.known_bits + attempt.demanded >= _LEAST_BITS
 
 
-def _distinct_tries(tries: Iterable[Try], failed: Sequence[Try]) -> list[Try]:
-    """Return the significant tries, without those known to fail. Of those that lead to the same frame, one is kept."""
+def _significant_tries(tries: Iterable[Try], failed: Sequence[Try]) -> list[Try]:
+    """Return the tries that do not match too many random frames, without those known to fail."""
     failed_questions = {attempt.question for attempt in failed}
+    return [attempt for attempt in tries if _is_significant(attempt) and attempt.question not in failed_questions]
+
+
+def _distinct_tries(tries: Iterable[Try]) -> list[Try]:
+    """Return one of the tries that lead to the same frame."""
     distinct_tries: dict[object, Try] = {}
     for attempt in tries:
-        if not _is_significant(attempt) or attempt.question in failed_questions:
-            continue
         # A mistake that does not change the frame leads to its text.
         leads_to: object = attempt.text
         if attempt.placed is not None:
@@ -287,10 +319,12 @@ def _places(placed: PlacedLayout) -> tuple[int, tuple[tuple[str, int], ...]]:
 
 def _not_inverted(attempt: Try) -> Try:
     assert attempt.crc is not None
-    change = "not inverted" if attempt.crc.xorout else "inverted"
+    change = "not_inverted_too" if attempt.crc.xorout else "inverted_too"
+    template = TEXTS[change].format(attempt.template) if attempt.template else ""
     return replace(
         attempt,
-        text=f"{attempt.text}, and the CRC is {change}",
+        text=TEXTS[change].format(attempt.text),
+        template=template,
         crc=replace(attempt.crc, xorout=attempt.crc.xorout ^ attempt.crc.mask),
     )
 

@@ -24,7 +24,7 @@ def judge_together(whys: Sequence[Why]) -> list[CommonMistake]:
     explanations_by_mistake: dict[tuple[str, str, bool], list[Explanation]] = {}
     for why in whys:
         # One mistake may have several explanations of a frame, of which the first is the likeliest.
-        likeliest = {explanation.mistake: explanation for explanation in reversed(why.explanations)}
+        likeliest = {explanation.mistake: explanation for explanation in reversed(why.unmerged or why.explanations)}
         for mistake, explanation in likeliest.items():
             explanations_by_mistake.setdefault(mistake, []).append(explanation)
     frame_counts = [len(explanations) for explanations in explanations_by_mistake.values()]

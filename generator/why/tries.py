@@ -85,7 +85,9 @@ MISTAKES: Mapping[str, float] = MappingProxyType(
         "all_inverted": 2,  # the two wires of a differential pair are swapped
         "start_value": 1,  # other protocols start with all ones
         "polynomial_reversed": 1,  # a polynomial can be written from either end
-        "bits_reversed": 1,  # a serial port receives the least significant bit first
+        "words_swapped": 2,  # a buffer of 16-bit words is read on a machine of the other byte order
+        "bits_reversed": 1,  # the bits are collected from the other end
+        "bits_reversed_in_bytes": 1,  # a serial port receives the least significant bit first
         "crc_reversed": 0.5,  # the CRC is computed least significant bit first
     }
 )

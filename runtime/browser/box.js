@@ -30,6 +30,10 @@ function box(root) {
   const [asks, form, result] = ["asks", "form", "result"].map((name) => part("div", name));
   const link = element("a", {}, root.dataset.page ? "All about this frame, and a link to it" : "Link to this");
   result.setAttribute("role", "status");
+  const builder = root.hasAttribute("data-link") ? lineBuilder(() => code.value, (line) => {
+    code.value = line;
+    codeChanged();
+  }) : null;
   let isSetUp = false;
   const state = { found: null, what: "encoder", answers: named(), held: named(), asked: "", fill: null };
 
@@ -37,6 +41,7 @@ function box(root) {
   const register = () => state.found?.interface.registers?.find((item) => `=${item.name}` === state.what);
 
   function codeChanged() {
+    builder?.follow();
     const found = findCode(code.value);
     if (found?.code !== state.found?.code) Object.assign(state, { answers: named(), held: named(), asked: "" });
     state.found = found;
@@ -179,7 +184,7 @@ function box(root) {
   root.replaceChildren(
     labelled("Order code, as on the label", code, "Leave it empty to list the codes that match the frame. "
       + "Any other encoder: one line, such as biss:position=32,error,warning,crc=6:0x43."), codes,
-    labelled("Type", what),
+    labelled("Type", what), ...(builder ? [builder.root] : []),
     labelled("Frames, one per line, or the bytes of a register", text,
       "Hex bytes, or one number (0x… or 0b…), in any usual notation. A line can begin with a time. "
       + "Text after # is a comment."),

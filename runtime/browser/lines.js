@@ -552,7 +552,7 @@ function lineCrcData({ bits: width, poly, init, isInverted }, isOverBytes) {
   const powers = Array.from({ length: width }, (_, index) => width - 1 - index).filter((power) => bits(poly, power, 1));
   const text = [width, ...powers].map((power) => ["1", "x"][power] ?? `x^${power}`).join(" + ");
   const isDifferent = ([, , crc]) => JSON.stringify(crc) !== JSON.stringify(own);
-  return { ...own, text, ...notEmpty({ others: others.filter(isDifferent) }) };
+  return { ...own, text, ...notEmpty({ [isOverBytes ? "byte_others" : "others"]: others.filter(isDifferent) }) };
 }
 
 function reversedPolynomial(width, poly, parameters) {

@@ -48,6 +48,17 @@ function sheet() {
     div.${CLASS} pre { border: 1px solid var(--codewheel-control); border-radius: 4px; background: transparent; color: inherit; }
     div.${CLASS} a { color: inherit; text-decoration: underline; }
     div.${CLASS} code { background: transparent; color: inherit; }
+    .${CLASS}-builder ol { margin: 0; padding: 0; list-style: none; }
+    div.${CLASS} .${CLASS}-builder fieldset { margin: 0 0 .5rem; padding: .2rem .5rem .4rem; }
+    .${CLASS}-row { display: flex; flex-wrap: wrap; gap: .4rem .8rem; align-items: center; }
+    .${CLASS}-builder > .${CLASS}-row { margin: 0 0 .6rem; }
+    div.${CLASS} .${CLASS}-row :is(label, input, select) { display: inline-block; width: auto; max-width: 100%; margin: 0; }
+    div.${CLASS} .${CLASS}-row select { max-width: min(100%, 17rem); }
+    div.${CLASS} .${CLASS}-row :is(input:not([type]), select) { padding: .2rem .3rem; min-height: 1.8rem; }
+    .${CLASS}-note { overflow-wrap: anywhere; }
+    .${CLASS}-moves { margin-inline-start: auto; }
+    div.${CLASS} .${CLASS}-moves button { margin: 0 0 0 .3rem; min-width: 2.2rem; min-height: 2rem; }
+    div.${CLASS} button:disabled { opacity: .4; cursor: default; }
     .${CLASS}-good, .${CLASS}-bad, .${CLASS}-warning, .${CLASS}-plain {
       margin: 0 0 1rem; padding: .5rem .8rem; border-inline-start: .4rem solid var(--codewheel-control); font-weight: 600;
       border-radius: 4px; font-size: 1.1em; color: var(--codewheel-ink);

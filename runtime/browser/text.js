@@ -151,7 +151,7 @@ function decodeFrame(found, what, text, held, answers) {
   const bytes = isOfBits ? bytesOfBits(placedFor(found, layouts[0], held, answers), trimmed) : bytesIn(trimmed);
   const told = name ? { layout: layouts[0] } : toldApart(found.interface, sender, bytes);
   const made = told.layout ? decodeBytes(placedFor(found, told.layout, held, answers), bytes) : told;
-  return { ...made, data: bytes, over, label: found };
+  return { ...made, data: bytes, over, label: found, sender };
 }
 
 /** The placed layouts of the other frames that a text can be, if nothing in a frame identifies it. */

@@ -30,26 +30,36 @@ function disturbedBits({ at, number, problems }) {
   return [...Array(at.bits).keys()].filter((bit) => fits(number ^ (ONE << BigInt(bit))));
 }
 
-/** Return the mistakes in the table that explain the frame, most likely first, each with its random frames per match. */
-function explained(frame) {
-  const { at, given, problems } = frame;
+/** Return the mistakes that explain the frame, most likely first, each with its random frames per match. */
+const explained = (frame) => explanationsOf(frame).merged;
+
+/**
+ * Return the explanations of a frame twice: ``merged`` has one of those that lead to the same frame, ``all`` has every
+ * one. ``isWithPairs`` also tries two mistakes if a single one matches.
+ */
+function explanationsOf(frame, isWithPairs = false) {
+  const { at, given, data, problems } = frame;
   const hasFault = (...kinds) => problems.some((item) => kinds.includes(item.fault));
-  if (!problems.length || deadLine(frame)) return [];
-  const whole = wholeFrames(frame);
-  if (!at) return whole;
-  if (!hasFault("crc", "length") && (at.layout.crc || !hasFault("constant"))) return [];
-  const others = at.layout.crc && !hasFault("length") ? otherCrcs(frame) : [];
-  const moved = given ? movedFrames(at, given) : [];
-  const fitting = [...whole, ...others, ...moved].filter((one) => one.fits);
-  return distinct(fitting.sort((one, other) => other.score - one.score));
+  const none = { merged: [], all: [] };
+  if (!problems.length || deadLine(frame)) return none;
+  if (data) return !at || hasFault("crc", "length", "constant") ? chosen(triesWithBytes(frame), [], isWithPairs) : none;
+  if (!at || !given || !hasFault("crc", "length", "constant")) return none;
+  const crc = at.layout.crc && at.family.crcs[at.layout.crc];
+  if (!crc) return readingsOf([...movedFrames(at, null, given), ...rearranged(at, null, given)]);
+  const failed = given.bits > at.bits || (given.exact && given.bits !== at.bits) ? [] : [asSent(at, crc, given.number)];
+  if (hasFault("crc", "length")) return chosen(triesWithBits(at, crc, given), failed, isWithPairs);
+  const moved = [...rearranged(at, crc, given), ...movedFrames(at, crc, given)].filter(fits);
+  const fitting = significant(moved, failed);
+  return fitting.length ? chosen(fitting, [], isWithPairs) : none;
 }
 
 /** Return the part that a recording without a complete frame lacks, or "". */
 function missingPart(frame) {
   const { at, given, problems } = frame;
-  const found = explained(frame);
-  if (!given || !problems.some((item) => item.fault === "length") || deadLine(frame)) return "";
-  if (found.some((one) => one.kind !== TABLE.inside[0])) return "";
+  if (!given || !problems.some((item) => item.fault === "length") || deadLine(frame) || mayHave(given, at.bits)) return "";
+  const crc = at.layout.crc && at.family.crcs[at.layout.crc];
+  const isFound = (one) => one.kind !== TABLE.inside[0] && fits(one) && (!crc || one.known + one.demanded >= LEAST_BITS);
+  if (movedFrames(at, crc, given).some(isFound)) return "";
   for (const [text, pattern] of lineOf(at)?.incomplete ?? []) {
     const match = matched(pattern, at, receivedBits(at, given));
     const count = match?.groups?.frame?.length ?? 0;
@@ -62,11 +72,20 @@ function missingPart(frame) {
 const anotherHelps = (found) => found.every((one) => one.kind !== "echo")
   && (found.length > 1 || (found.length === 1 && found[0].oneIn < CERTAIN));
 
-/** Return the mistakes that explain the most of several wrong frames, most likely first. */
+/** Return the mistakes that explain the most of several wrong frames, most likely first: single ones, or else two. */
 function judgedTogether(frames) {
+  const isBroken = ({ problems }) => problems.some((item) => item.fault === "crc" || item.fault === "length");
+  const found = frames.slice(-TABLE.likely.frames).map((frame) => ({ frame, all: explanationsOf(frame).all }))
+    .filter(({ frame, all }) => all.length || isBroken(frame));
+  const single = common(found.map(({ all }) => all));
+  if (single.length && single[0].frames === found.length) return single;
+  return common(found.map(({ frame }) => explanationsOf(frame, true).all));
+}
+
+function common(lists) {
   const groups = new Map();
-  for (const found of frames.slice(0, TABLE.likely.frames).map(explained)) {
-    const own = new Map([...found].reverse().map((one) => [`${one.kind} ${one.template}`, one]));
+  for (const found of lists) {
+    const own = new Map([...found].reverse().map((one) => [`${one.kind} ${one.template} ${one.isTwice}`, one]));
     for (const [key, one] of own) groups.set(key, [...groups.get(key) ?? [], one]);
   }
   const most = Math.max(0, ...[...groups.values()].map((group) => group.length));
@@ -82,24 +101,259 @@ function judgedTogether(frames) {
 const lineOf = (at) => TABLE.lines[at.family.interfaces.find((one) => one.frames?.includes(at.layout))?.line];
 const matched = (pattern, at, received) => new RegExp(pattern.replace("#", at.bits)).exec(received);
 
-/** Two mistakes that lead to the same frame match the same frames: the likelier one stays. */
-function distinct(found) {
-  const keys = found.map((one) => (one.number === undefined ? one.text : `${one.number} ${one.lost}`));
-  return found.filter((_, place) => keys.indexOf(keys[place]) === place);
+// -- tries
+
+/** A mistake, tried, with the members that its kind needs. Those are the members of the same name on the command line. */
+const tryOf = (members) => ({
+  template: members.text, data: 0n, size: 0, received: 0n, known: 0, demanded: 0, holds: true, fixed: 0, likelihood: 1,
+  lost: 0, parts: [], places: 1, ...members,
+});
+
+/** Whether a frame with the mistake has these bits: the ones that it determines, and the CRC. */
+function fits({ crc, holds, isOfBytes, data, size, known, received }) {
+  if (!holds || !crc) return holds;
+  const computed = isOfBytes ? crcOfBytes(crc, bytesOf("big", data, size / 8)) : crcOfBits(crc, data, size);
+  return computed >> BigInt(crc.width - known) === received;
 }
 
-function otherCrcs({ at, number }) {
-  const { low, width } = crcField(at);
-  return at.family.crcs[at.layout.crc].others.map(([kind, text, other]) => ({
-    kind, text, template: text, oneIn: ONE << BigInt(width),
-    fits: computedBy(other, at, number) === bits(number, low, width),
-    score: scoreOf(at, kind, number, width + (hasFixed(at, number) ? fixedBits(at) : 0)),
-  }));
+const oneInOf = ({ known, demanded, places }) => {
+  const all = ONE << BigInt(known + demanded);
+  return all > BigInt(places) ? all / BigInt(places) : ONE;
+};
+const scoreOf = ({ kind, known, demanded, fixed, likelihood: likely, places }) => (
+  TABLE.likely.kinds[kind] * likely * 2 ** (known + Math.max(demanded, fixed))) / places;
+
+/** The key of a try. Tries with the same key match the same frames. */
+function questionOf({ crc, data, size, received, known }) {
+  const own = crc && ["width", "poly", "init", "refin", "refout", "xorout"].map((name) => `${big(crc[name])}`).join(" ");
+  return `${own} ${data} ${crc && big(crc.init) ? size : 0} ${received} ${known}`;
 }
 
-/** The likelihood of a mistake that matches: its frequency, times the improbability of the match without it. */
-function scoreOf(at, kind, number, evidence, places = 1) {
-  return (TABLE.likely.kinds[kind] * likelihood(at, number) * 2 ** evidence) / places;
+/** The tries that do not match too many random frames, without those known to fail. */
+function significant(tries, failed) {
+  const questions = new Set(failed.map(questionOf));
+  return tries.filter((one) => one.known + one.demanded >= LEAST_BITS && !questions.has(questionOf(one)));
+}
+
+/** One of the tries that lead to the same frame. */
+function distinct(tries) {
+  const kept = new Map();
+  for (const one of tries) {
+    const places = one.at && [one.at.bits, ...one.at.fields.map((item) => `${item.name} ${item.low}`)].join(" ");
+    const key = `${questionOf(one)} ${one.at ? `${one.number} ${places}` : one.text}`;
+    const earlier = kept.get(key);
+    const isBetter = !earlier || (one.holds === earlier.holds ? scoreOf(one) > scoreOf(earlier) : one.holds);
+    if (isBetter) kept.set(key, one);
+  }
+  return [...kept.values()];
+}
+
+const explanationOf = (one, isTwice = false) => ({ ...one, isTwice, oneIn: oneInOf(one), score: scoreOf(one) });
+const byScore = (found) => found.sort((one, other) => other.score - one.score);
+
+/** The explanations among tries with a CRC. Pairs are tried if no single mistake matches. */
+function chosen(tries, failed, isWithPairs) {
+  const usable = significant(tries, failed);
+  const single = distinct(usable);
+  const merged = single.filter(fits).map((one) => explanationOf(one));
+  const all = usable.filter(fits).map((one) => explanationOf(one));
+  if (isWithPairs || merged.every((one) => one.kind === TABLE.inside[0])) {
+    const pairs = significant(usable.filter((one) => one.crc && !["crc_not_inverted", TABLE.inside[0]].includes(one.kind))
+      .map(notInverted), failed);
+    const twice = (found) => found.filter(fits).map((one) => explanationOf(one, true));
+    merged.push(...twice(distinct([...single, ...pairs]).slice(single.length)));
+    all.push(...twice(pairs));
+  }
+  return { merged: byScore(merged), all: byScore(all) };
+}
+
+function notInverted(one) {
+  const change = big(one.crc.xorout) ? "not_inverted_too" : "inverted_too";
+  const template = filled(TABLE.texts[change], one.template);
+  const crc = { ...one.crc, xorout: big(one.crc.xorout) ^ ones(one.crc.width) };
+  return { ...one, crc, template, text: filled(TABLE.texts[change], one.text) };
+}
+
+/** The readings of a frame without a CRC. Nothing proves one of them. */
+function readingsOf(tries) {
+  const all = byScore(tries.filter(fits).map((one) => explanationOf(one)));
+  const numbers = all.map((one) => one.number);
+  return { all, merged: all.filter((one, place) => numbers.indexOf(one.number) === place) };
+}
+
+/** The bits that the CRC covers, and how many they are. */
+function coveredBy(at, number) {
+  const { width } = crcField(at);
+  const [low, count] = at.layout.crc_of ?? [width, at.bits - width];
+  return { data: bits(number, low, count), size: count };
+}
+
+/** The frame as sent, to which the caller adds the mistake. */
+function asSent(at, crc, number) {
+  return tryOf({
+    crc, ...coveredBy(at, number), received: bits(number, 0, crc.width), known: crc.width,
+    fixed: hasFixed(at, number) ? fixedBits(at) : 0, likelihood: likelihood(at, number), text: "",
+  });
+}
+
+/** The frame was this number, whose last bits were not received. */
+function readAs(at, crc, kind, text, frame, { lost = 0, demanded = 0, holds = true, ...others } = {}) {
+  if (!crc) {
+    const completed = [...Array(1 << lost).keys()].map((last) => frame | BigInt(last));
+    const number = completed.find((one) => hasFixed(at, one)) ?? frame;
+    return tryOf({
+      kind, text, at, number, lost, data: number, size: at.bits, likelihood: likelihood(at, number),
+      demanded: demanded + Math.max(fixedBits(at) - lost, 0), holds: holds && hasFixed(at, number), ...others,
+    });
+  }
+  return tryOf({
+    kind, text, crc, at, number: frame, lost, ...coveredBy(at, frame), likelihood: likelihood(at, frame),
+    received: bits(frame, 0, crc.width) >> BigInt(lost), known: crc.width - lost,
+    demanded: demanded + fixedBits(at), holds: holds && hasFixed(at, frame), ...others,
+  });
+}
+
+// -- frames of bits
+
+const lengthsOf = (at, given) => (given.exact || given.bits > at.bits ? [given.bits] : [at.bits, at.bits - 1])
+  .filter((length) => length >= given.bits);
+const mayHave = (given, count) => (given.exact ? given.bits === count : given.bits <= count);
+const isStatus = ({ field, width }) => isFlag(field) || ("unused" in field && Boolean(big(field.unused)) && width === 1);
+
+/** Every single mistake that could have turned a valid frame into this one. */
+function triesWithBits(at, crc, given) {
+  const others = lengthsOf(at, given).includes(at.bits) ? otherCrcs(at, crc, given.number) : [];
+  const moved = [...others, ...rearranged(at, crc, given), ...movedFrames(at, crc, given)];
+  if (at.layout.crc_of) return moved;
+  return [...moved, ...withoutStatus(at, crc, given), ...otherPolynomials(at, crc, given)];
+}
+
+/** The frame as sent with another CRC. */
+function otherCrcs(at, crc, number) {
+  const sent = asSent(at, crc, number);
+  const other = (kind, text, members) => ({ ...sent, kind, text, template: text, ...members });
+  const found = (crc.others ?? []).map(([kind, text, parameters]) => other(kind, text, { crc: parameters }));
+  found.push(other("crc_reversed", TABLE.texts.crc_reversed, { received: reflected(sent.received, crc.width) }));
+  if (at.layout.crc_of) return found;
+  return [...found, ...statusOtherwise(at, sent, number, other), ...positionOtherwise(at, sent, number, other),
+    ...TABLE.start_bits.map(([front, text]) => other("start_bits_in_crc", text, {
+      data: (BigInt(`0b${front}`) << BigInt(sent.size)) | sent.data, size: sent.size + front.length }))];
+}
+
+const statusMask = (at) => at.fields.filter(isStatus).reduce((mask, { low, width }) => mask | (ones(width) << BigInt(low)), 0n);
+
+/** The CRC does not cover error and warning, or they were inverted. */
+function statusOtherwise(at, sent, number, other) {
+  const mask = statusMask(at);
+  if (!mask) return [];
+  const width = BigInt(sent.known);
+  const kept = [...Array(sent.size).keys()].reverse().filter((bit) => !bits(mask >> width, bit, 1));
+  const left = kept.reduce((made, bit) => (made << ONE) | bits(sent.data, bit, 1), 0n);
+  return [
+    other("status_left_out", TABLE.texts.status_left_out, { data: left, size: kept.length }),
+    other("status_turned", TABLE.texts.status_turned, {
+      data: (number ^ mask) >> width, likelihood: likelihood(at, number ^ mask) }),
+  ];
+}
+
+/** The place of the number that a master would convert from Gray code. */
+function convertedPlace({ layout, fields, joins, family, parameters }) {
+  if (layout.gray) {
+    return { low: Number(value(layout.gray.low ?? 0, parameters)), width: Number(value(layout.gray.width, parameters)) };
+  }
+  const parts = joins[0]?.parts.map(({ item }) => item).filter(Boolean);
+  if (parts) {
+    const width = parts.reduce((sum, item) => sum + item.width, 0);
+    return { low: parts[0]?.low ?? 0, width };
+  }
+  const isNumber = ({ field }) => isGiven({ field }) && (field.kind === undefined || field.kind === "signed");
+  return fields.filter(isNumber).reduce((widest, item) => (item.width > widest.width ? item : widest), { low: 0, width: 0 });
+}
+
+/** The position is in Gray code but the CRC covers binary, or vice versa. */
+function positionOtherwise(at, sent, number, other) {
+  const { low, width } = convertedPlace(at);
+  if (!width) return [];
+  const position = bits(number, low, width);
+  const without = number ^ (position << BigInt(low));
+  const covers = (converted, text) => other("other_code", text, {
+    data: (without | (converted << BigInt(low))) >> BigInt(sent.known) });
+  return [covers(plainOf(position), TABLE.texts.covers_binary),
+    covers(position ^ (position >> ONE), TABLE.texts.covers_gray)];
+}
+
+/** All bits are inverted, or the bits or bytes are in another order. */
+function rearranged(at, crc, given) {
+  const read = (kind, frame, members) => readAs(at, crc, kind, TABLE.texts[kind], frame, members);
+  const found = [];
+  if (lengthsOf(at, given).includes(at.bits)) {
+    found.push(read("all_inverted", given.number ^ ones(at.bits)), read("bits_reversed", reflected(given.number, at.bits)));
+    if (at.bits % 8 === 0) {
+      const bytes = bytesOf("big", given.number, at.bits / 8);
+      found.push(read("bits_reversed_in_bytes", numberOf("big", bytes.map((byte) => reflected(BigInt(byte), 8)))));
+    }
+  }
+  const moved = (kind, unit, move) => {
+    const filledBits = Math.ceil(at.bits / unit) * unit;
+    const isWhole = given.bits % 8 === 0 && (given.bits === at.bits || given.bits === filledBits);
+    if (given.number >> BigInt(filledBits) || (given.exact && !isWhole)) return;
+    const swapped = numberOf("big", move(bytesOf("big", given.number, filledBits / 8)));
+    const frame = bits(swapped, 0, at.bits);
+    found.push(read(kind, frame, { demanded: filledBits - at.bits, holds: frame === swapped }));
+  };
+  moved("bytes_reversed", 8, (bytes) => bytes.reverse());
+  if (at.bits > 16) moved("words_swapped", 16, (bytes) => bytes.map((_, place) => bytes[place ^ 1]));
+  return found;
+}
+
+/** Error and warning are missing: removed after the CRC was computed, or before. */
+function withoutStatus(at, crc, given) {
+  const mask = statusMask(at);
+  const count = onesIn(mask);
+  const short = at.bits - count;
+  if (!mask || mask >> BigInt(crc.width) !== ones(count) || !mayHave(given, short)) return [];
+  const idle = at.fields.filter((item) => isStatus(item) && (item.field.kind === "not_flag" || "unused" in item.field))
+    .reduce((set, { low, width }) => set | (ones(width) << BigInt(low)), 0n);
+  const data = given.number >> BigInt(crc.width);
+  const received = bits(given.number, 0, crc.width);
+  const frame = (data << BigInt(crc.width + count)) | idle | received;
+  const asIdle = readAs(at, crc, "status_not_sent", TABLE.texts.removed_and_idle, frame);
+  if (!given.exact) return [asIdle];
+  return [asIdle, tryOf({ kind: "status_not_sent", text: TABLE.texts.removed, crc, data, size: short - crc.width,
+    received, known: crc.width, likelihood: likelihood(at, frame), number: frame, at })];
+}
+
+/** Data of the right length before a CRC of another length: complete, truncated, or followed by zeros. */
+function otherPolynomials(at, crc, given) {
+  const size = at.bits - crc.width;
+  return TABLE.polynomials.flatMap((polynomial) => {
+    const whole = big(polynomial);
+    const width = bitLength(whole) - 1;
+    if (whole === (big(crc.poly) | (ONE << BigInt(crc.width)))) return [];
+    const all = (number) => (big(number) ? ones(width) : 0n);
+    const other = { ...crc, width, poly: whole & ones(width), init: all(crc.init), xorout: all(crc.xorout) };
+    const lengths = [...new Set([size + width, at.bits])];
+    return lengths.filter((length) => length === given.bits || (!given.exact && length > given.bits))
+      .map((length) => ofLength(at, crc, other, given.number, length, size));
+  });
+}
+
+function ofLength(at, crc, other, number, length, size) {
+  const after = length - size;
+  const [data, tail] = [number >> BigInt(after), bits(number, 0, after)];
+  const known = Math.min(other.width, after);
+  const zeros = Math.max(after - other.width, 0);
+  const frame = data << BigInt(crc.width);
+  const isRight = hasFixed(at, frame);
+  const polynomial = filled(TABLE.texts.polynomial, hex(other.poly | (ONE << BigInt(other.width))), other.width);
+  const text = known < other.width ? filled(TABLE.texts.bits_arrived, polynomial, known)
+    : zeros ? filled(TABLE.texts.then_zeros, polynomial) : polynomial;
+  const isAsLong = length === at.bits;
+  return tryOf({
+    kind: "other_polynomial", text, crc: other, data, size, received: tail >> BigInt(zeros), known,
+    demanded: zeros + (isAsLong ? 0 : fixedBits(at)), holds: !bits(tail, 0, zeros) && (isAsLong || isRight),
+    fixed: zeros + (isRight ? fixedBits(at) : 0), likelihood: likelihood(at, frame),
+  });
 }
 
 /** The likelihood of the flags and reserved bits, relative to random bits. */
@@ -121,81 +375,145 @@ function receivedBits(at, given) {
 }
 
 /** The frames with bits around them. A frame is searched at every bit only if no rule of the line finds it. */
-function movedFrames(at, given) {
+function movedFrames(at, crc, given) {
   const line = lineOf(at);
   if (!line) return [];
-  const lengths = given.exact || given.bits > at.bits ? [given.bits] : [at.bits, at.bits - 1];
   const received = receivedBits(at, given);
   const byRule = [
-    ...lengths.flatMap((length) => line.slips.flatMap((slip) => slipped(at, given, length, slip))),
-    ...line.recordings.flatMap((recording) => recorded(at, given, received, recording)),
+    ...lengthsOf(at, given).flatMap((length) => line.slips.flatMap((slip) => slipped(at, crc, given, length, slip))),
+    ...line.recordings.flatMap((recording) => recorded(at, crc, received, recording)),
   ];
-  if (!at.layout.crc || byRule.some((one) => one.fits)) return byRule;
+  if (!crc || byRule.some(fits)) return byRule;
   const places = Math.max(received.length - at.bits + 1, 0);
-  const [kind, text] = TABLE.inside;
-  return [...byRule, ...[...Array(places).keys()].flatMap((place) => {
+  const [kind, template] = TABLE.inside;
+  return [...byRule, ...[...Array(places).keys()].map((place) => {
     const frame = received.slice(place, place + at.bits);
     const parts = [["before", received.slice(0, place)], ["frame", frame], ["behind", received.slice(place + at.bits)]];
-    const around = { parts: parts.filter(([, some]) => some), places };
-    return readAs(at, given, [kind, text, filled(text, place)], BigInt(`0b${frame}`), around);
+    const around = { template, parts: parts.filter(([, some]) => some), places };
+    return readAs(at, crc, kind, filled(template, place), BigInt(`0b${frame}`), around);
   })];
 }
 
 /** A text that does not begin and end with the frame: extra bits before or after it, or missing bits. */
-function slipped(at, given, length, [kind, text, front, missing, lost, behind]) {
-  if (length !== at.bits + front.length - missing.length - lost + behind || length < given.bits) return [];
+function slipped(at, crc, given, length, [kind, template, front, missing, lost, behind]) {
+  if (length !== at.bits + front.length - missing.length - lost + behind) return [];
   const there = length - front.length - behind;
   const body = given.number >> BigInt(behind);
   const last = there + front.length - 1;
   const starts = [...front].flatMap((mark, place) => (mark === "1" ? [last - place] : []));
   const holds = starts.every((place) => bits(body, place, 1));
   const number = ((BigInt(`0b0${missing}`) << BigInt(there)) | bits(body, 0, there)) << BigInt(lost);
-  return readAs(at, given, [kind, text, filled(text, missing)], number, { lost, demanded: starts.length, holds });
+  const members = { template, lost, demanded: starts.length, holds };
+  return [readAs(at, crc, kind, filled(template, missing), number, members)];
 }
 
 /** The frame in a recording with these parts. */
-function recorded(at, given, received, [kind, text, pattern, proof]) {
+function recorded(at, crc, received, [kind, text, pattern, proof]) {
   const groups = matched(pattern, at, received)?.groups;
   if (!groups) return [];
-  const { frame, gap = "", again = "" } = groups;
+  const { frame, again = "" } = groups;
   const demanded = proof.reduce((sum, name) => sum + (groups[name] ?? "").length, 0);
   const parts = Object.entries(groups).filter(([, some]) => some);
-  return readAs(at, given, [kind, text, text], BigInt(`0b${frame}`),
-    { demanded, parts, holds: (gap + frame).startsWith(gap + again) });
+  return [readAs(at, crc, kind, text, BigInt(`0b${frame}`), { demanded, parts, holds: frame.startsWith(again) })];
 }
 
-/** The explanation by a frame that was this number, without its last bits, or nothing if that is as sent. */
-function readAs(at, given, [kind, template, text], frame, { lost = 0, demanded = 0, holds = true, parts, places = 1 }) {
-  const crc = at.layout.crc && at.family.crcs[at.layout.crc];
-  const completed = crc ? [frame] : [...Array(1 << lost).keys()].map((last) => frame | BigInt(last));
-  const number = completed.find((one) => hasFixed(at, one)) ?? frame;
-  const width = crc ? crc.width : 0;
-  const known = crc ? width - lost : 0;
-  const asked = known + demanded + (crc ? fixedBits(at) : Math.max(fixedBits(at) - lost, 0));
-  const isAsGiven = given.number === number && !lost && given.bits <= at.bits
-    && !(given.exact && given.bits !== at.bits);
-  if (crc && (isAsGiven || asked < LEAST_BITS)) return [];
-  const isRight = !crc || computedBy(crc, at, number) >> BigInt(lost) === bits(number, 0, width) >> BigInt(lost);
-  const all = ONE << BigInt(asked);
-  return [{
-    kind, template, text, number, lost, parts: parts ?? [],
-    oneIn: all > BigInt(places) ? all / BigInt(places) : ONE,
-    fits: holds && isRight && hasFixed(at, number),
-    score: scoreOf(at, kind, number, asked, places),
-  }];
+// -- frames of bytes
+
+/** The most extra bytes that come from an echoed request. */
+const MOST_ECHOED = 4;
+
+/** Every single mistake that could have turned a valid frame into these bytes. */
+function triesWithBytes(frame) {
+  const { at: expected, data, label, over, sender } = frame;
+  const whole = wholeFrames(frame);
+  const layouts = label ? over.frames : [];
+  // Where the manual is ambiguous, the first answer decides, as on the command line.
+  const answers = Object.fromEntries((label?.family.alternatives ?? []).map((item) => [item.name, item.answers[0][0]]));
+  const moved = layouts.filter((layout) => layout.order && layout.sender === sender).flatMap((layout) => {
+    const at = placedFor(label, layout, {}, answers);
+    const crc = layout.crc ? at.family.crcs[layout.crc] : null;
+    if (crc && crc.width !== 8) return [];
+    const isExpected = expected?.layout === layout && 8 * data.length === at.bits;
+    return [...(crc && isExpected ? otherByteCrcs(at, crc, data) : []), ...movedBytes(at, crc, data)];
+  });
+  const known = whole.length ? ["bytes_in_front", "bytes_behind"] : [];
+  return [...whole, ...moved.filter((one) => !known.includes(one.kind))];
+}
+
+const asBytes = (data) => numberOf("big", data);
+const overBytes = (one, data) => ({ ...one, data: asBytes(data.slice(0, -1)), received: BigInt(data.at(-1)), isOfBytes: true });
+
+/** The frame as sent with another CRC. */
+function otherByteCrcs(at, crc, data) {
+  const sent = overBytes(asSent(at, crc, numberOf(at.layout.order, data)), data);
+  const text = TABLE.texts.first_byte_left_out;
+  return [
+    ...(crc.byte_others ?? []).map(([kind, words, other]) => ({ ...sent, kind, text: words, template: words, crc: other })),
+    { ...sent, kind: "first_byte_left_out", text, template: text, data: asBytes(data.slice(1, -1)), size: sent.size - 8 },
+  ];
+}
+
+/** The bytes do not begin and end with the frame, or are inverted. */
+function movedBytes(at, crc, data) {
+  const { texts } = TABLE;
+  const size = at.bits / 8;
+  const read = (kind, text, frame, template = text) => {
+    const one = readAs(at, crc, kind, text, numberOf(at.layout.order, frame), { template });
+    return crc ? overBytes(one, frame) : one;
+  };
+  const extra = data.length - size;
+  const found = [];
+  if (extra > 0 && extra <= MOST_ECHOED) {
+    const bytes = extra > 1 ? filled(texts.extra_bytes, extra) : texts.extra_byte;
+    found.push(read("bytes_in_front", filled(texts.before, bytes), data.slice(extra)),
+      read("bytes_behind", filled(texts.after, bytes), data.slice(0, size)));
+  }
+  if (extra === 0 || extra === -1) {
+    for (const byte of firstBytes(at)) {
+      const [text, template] = [byte.toString(16).toUpperCase().padStart(2, "0"), "{0}"]
+        .map((name) => filled(texts.byte_missing, name)).map((words) => (extra ? words : filled(texts.and_follows, words)));
+      found.push(read("first_byte_lost", text, [byte, ...data.slice(0, size - 1)], template));
+    }
+  }
+  if (extra === 0) found.push(read("all_inverted", texts.bytes_inverted, data.map((byte) => byte ^ 0xFF)));
+  return found;
+}
+
+/** The possible first bytes of a frame, if that byte only identifies the layout. */
+function firstBytes(at) {
+  const { order, selector, selects = [] } = at.layout;
+  const mask = numberOf(order, [0xFF, ...Array(at.bits / 8 - 1).fill(0)]);
+  const first = at.fields.filter(({ low, width }) => bits(mask >> BigInt(low), 0, width));
+  const others = first.filter((item) => item.name !== selector);
+  if (!others.every(({ field }) => "fixed" in field || "parity" in field)) return [];
+  return selects.map((selected) => {
+    let number = 0n;
+    const put = ({ low }, content) => { number |= content << BigInt(low); };
+    for (const item of first) {
+      if (item.name === selector) put(item, big(selected));
+      else if ("fixed" in item.field) put(item, big(item.field.fixed));
+    }
+    for (const item of others.filter(({ field }) => "parity" in field)) {
+      const { of, check } = at.checks.find((one) => one.of && one.check.field === item.name);
+      put(item, parityOf(number, of, check));
+    }
+    return bytesOf(order, number, at.bits / 8)[0];
+  });
 }
 
 /** The bytes as whole frames of RS-485: an echo of the request, a reply after it, or several replies. */
-function wholeFrames({ at, data, label, over, problems }) {
+function wholeFrames({ data, label, over, sender }) {
   const { most, least, echo, frames: list } = TABLE.exchanges;
-  const isWrong = !at || problems.some((item) => ["crc", "length"].includes(item.fault));
-  if (!label || !isWrong || data.length > most || over.name !== "rs485") return [];
-  if (at && at.layout.sender !== "encoder") return [];
+  if (!label || data.length > most || over.name !== "rs485") return [];
+  if (sender !== "encoder") return [];
   const candidates = over.frames.filter((item) => item.order).map((item) => placedFor(label, item))
     .map((one) => ({ one, size: one.bits / 8, evidence: evidenceOf(one) })).filter(({ evidence }) => evidence >= least);
   const fewest = new Map([[data.length, []]]);
+  const isRequest = ({ one }) => one.layout.sender === "master";
   for (let start = data.length - 1; start >= 0; start -= 1) {
-    for (const { one, size, evidence } of candidates) {
+    // A request is in front of its reply, even if both have the same form.
+    const likely = candidates.filter((item) => isRequest(item) === (start === 0));
+    for (const { one, size, evidence } of [...likely, ...candidates.filter((item) => !likely.includes(item))]) {
       const rest = fewest.get(start + size);
       if (!rest || fewest.get(start)?.length <= rest.length + 1) continue;
       const bytes = data.slice(start, start + size);
@@ -203,7 +521,6 @@ function wholeFrames({ at, data, label, over, problems }) {
     }
   }
   const found = fewest.get(0) ?? [];
-  const isRequest = ({ one }) => one.layout.sender === "master";
   const replies = found.filter((item) => !isRequest(item)).length;
   if (!found.length || (found.length === 1 && replies)) return [];
   const one = isRequest(found[0]) ? "bytes_in_front" : "bytes_behind";
@@ -214,18 +531,22 @@ function wholeFrames({ at, data, label, over, problems }) {
   const asked = found.reduce((sum, item) => sum + item.evidence, 0);
   const last = found[found.length - 1];
   const isRead = !isRequest(last) && !last.one.layout.asks?.length;
-  return [{
-    kind, template: text, text, at: last.one, lost: 0, parts: titled, oneIn: ONE << BigInt(asked), fits: true,
+  return [tryOf({
+    kind, text, at: last.one, parts: titled, demanded: asked, data: asBytes(data), size: 8 * data.length,
     number: isRead ? numberOf(last.one.layout.order, last.bytes) : undefined,
-    score: TABLE.likely.kinds[kind] * 2 ** asked,
-  }];
+  })];
 }
 
 const evidenceOf = (at) => fixedBits(at) + (at.layout.crc ? at.family.crcs[at.layout.crc].width : 0);
 
 /** The numbers in a frame, by name. */
 function numbersRead(at, number) {
-  const isNumber = ({ field }) => isGiven({ field }) && (field.kind === undefined || field.kind === "signed");
+  // Bytes can be a frame of any layout, so nobody has chosen how to read those that the manual leaves open.
+  const open = at.layout.order ? (at.family.alternatives ?? []).flatMap((item) => Object.keys(item.answers[0][2])) : [];
+  const isOpen = ({ low }) => Array.isArray(low) && low.slice(1).some((term) => term.slice(1)
+    .some((name) => open.includes(name.replace("^", ""))));
+  const isNumber = ({ field }) => isGiven({ field }) && !isOpen(field)
+    && (field.kind === undefined || field.kind === "signed");
   const names = at.fields.filter(isNumber).map((item) => item.name);
   return decode(at, number).fields.filter((item) => names.includes(item.name)).map((item) => [item.name, item.value]);
 }

@@ -130,6 +130,9 @@
     });
   }
 
+  /** Return each line as the form writes it again. */
+  const builtLines = (item) => item.texts.map((text) => wheel.builtLine(wheel.formOf(text)));
+
   const labels = (item) => item.texts.map(label);
 
   /** Return the encoded register: its bytes, or that it is refused. */
@@ -180,5 +183,5 @@
   /** Compared frames, or the values of a text, for one start of a browser. */
   const answered = (item) => (item.frames ? compared(item) : values(item));
 
-  globalThis.codewheelTests = { answered, compared, values, readings, encoded, reasons, together, doubts, inferred, labels, lines, records, unread };
+  globalThis.codewheelTests = { answered, builtLines, compared, values, readings, encoded, reasons, together, doubts, inferred, labels, lines, records, unread };
 })();

@@ -282,7 +282,7 @@ def why_text(
     faults = {problem.fault for problem in decoded.problems}
     if placed is not None and not placed.layout.in_bytes:
         return _why_bits(device, variant, sender, text, placed, decoded, with_pairs)
-    if placed is not None and not faults & _TRANSMISSION_FAULTS:
+    if placed is not None and not faults & {*_TRANSMISSION_FAULTS, Fault.CONSTANT}:
         return None
     from ...why.mistakes import explain_bytes
 

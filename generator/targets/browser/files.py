@@ -10,12 +10,13 @@ from __future__ import annotations
 
 import base64
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, TypedDict
 
 from ...language.problems import LONGEST_QUOTE, listed
 from ...model import UNEXPLAINED, Alternative, Answer, CodePart, Crc, Device, Fault, Interface, Spelling, Variant
+from ...model.known_crcs import KNOWN_CRCS
 from ...model.layout import have_lengths
 from ...order_codes import labels
 from ...order_codes.labels import AFTER, LONGEST, NEAR, as_listed, regex
@@ -35,6 +36,7 @@ from ...why import MOST_FRAMES, in_bits, in_bytes
 from ...why.doubts import READINGS
 from ...why.exchanges import ECHO_TEXT, FRAMES_TEXT, LEAST_EVIDENCE, MOST_BYTES
 from ...why.recordings import FRAME_INSIDE, FRAME_INSIDE_TEXT, LINES, Line, line_name
+from ...why.texts import START_BITS, TEXTS
 from ...why.tries import ACTIVE, IDLE, MISTAKES
 from .. import NO_OPTIONS, Library, Options, Target
 from ..palette import palette_css
@@ -150,12 +152,18 @@ def _answer_data(answer: Answer) -> list[Any]:
 
 def _crc_data(device: Device, crc: Crc) -> Data:
     """Return the parameters of a CRC, and those of similar CRCs that may be used by mistake."""
-    is_over_bytes = Carrier.BYTES in carriers(device, crc)
-    similar_crcs = in_bytes.other_crcs(crc) if is_over_bytes else in_bits.other_crcs(crc)
-    others = [
-        [kind, difference, _crc_parameters(similar)] for kind, difference, similar in similar_crcs if similar != crc
-    ]
-    return _crc_parameters(crc) | {"text": crc.polynomial, "others": others}
+    over = carriers(device, crc)
+    similar_crcs = {
+        "others": in_bits.other_crcs(crc) if Carrier.BITS in over else (),
+        "byte_others": in_bytes.other_crcs(crc) if Carrier.BYTES in over else (),
+    }
+    others = {name: _similar_crcs(crc, similar) for name, similar in similar_crcs.items()}
+    return _crc_parameters(crc) | {"text": crc.polynomial} | without_empty(**others)
+
+
+def _similar_crcs(crc: Crc, similar_crcs: Iterable[in_bits.OtherCrc]) -> list[list[Any]]:
+    """Return the kind of mistake, the text, and the parameters of each CRC that differs."""
+    return [[kind, text, _crc_parameters(similar)] for kind, text, similar in similar_crcs if similar != crc]
 
 
 def _crc_parameters(crc: Crc) -> Data:
@@ -310,8 +318,12 @@ def script_table(library: Library) -> Data:
         "exchanges": {"most": MOST_BYTES, "least": LEAST_EVIDENCE, "echo": ECHO_TEXT, "frames": FRAMES_TEXT},
         "doubts": READINGS,
         "inside": [FRAME_INSIDE, FRAME_INSIDE_TEXT],
+        "texts": dict(TEXTS),
+        "start_bits": START_BITS,
+        "polynomials": in_bits.POLYNOMIALS,
         "likely": {"kinds": dict(MISTAKES), "idle": IDLE, "active": ACTIVE, "frames": MOST_FRAMES},
         "line": {"mark": GRADES[-1], "evidence": f"Evidence: {lowest_grade()}."},
+        "known_crcs": [[json_number(known.polynomial), known.init, known.use] for known in KNOWN_CRCS],
         "byte_polynomials": [polynomial for polynomial in in_bits.POLYNOMIALS if polynomial.bit_length() == 9],
         "families": [library.part(_family_data, device, NO_OPTIONS) for device in library.devices],
     }

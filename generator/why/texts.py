@@ -1,0 +1,44 @@
+"""Texts of mistakes, for this package and for the script of the decode page."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+#: Texts by name. Numbers in braces stand for the details of a frame.
+TEXTS: Mapping[str, str] = MappingProxyType(
+    {
+        "all_inverted": "every bit is inverted, as with swapped data wires",
+        "bits_reversed": "the bits are in reverse order",
+        "bits_reversed_in_bytes": "the bits of each byte are in reverse order",
+        "bytes_reversed": "the bytes are in reverse order",
+        "words_swapped": "the two bytes of each 16-bit word are swapped",
+        "crc_reversed": "the bits of the CRC are in reverse order",
+        "status_left_out": "the CRC covers only the bits before error and warning",
+        "status_turned": "error and warning were converted to active high",
+        "removed_and_idle": "error and warning were removed from the frame, and the CRC is computed as if they were "
+        "inactive",
+        "removed": "error and warning were removed from the frame, and the CRC covers the rest",
+        "covers_binary": "the CRC covers the position in binary, but here it is in Gray code",
+        "covers_gray": "the CRC covers the position in Gray code, but here it is already binary",
+        "polynomial": "the polynomial is {0}, a {1}-bit CRC",
+        "bits_arrived": "{0}, of which only {1} bits arrived",
+        "then_zeros": "{0}, followed by zeros",
+        "inverted_too": "{0}, and the CRC is inverted",
+        "not_inverted_too": "{0}, and the CRC is not inverted",
+        "extra_byte": "an extra byte",
+        "extra_bytes": "{0} extra bytes",
+        "before": "{0} before the frame, such as an echo of the request",
+        "after": "{0} after the frame",
+        "byte_missing": "the first byte ({0}) is missing",
+        "and_follows": "{0}, and an extra byte follows the frame",
+        "bytes_inverted": "every bit is inverted",
+        "first_byte_left_out": "the CRC does not cover the first byte",
+    }
+)
+#: Bits that BiSS sends in front of the frame, which a CRC may also cover, with the text.
+START_BITS: tuple[tuple[str, str], ...] = (
+    ("1", "the CRC also covers the start bit, or a CDS bit of 1"),
+    ("10", "the CRC also covers the start bit and a CDS bit of 0"),
+    ("11", "the CRC also covers the start bit and a CDS bit of 1"),
+)
