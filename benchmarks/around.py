@@ -198,7 +198,7 @@ PARTS = (
             _SSI_RX + "static uint64_t word;\n",
             "rx, &word",
             _RECEIVED % POSITION,
-            {"cortex-m0plus": 120, "cortex-m4": 90},
+            {"cortex-m0plus": 40, "cortex-m4": 22},
         ),
     ),
     Part(

@@ -146,6 +146,26 @@ void a_word_over_nine_bytes(void)
         "each bit of the word");
 }
 
+/* Up to 64 bits of SSI, in a buffer that ends with the last of them. */
+void a_word_of_ssi_in_nine_bytes(void)
+{
+    const uint32_t bits = nondet_word();
+    uint8_t buffer[9];
+    const uint8_t *data;
+    uint64_t found;
+    size_t at;
+    __CPROVER_assume(bits <= 64U);
+    for (at = 0U; at < sizeof buffer; at++) {
+        buffer[at] = nondet_byte();
+    }
+    data = &buffer[(sizeof buffer - 1U) - (bits / 8U)];
+    found = cw_ssi_word(data, bits);
+    at = nondet_size();
+    __CPROVER_assume(at < 64U);
+    __CPROVER_assert(((found >> at) & 1U) == ((at < bits) ? cw_received_bit(data, bits - at) : 0U),
+        "each bit of the word");
+}
+
 void a_frame_in_whole_bytes(void)
 {
     const uint32_t bits = nondet_word();

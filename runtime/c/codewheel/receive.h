@@ -373,6 +373,40 @@ static inline cw_result cw_biss_receive_cds(const uint8_t *rx, size_t size, bool
 /* -- SSI --------------------------------------------------------------------------------------- */
 
 /**
+ * Return up to 64 bits as a number. Since they begin at bit 1, this needs no general shift.
+ *
+ * @param rx  the buffer, which must hold the bits
+ * @param bits  number of bits
+ */
+static inline uint64_t cw_ssi_word(const uint8_t *rx, uint32_t bits)
+{
+    const size_t last = (size_t)bits / 8U;
+    const uint32_t used = (bits % 8U) + 1U;
+    uint32_t upper = 0U;
+    uint32_t lower = 0U;
+    uint32_t byte = 0x7FU & (uint32_t)rx[0];
+    size_t at = 0U;
+    if (last == 3U) {
+        return (cw_received_4_bytes(rx) & 0x7FFFFFFFU) >> (8U - used);
+    }
+    if (last > 3U) {
+        lower = cw_received_4_bytes(rx) & 0x7FFFFFFFU;
+        byte = rx[4];
+        at = 4U;
+    }
+    while (at < last) {
+        upper = (upper << 8U) | (lower >> 24U);
+        lower = (lower << 8U) | byte;
+        at++;
+        byte = rx[at];
+    }
+    /* Use 1 to 8 bits of the last byte. */
+    upper = (upper << used) | (lower >> (32U - used));
+    lower = (lower << used) | (byte >> (8U - used));
+    return ((uint64_t)upper << 32U) | lower;
+}
+
+/**
  * Extract the word from the bits received on the data line, one bit for each clock:
  *
  *   1        D ... D    0      0 or 1 ...
@@ -407,7 +441,7 @@ static inline cw_result cw_ssi_receive(
     if (cw_received_bit(rx, 0U) == 0U) {
         return CW_FAULT_LINE_LOW;
     }
-    found = cw_received_bits(rx, 1U, bits);
+    found = cw_ssi_word(rx, bits);
     if (cw_received_bit(rx, (size_t)bits + 1U) != 0U) {
         return (found == cw_mask(bits)) ? CW_FAULT_LINE_HIGH : CW_FAULT_CONSTANT;
     }
