@@ -75,6 +75,10 @@ static inline uint32_t cw_received_zeros(uint32_t value)
         left = (left << 4U) << 4U; /* SDCC 4.2 miscompiles <<= 8 for STM8 */
         zeros += 8U;
     }
+    if (left < 0x10000000U) {
+        left <<= 4U;
+        zeros += 4U;
+    }
     while (left < 0x80000000U) {
         left <<= 1U;
         zeros++;
@@ -113,21 +117,20 @@ static inline uint64_t cw_received_bits(const uint8_t *rx, size_t first, uint32_
 }
 
 /**
- * Return up to 64 bits of a buffer as a number, as cw_received_bits does, but faster.
+ * Load 64 bits of a buffer in two halves. The bit at first becomes the most significant one, and the
+ * 56 bits after it follow. Bits after the end of the buffer are 0.
  *
  * @param rx  the buffer
- * @param size  number of bytes in it
- * @param first  index of the first bit
- * @param bits  number of bits, all of which must be in the buffer
+ * @param size  number of bytes in it, at least 8
+ * @param first  index of the first bit, which must be in the buffer
+ * @param upper  the half with the first bit
+ * @param lower  the other half
  */
-static inline uint64_t cw_received_word(
-    const uint8_t *rx, size_t size, size_t first, uint32_t bits)
+static inline void cw_received_halves(
+    const uint8_t *rx, size_t size, size_t first, uint32_t *upper, uint32_t *lower)
 {
-    const size_t wanted = (first / 8U) + 8U;
-    if ((size < 8U) || (bits == 0U) || (bits > 57U)) {
-        return cw_received_bits(rx, first, bits);
-    }
     /* Take 8 bytes from the one with the first bit on, or the last 8, and drop the bits before. */
+    const size_t wanted = (first / 8U) + 8U;
     const size_t end = (wanted > size) ? size : wanted;
     const size_t before = (first + 64U) - (8U * end);
     uint32_t high = cw_received_4_bytes(&rx[end - 8U]);
@@ -138,8 +141,13 @@ static inline uint64_t cw_received_word(
         low = 0U;
         drop -= 32U;
     }
-    high = (high << drop) | ((low >> 1U) >> (31U - drop));
-    low <<= drop;
+    *upper = (high << drop) | ((low >> 1U) >> (31U - drop));
+    *lower = low << drop;
+}
+
+/** Return the highest 1 to 63 bits of two halves as a number. */
+static inline uint64_t cw_received_highest(uint32_t high, uint32_t low, uint32_t bits)
+{
     if (bits > 32U) {
         const uint32_t more = 64U - bits;
         const uint32_t above = high >> more;
@@ -327,10 +335,22 @@ static inline cw_result cw_biss_receive_bits(
     if ((bits > 64U) || (stop > received)) {
         return CW_FAULT_LENGTH;
     }
-    if ((stop < received) && (cw_received_bit(rx, stop) != 0U)) {
+    if ((received < 57U) || (bits == 0U) || (bits > 56U)) {
+        if ((stop < received) && (cw_received_bit(rx, stop) != 0U)) {
+            return CW_FAULT_CONSTANT;
+        }
+        *word = cw_received_bits(rx, first, bits);
+        return CW_OK;
+    }
+    /* Load the word and the stop bit at once. A stop bit after the buffer is 0. */
+    uint32_t high = 0U;
+    uint32_t low = 0U;
+    cw_received_halves(rx, (received + 7U) / 8U, first, &high, &low);
+    const uint32_t half = (bits > 31U) ? low : high;
+    if (((half & (0x80000000U >> (bits % 32U))) != 0U) && (stop < received)) {
         return CW_FAULT_CONSTANT;
     }
-    *word = cw_received_word(rx, (received + 7U) / 8U, first, bits);
+    *word = cw_received_highest(high, low, bits);
     return CW_OK;
 }
 
