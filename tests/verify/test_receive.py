@@ -51,7 +51,7 @@ def test_whatever_was_received(claim: str, include: Path, tmp_path: Path) -> Non
         ("a_frame_in_eight_bytes", "0x80000000U >> (bits", "0x40000000U >> (bits"),
         ("a_frame_in_eight_bytes", "(bits > 31U) ? low", "(bits > 32U) ? low"),
         ("a_frame_in_eight_bytes", "&& (stop < received))", "&& (stop <= received))"),
-        ("a_frame_in_eight_bytes", "left <<= 4U;", "left <<= 5U;"),
+        ("a_start_bit", "zeros += 4U;", "zeros += 5U;"),
         ("a_start_bit", "(bits & 1U) << 31U", "0x80000000U"),
         ("a_start_bit", "(at + 32U) <= received", "(at + 31U) <= received"),
         ("a_word_in_eight_bytes", "(31U - drop)", "(32U - drop)"),
