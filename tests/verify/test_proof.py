@@ -284,7 +284,7 @@ SEEDED = {
         "lika_amm5_rs485_crc_rs485_8",
         r"crc >> 16U",
         "crc >> 24U",
-        "lika_amm5_rs485_crc_rs485_8 of every input in words",
+        "amm5_rs485_crc_rs485_8 of every input in words",
     ),
     "report of another flag": (
         "sma21_rs485",

@@ -35,6 +35,7 @@ from .comments import break_lines, comment, comment_lines, documented, end_comme
 from .crc_functions import FoldOperation
 from .decode import ByteIs, FlagsIn, Positions, UnusedAre, UnusedIn
 from .device import DeviceView, Part, views_of
+from .errata_page import ERRATA_TEMPLATE, ErrataPage, errata_files
 from .examples import ExampleCode
 from .names import (
     BY_ADDRESS,
@@ -204,6 +205,7 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
         shared = selftest_files(views, tests, rendered)
         shared |= package_files(views, [*shared, *(test.path for test in tests)], rendered)
         shared |= dict(assumptions_files(library, rendered))
+        shared |= dict(errata_files(library.by_manufacturer(), rendered))
         files |= {f"c/{path}": text for path, text in shared.items()}
     return files
 
@@ -297,6 +299,7 @@ TEMPLATES = Templates(
         "selftest.h.jinja": AllTests,
         SINGLE_TEMPLATE: SingleHeader,
         TEMPLATE: Assumptions,
+        ERRATA_TEMPLATE: ErrataPage,
         **dict.fromkeys(FILES.values(), Package),
         **dict.fromkeys(FOUND_BY_NAME.values(), Named),
     },

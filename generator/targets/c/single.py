@@ -47,8 +47,6 @@ _WORD = re.compile(r"\b[A-Za-z_]\w*\b")
 _SENTENCE_END = re.compile(r"(?<=[.:])\s(?=[A-Z])")
 #: A condition on one line, after which the function only returns a result.
 _GUARD = re.compile(r"^(?P<condition> +if \(.*\) \{)\n +(?P<result>return [^;\n]*;)\n +\}\n(?! *else)", re.MULTILINE)
-#: Hints at other editions, which refer to a page.
-_EDITION = re.compile(r"^(Before|In) edition .*: (may differ|differs)\. See the encoder's page\.$")
 
 
 class SingleHeader(TypedDict):
@@ -244,7 +242,7 @@ class SingleCode:
         text = " ".join(lines)
         if lines[0].startswith((" ", "@")) or not text:
             return [self.named(line) for line in lines]
-        if _EDITION.match(text) or text.startswith(_OTHER_PARAGRAPHS):
+        if text.startswith(_OTHER_PARAGRAPHS):
             return []
         sentences = [sentence for sentence in _SENTENCE_END.split(text) if not self._is_about_absent(sentence)]
         new_text = self.named(" ".join(sentences))
