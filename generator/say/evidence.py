@@ -105,7 +105,7 @@ def origin(device: Device) -> Iterator[Statement]:
 
 
 def other_editions(device: Device, where: str = "inline") -> Iterator[Statement]:
-    """Yield a hint at other editions of the manual: where they are noted, and the command that generates their files."""
+    """Yield a hint at other editions: where the manual's differences are noted, and the command for their files."""
     if device.editions:
         example = f"codewheel generate --edition {device.name}={device.editions[0].revision}"
         yield statement(

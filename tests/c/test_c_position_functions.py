@@ -43,6 +43,8 @@ def headers() -> dict[str, str]:
 def test_every_interface_has_the_function(ending: str, without: set[str], headers: dict[str, str]) -> None:
     assert len(headers) > 40
     missing = {
-        name for name, text in headers.items() if not re.search(rf"^static inline \w+ \w+_{ending}\(", text, re.M)
+        name
+        for name, text in headers.items()
+        if not re.search(rf"^static inline \w+ \w+_{ending}\(", text, re.MULTILINE)
     }
     assert missing == without

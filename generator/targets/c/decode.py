@@ -177,7 +177,7 @@ class Decoder:
         return mask if mask.bit_length() <= 32 else 0
 
     def parity_in_word(self, op: ParityIs) -> Expr | None:
-        """Return the parity of a parity bit and all bits that it covers, if it can be computed from the word at once."""
+        """Return the parity of a parity bit and all bits that it covers, if the word has them all, or None."""
         mask = self._word_parities.get(op.field.name)
         return Call("cw_parity", (masked(self.reader.lower(32), mask),)) if mask else None
 
