@@ -16,6 +16,8 @@ import sys
 import tempfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import reduce
+from operator import xor
 from pathlib import Path
 
 from boards import BOARDS, Board
@@ -130,6 +132,16 @@ _AXIS = """static cw_tracker axis = { 1U, 0U, 1000U, 0U, 250U, 1062500U, 0U, 0xF
 static const uint64_t position = 100U;
 """
 _RECEIVED = "result == 0U && word == UINT64_C(0x%x)"
+#: A reply of AMM5 to data ID 3 without an active flag: control, status, singleturn, encoder ID, multiturn, alarms.
+_REPLY = bytes((0x1A, 0x00, 0x67, 0x45, 0x23, 0x23, 0xBC, 0x0A, 0x00, 0x00))
+_REPLY_RX = ", ".join(f"0x{byte:02X}U" for byte in (*_REPLY, reduce(xor, _REPLY)))
+_REPLY_POSITION = 0xABC << 23 | 0x234567
+#: A word of AS5048A: the parity bit is 1, because the angle has five ones, and the error flag is 0.
+_ANGLE_14 = 0x1234
+_WORD_14 = 1 << 15 | _ANGLE_14
+#: A word of MT6835: 16 bits sent during the request, 21 bits of angle, three flags, and their CRC x^8 + x^2 + x + 1.
+_ANGLE_21, _CRC_21 = 0x12345, 0x37
+_WORD_21 = 0xFFFF << 32 | _ANGLE_21 << 11 | _CRC_21
 
 
 def _buffer_receivers(acknowledge: int) -> Iterator[Part]:
@@ -141,7 +153,7 @@ def _buffer_receivers(acknowledge: int) -> Iterator[Part]:
         (BISS.header, "codewheel/receive.h"),
         "const uint8_t *rx, uint64_t *position",
         _to_position(_RX),
-        call=Call(buffer + _POSITION_OUT, "rx, &position", _FOUND, {"cortex-m0plus": 260, "cortex-m4": 200}),
+        call=Call(buffer + _POSITION_OUT, "rx, &position", _FOUND, {"cortex-m0plus": 180, "cortex-m4": 80}),
     )
     yield Part(
         f"the same by hand, {named}",
@@ -186,8 +198,49 @@ def _receivers() -> Iterator[Part]:
         )
 
 
+def _to_usable_positions() -> Iterator[Part]:
+    """Yield the paths from a word or a reply to a usable position, for encoders over RS-485 and SPI."""
+    yield Part(
+        "RS-485 reply of 11 bytes to usable position (AMM5)",
+        ("lika/amm5_rs485.h",),
+        "const uint8_t *rx, uint64_t *position",
+        "return (uint32_t)LIKA_AMM5_RS485_READ_BYTES(A23_65KJP1, rx, 11U, position);",
+        call=Call(
+            f"static const uint8_t rx[] = {{ {_REPLY_RX} }};\n" + _POSITION_OUT,
+            "rx, &position",
+            f"result == 3U && position == UINT64_C({_REPLY_POSITION:#x})",
+            {"cortex-m0plus": 120, "cortex-m4": 60},
+        ),
+    )
+    yield Part(
+        "SPI word of 48 bits with a CRC to usable position (MT6835)",
+        ("magntek/mt6835_spi.h",),
+        "uint64_t word, uint32_t *position",
+        "return (uint32_t)magntek_mt6835_spi_angle_position(MAGNTEK_MT6835_SPI_MT6835, word, position);",
+        call=Call(
+            f"static const uint64_t word = UINT64_C({_WORD_21:#x});\nstatic uint32_t position;\n",
+            "word, &position",
+            f"result == 3U && position == {_ANGLE_21}U",
+            {"cortex-m0plus": 38, "cortex-m4": 27},
+        ),
+    )
+    yield Part(
+        "SPI word of 16 bits with parity to usable position (AS5048A)",
+        ("ams/as5048a_spi.h",),
+        "uint16_t word, uint16_t *position",
+        "return (uint32_t)ams_as5048a_spi_position_position(AMS_AS5048A_SPI_AS5048A, word, position);",
+        call=Call(
+            f"static const uint16_t word = {_WORD_14:#x}U;\nstatic uint16_t position;\n",
+            "word, &position",
+            f"result == 3U && position == {_ANGLE_14}U",
+            {"cortex-m0plus": 26, "cortex-m4": 14},
+        ),
+    )
+
+
 PARTS = (
     *_receivers(),
+    *_to_usable_positions(),
     Part(
         "receive: an SSI word of 39 bits",
         ("codewheel/receive.h",),
@@ -198,7 +251,7 @@ PARTS = (
             _SSI_RX + "static uint64_t word;\n",
             "rx, &word",
             _RECEIVED % POSITION,
-            {"cortex-m0plus": 120, "cortex-m4": 90},
+            {"cortex-m0plus": 40, "cortex-m4": 22},
         ),
     ),
     Part(

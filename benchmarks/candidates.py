@@ -301,7 +301,9 @@ void check(void)
 
 def write_headers(folder: Path) -> Path:
     """Write our headers for the frames, and return the include folder."""
-    devices, report = load_library([HERE / "specs", REPOSITORY / "specs" / "lika"])
+    specs = REPOSITORY / "specs"
+    spi = (specs / "ams" / "as5048a.yaml", specs / "magntek" / "mt6835.yaml")
+    devices, report = load_library([HERE / "specs", specs / "lika", *spi])
     if report:
         sys.exit("the specs have problems. Run codewheel check")
     for path, text in generate(Library(devices)).items():

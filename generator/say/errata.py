@@ -195,9 +195,8 @@ def _change(correction: Erratum) -> Statement:
     brief = None
     label = layer_in_words(correction.overlay, correction.edition)
     if correction.edition:
-        # Next to code, a hint that another edition differs is enough, since the code is correct for this edition.
-        differs = "may differ" if correction.used == NOT_KNOWN else "differs"
-        brief = f"{label}: {differs}. See the encoder's page."
+        # The code is correct for this edition, and the header of a file says where the differences are.
+        brief = ""
     below = tuple(_labelled(*changed(correction), ("Why", correction.why)))
     return Statement(parts=(), label=label, source=correction.source, brief=brief, below=below)
 

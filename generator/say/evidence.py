@@ -104,12 +104,12 @@ def origin(device: Device) -> Iterator[Statement]:
         )
 
 
-def other_editions(device: Device) -> Iterator[Statement]:
-    """Yield a hint at other editions of the manual, with the command that generates files for one."""
+def other_editions(device: Device, where: str = "inline") -> Iterator[Statement]:
+    """Yield a hint at other editions: where the manual's differences are noted, and the command for their files."""
     if device.editions:
         example = f"codewheel generate --edition {device.name}={device.editions[0].revision}"
         yield statement(
-            "Differences from other editions of the manual are noted inline. For the files of another edition, use ",
+            f"Differences from other editions of the manual are noted {where}. For the files of another edition, use ",
             Code(example),
         )
 

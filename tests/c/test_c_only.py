@@ -66,3 +66,35 @@ def test_wrong_usage_ends_with_2(tmp_path: Path, capsys: pytest.CaptureFixture[s
     assert main(["generate", specs, "--target", "c", "-o", str(tmp_path), "--option", "c.only=rs485"]) == 2
     assert "valid are order codes, such as T22SC, bits22, bits22_biss, biss" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("only", "absent", "needed"), [
+    ("AMM5A21/65KSC1", {"spi.h", "receive_frame.h"}, {"receive.h", "biss.h", "biss_slave.h", "runner.h"}),
+    ("AMM5A21/65KBG1", {"spi.h", "receive_frame.h", "biss_slave.h", "runner.h", "transport.h"}, {"receive.h"}),
+    ("AMM5A21/65KJP1", {"spi.h", "receive_frame.h", "biss_slave.h"}, {"receive.h", "runner.h"}),
+])  # fmt: skip
+def test_it_takes_along_only_what_it_needs(
+    only: str, absent: set[str], needed: set[str], c_devices: tuple[Device, ...]
+) -> None:
+    files = generate(Library(c_devices), {"only": only})
+    runtime = {path.removeprefix("c/include/codewheel/") for path in files if path.startswith("c/include/codewheel/")}
+    assert needed <= runtime
+    assert runtime & absent == set()
+    # Everything that is included is there, and the README names no other file.
+    included = {name for text in files.values() for name in re.findall(r'#include "(?:codewheel/)?(\w+\.hp*)"', text)}
+    assert included <= {path.rpartition("/")[2] for path in files}
+    assert [name for name in absent if f"`{name}`" in files["c/README.md"]] == []
+
+
+@pytest.mark.slow
+def test_a_manufacturer_without_an_order_code_has_no_pages(every_device: dict[str, Device]) -> None:
+    devices = (every_device["amm5"], every_device["icmu"])
+    assert {path for path in generate(Library(devices)) if "ASSUMPTIONS" in path} == {
+        "c/ASSUMPTIONS-ichaus.md",
+        "c/ASSUMPTIONS-lika.md",
+    }
+    pages = {
+        path for path in generate(Library(devices), {"only": "AMM5A21/65KSC1"}) if re.search(r"[A-Z]+-\w+\.md", path)
+    }
+    assert pages == {"c/ASSUMPTIONS-lika.md", "c/ERRATA-lika.md"}

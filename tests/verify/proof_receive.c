@@ -104,7 +104,13 @@ void a_start_bit(void)
     }
 }
 
-/* Up to 57 bits anywhere in 8 or 9 bytes, which end with the last one that may be read. */
+/* A bit of a buffer, or 0 after its end. */
+static uint32_t bit_or_zero(const uint8_t *data, size_t count, size_t place)
+{
+    return (place < (8U * count)) ? cw_received_bit(data, place) : 0U;
+}
+
+/* Up to 57 bits anywhere in 8 or 9 bytes, and zeros after their end, which is also that of the buffer. */
 void a_word_in_eight_bytes(void)
 {
     const size_t count = nondet_size();
@@ -112,18 +118,48 @@ void a_word_in_eight_bytes(void)
     const uint32_t bits = nondet_word();
     uint8_t buffer[9];
     const uint8_t *data;
+    uint32_t high, low;
     uint64_t found;
     size_t at;
     __CPROVER_assume((count >= 8U) && (count <= sizeof buffer) && (bits >= 1U) && (bits <= 57U));
-    __CPROVER_assume((first < 72U) && ((first + bits) <= (8U * count)));
+    __CPROVER_assume(first < (8U * count));
     for (at = 0U; at < sizeof buffer; at++) {
         buffer[at] = nondet_byte();
     }
     data = &buffer[sizeof buffer - count];
-    found = cw_received_word(data, count, first, bits);
+    cw_received_halves(data, count, first, &high, &low);
+    found = cw_received_highest(high, low, bits);
     at = nondet_size();
     __CPROVER_assume(at < 64U);
-    __CPROVER_assert(((found >> at) & 1U) == ((at < bits) ? cw_received_bit(data, (first + bits) - 1U - at) : 0U),
+    __CPROVER_assert(((found >> at) & 1U) == ((at < bits) ? bit_or_zero(data, count, (first + bits) - 1U - at) : 0U),
+        "each bit of the word");
+}
+
+/* A frame in eight bytes, with the start bit at any position in them: its word, and the stop bit after it. */
+void a_frame_in_eight_bytes(void)
+{
+    const uint32_t bits = nondet_word();
+    const size_t count = nondet_size();
+    uint8_t line[8];
+    uint64_t word = 0x5AU;
+    cw_result result;
+    size_t at;
+    for (at = 0U; at < sizeof line; at++) {
+        line[at] = nondet_byte();
+    }
+    __CPROVER_assume((bits <= 64U) && (count > 56U) && (count <= 64U));
+    result = cw_biss_receive_bits(line, count, bits, &word);
+    __CPROVER_assert((result == CW_OK) || (word == 0x5AU), "an error leaves the word as it was");
+    const size_t after = cw_biss_start(line, count) + 2U + (size_t)bits;
+    if ((cw_received_bit(line, 0U) == 0U) || (after > count)) {
+        __CPROVER_assert(result != CW_OK, "no frame");
+        return;
+    }
+    const bool stopped = (after == count) || (cw_received_bit(line, after) == 0U);
+    __CPROVER_assert(result == (stopped ? CW_OK : CW_FAULT_CONSTANT), "the stop bit, if there is one");
+    at = nondet_size();
+    __CPROVER_assume(at < 64U);
+    __CPROVER_assert(!stopped || (((word >> at) & 1U) == ((at < bits) ? cw_received_bit(line, after - 1U - at) : 0U)),
         "each bit of the word");
 }
 
@@ -143,6 +179,26 @@ void a_word_over_nine_bytes(void)
     at = nondet_size();
     __CPROVER_assume(at < 64U);
     __CPROVER_assert(((found >> at) & 1U) == ((at < bits) ? cw_received_bit(buffer, (first + bits) - 1U - at) : 0U),
+        "each bit of the word");
+}
+
+/* Up to 64 bits of SSI, in a buffer that ends with the last of them. */
+void a_word_of_ssi_in_nine_bytes(void)
+{
+    const uint32_t bits = nondet_word();
+    uint8_t buffer[9];
+    const uint8_t *data;
+    uint64_t found;
+    size_t at;
+    __CPROVER_assume(bits <= 64U);
+    for (at = 0U; at < sizeof buffer; at++) {
+        buffer[at] = nondet_byte();
+    }
+    data = &buffer[(sizeof buffer - 1U) - (bits / 8U)];
+    found = cw_ssi_word(data, bits);
+    at = nondet_size();
+    __CPROVER_assume(at < 64U);
+    __CPROVER_assert(((found >> at) & 1U) == ((at < bits) ? cw_received_bit(data, bits - at) : 0U),
         "each bit of the word");
 }
 

@@ -137,6 +137,10 @@ def crc_proofs(device: Device, header: Header) -> Iterable[Proof]:
             text = f"{included(device)}{PRELUDE}" + _crc(crc, function.name, kinds)
             name, rounds = f"{function.name} of every input", 8 * BYTES + 2
             yield Proof(name, harness=text, function="crc", unwind=rounds, options=tuple(UNDEFINED))
+            if crc.is_xor:
+                # The form for processors that load words from any address.
+                options = ("-D__ARM_FEATURE_UNALIGNED", *UNDEFINED)
+                yield Proof(f"{name} in words", harness=text, function="crc", unwind=rounds, options=options)
 
 
 def _crc(crc: Crc, name: str, kinds: list[str]) -> str:

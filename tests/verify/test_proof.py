@@ -275,9 +275,16 @@ SEEDED = {
     "flag left out of a verdict": (
         "amm5_rs485",
         "lika_amm5_rs485_complete_reply_verdict",
-        r"(?s) \|\|\s+\(\(variant\.multiturn_bits != 0U\) && frame->mt_error\)",
+        r"(?s)if \(\(variant\.multiturn_bits != 0U\) && frame->mt_error\) \{.*?\}",
         "",
         "amm5_rs485_complete_reply everything",
+    ),
+    "byte that the XOR of words loses": (
+        "amm5_rs485",
+        "lika_amm5_rs485_crc_rs485_8",
+        r"crc >> 16U",
+        "crc >> 24U",
+        "amm5_rs485_crc_rs485_8 of every input in words",
     ),
     "report of another flag": (
         "sma21_rs485",

@@ -17,7 +17,7 @@ HARNESS = Path(__file__).with_name("proof_receive.c")
 #: Undefined behaviour, and also every unsigned overflow and every number that does not fit into a smaller type.
 MORE = ("--unsigned-overflow-check", "--conversion-check")
 #: Rounds of each loop: 16 bits or bytes, or the 32 bits after the last word of a longer line.
-ROUNDS = defaultdict(lambda: 18, a_start_bit=34)
+ROUNDS = defaultdict(lambda: 18, a_start_bit=34, a_frame_in_eight_bytes=34)
 #: Fewer for the loops that store a frame of up to four bytes. Without them, the claims take twenty times as long.
 AS_BYTES = ("--unwindset", "cw_received_frame.0:5,cw_received_bits.0:4")
 
@@ -48,6 +48,10 @@ def test_whatever_was_received(claim: str, include: Path, tmp_path: Path) -> Non
         ("a_frame_of_biss", "first = start + 2U;", "first = start + 1U;"),
         ("a_frame_of_biss", "(stop > received)", "(stop > (received + 1U))"),
         ("a_frame_of_biss", "((stop < received)", "((stop <= received)"),
+        ("a_frame_in_eight_bytes", "0x80000000U >> (bits", "0x40000000U >> (bits"),
+        ("a_frame_in_eight_bytes", "(bits > 31U) ? low", "(bits > 32U) ? low"),
+        ("a_frame_in_eight_bytes", "&& (stop < received))", "&& (stop <= received))"),
+        ("a_start_bit", "zeros += 4U;", "zeros += 5U;"),
         ("a_start_bit", "(bits & 1U) << 31U", "0x80000000U"),
         ("a_start_bit", "(at + 32U) <= received", "(at + 31U) <= received"),
         ("a_word_in_eight_bytes", "(31U - drop)", "(32U - drop)"),
@@ -56,6 +60,10 @@ def test_whatever_was_received(claim: str, include: Path, tmp_path: Path) -> Non
         ("a_frame_in_whole_bytes", "receive_bits(rx, 8U * size, bits", "receive_bits(rx, 7U * size, bits"),
         ("its_cds", "if (cds_at >= received) {", "if (cds_at > received) {"),
         ("a_word_of_ssi", "((size_t)bits + 2U)", "((size_t)bits + 1U)"),
+        ("a_word_of_ssi_in_nine_bytes", "byte = rx[4];", "byte = rx[3];"),
+        ("a_word_of_ssi_in_nine_bytes", "upper << used", "upper << 8U"),
+        ("a_word_of_ssi_in_nine_bytes", "if (last == 3U)", "if (last == 4U)"),
+        ("a_word_of_ssi_in_nine_bytes", "0x7FFFFFFFU) >> (8U", "0xFFFFFFFFU) >> (8U"),
         ("bits_as_bytes", "(left < 8U) ? left : 8U", "(left < 7U) ? left : 8U"),
         ("bits_as_bytes", "(size_t)left, take", "(size_t)left, 8U"),
         ("a_frame_of_biss_as_bytes", "data = start + 2U;", "data = start + 1U;"),

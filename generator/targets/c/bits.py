@@ -94,7 +94,7 @@ class Reader:
 
     def lower(self, high: int) -> Expr:
         """Return the word, or its lower half if the bits below ``high`` are enough."""
-        return Cast("uint32_t", self.word) if high <= 32 < self.plan.layout.widest else self.word
+        return Cast("uint32_t", self.word) if high <= 32 else self.word
 
     def whole(self, whole: Whole, name_of: Callable[[Field], Expr]) -> Expr:
         """Return a join as one number: from the word if its fields are adjacent, otherwise from its fields by name."""

@@ -381,6 +381,16 @@ class StructCodec:
         return self.struct.context.passing.parameter("cw_word", "word") if self.word_has_length else "uint64_t word"
 
     @property
+    def order_of_bytes(self) -> str:
+        """The order of several bytes, for the comments on the decoder and the encoder."""
+        if self.plan.length < 2:
+            return ""
+        if not self.about:
+            return ", lowest address first"
+        order = self.struct.layout.byte_order.replace("_", " ")
+        return f" in the order sent, {order}"
+
+    @property
     def about_unused(self) -> str:
         return about_unused(self.struct)
 

@@ -81,7 +81,10 @@ def in_comment_lead(text: str) -> str:
 
 
 class InHeader(Style):
-    """A style that mentions an erratum in short, where it matters, with what is used instead."""
+    """A style that mentions an erratum in short, where it matters, with what is used instead.
+
+    It leaves out differences from other editions.
+    """
 
     def sentence(self, statement: Statement) -> str:
         if statement.brief is None:

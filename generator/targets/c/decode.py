@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
+from functools import reduce
+from operator import or_
 
 from ...model import Field, Layout, Measurement, assert_never, cite
 from ...model.expressions import Expression
@@ -86,7 +88,9 @@ class Decoder:
         self.plan = struct.plan
         self.reader = struct.reader
         self._plain_flags = {part.field.name for part in self.plan.parts if is_plain_flag(part)}
-        checked = {field.name for op in self.plan.checks if isinstance(op, ParityIs) for field in op.of}
+        parities = [op for op in self.plan.checks if isinstance(op, ParityIs)]
+        self._word_parities = {op.field.name: mask for op in parities if (mask := self._mask_in_word(op))}
+        checked = {field.name for op in parities if op.field.name not in self._word_parities for field in op.of}
         checked |= {op.field.name for op in self.plan.checks if isinstance(op, ZerosAbove)}
         self._only_reported = {op.field.name for op in self.plan.reserved} - checked
 
@@ -98,6 +102,7 @@ class Decoder:
     def fields_with_local(self) -> tuple[Field, ...]:
         """The fields that have a local."""
         untaken = self._plain_flags | self._only_reported | self.plan.constants.keys()
+        untaken |= self._word_parities.keys()
         untaken |= {part.field.name for part in self.plan.parts if isinstance(part.meaning, Characters)}
         untaken |= {self.plan.crc.field.name} if self.plan.crc is not None else set()
         return tuple(field for field in self.plan.layout.fields if field.name not in untaken)
@@ -156,6 +161,25 @@ class Decoder:
         whole_byte = Name(f"bytes[{byte}]")
         bits = masked(whole_byte, mask) if mask != 0xFF else whole_byte
         return Operation("!=", (bits, Number(value, hexadecimal=True)))
+
+    def _mask_in_word(self, op: ParityIs) -> int:
+        """Return the mask of a parity bit and all bits that it covers, 0 if they are not always in the lower 32 bits.
+
+        A selector with a known parity is compared instead.
+        """
+        all_bits = (op.bits, *op.of_bits)
+        if not self.plan.by_word or self.plan.gray is not None or op.mask or op.known_parity is not None:
+            return 0
+        if not all(bits.are_fixed for bits in all_bits):
+            return 0
+        masks = (((1 << bits.width.constant) - 1) << bits.low.constant for bits in all_bits)
+        mask = reduce(or_, masks)
+        return mask if mask.bit_length() <= 32 else 0
+
+    def parity_in_word(self, op: ParityIs) -> Expr | None:
+        """Return the parity of a parity bit and all bits that it covers, if the word has them all, or None."""
+        mask = self._word_parities.get(op.field.name)
+        return Call("cw_parity", (masked(self.reader.lower(32), mask),)) if mask else None
 
     def parity(self, fields: Sequence[Field], mask: int) -> Expr:
         if self.plan.parity_covers_gray:

@@ -27,7 +27,7 @@ from .comments import Paragraph, S
 from .context import Context, timing_macros
 from .decode import RangeFunctions, positions
 from .interfaces import InterfaceCode, ReplyRequest
-from .names import BY_VALUE, Declared, Names, Passing, c_name, runtime_version, unsigned
+from .names import BY_VALUE, Declared, Names, Passing, c_name, errata_page_name, runtime_version, unsigned
 from .procedures import ProcedureCode
 from .reading import ReadCode
 from .registers import AlarmCode, RegisterCode, identity_codes, state_registers
@@ -267,11 +267,12 @@ class DeviceView:
 
     @property
     def manual(self) -> str:
-        manual = self.device.manual
-        editions = ", ".join(f"{edition.language} {edition.revision}" for edition in manual.editions)
-        dated = f" of {manual.date}" if manual.date else ""
-        compared = f", compared with: {editions}" if editions else ""
-        return f'"{manual.title}", revision {manual.revision}{dated} ({manual.language}{compared})'
+        return manual_of(self.device)
+
+    @property
+    def errata_page(self) -> str:
+        """The file with the errata in full."""
+        return errata_page_name(self.maker.name)
 
     @property
     def title_in_lists(self) -> str:
@@ -293,7 +294,8 @@ class DeviceView:
     @property
     def origin(self) -> list[Paragraph]:
         """Statements about the family that are not in its manual. Most families have none."""
-        statements = (*origin(self.device), *other_editions(self.device), *removals(self.device))
+        where = f"in {self.errata_page}"
+        statements = (*origin(self.device), *other_editions(self.device, where), *removals(self.device))
         return [S.sentence(statement) for statement in statements]
 
     def documents(self, text: str) -> list[Paragraph]:
@@ -365,6 +367,15 @@ def _title_and_url(document: Document) -> str:
 
 def _is_range_of(functions: RangeFunctions, layout: Layout) -> bool:
     return any(candidate.name == layout.name for candidate in functions.layouts)
+
+
+def manual_of(device: Device) -> str:
+    """Return the title and revision of a manual, with the editions that it was compared with."""
+    manual = device.manual
+    editions = ", ".join(f"{edition.language} {edition.revision}" for edition in manual.editions)
+    dated = f" of {manual.date}" if manual.date else ""
+    compared = f", compared with: {editions}" if editions else ""
+    return f'"{manual.title}", revision {manual.revision}{dated} ({manual.language}{compared})'
 
 
 def views_of(device: Device, passing: Passing = BY_VALUE) -> Sequence[DeviceView]:

@@ -246,27 +246,31 @@ class FrameReports:
 
     @property
     def worse(self) -> Iterator[tuple[Expr, Verdict]]:
-        """The conditions of verdicts worse than ``otherwise``, worst first."""
-        conditions = {verdict: self._any(speaking) for verdict, speaking in self._levels}
-        if self.judgement is not None and self.judgement.may_be_unknown:
-            has_no_judge = Operation("==", (self.family.scope.of(self.judgement.judging_bits), Number(0)))
-            conditions[Verdict.UNKNOWN] = has_no_judge
-        for verdict in Verdict:
-            if verdict in conditions:
-                yield conditions[verdict], verdict
+        """The conditions of verdicts worse than ``otherwise``, worst first, several of the same verdict one by one.
 
-    def _any(self, speaking: Sequence[VerdictCause]) -> Expr:
-        """Return the condition that one of these is active. Unused bits are checked together."""
-        conditions, unused = [], []
-        for cause in speaking:
+        Compilers that see flags joined by ``||`` load neighbouring members as one number, so that the decoder must
+        store them first. Apart, they become one test of the bits of the frame.
+        """
+        if self.judgement is None:
+            return
+        levels = dict(self._levels)
+        for verdict in Verdict:
+            if verdict is Verdict.UNKNOWN and self.judgement.may_be_unknown:
+                yield Operation("==", (self.family.scope.of(self.judgement.judging_bits), Number(0))), verdict
+            else:
+                yield from ((condition, verdict) for condition in self._conditions(levels.get(verdict, ())))
+
+    def _conditions(self, causes: Sequence[VerdictCause]) -> Iterator[Expr]:
+        """Yield the condition that each of these is active. Unused bits are checked together."""
+        unused = []
+        for cause in causes:
             if isinstance(cause.by, Reserved):
                 unused.append(cause.by)
                 continue
             terms = (*map(self._holds, cause.conditions), *self._active(cause.by), *map(_inactive, cause.unless))
-            conditions.append(joined("&&", terms))
+            yield joined("&&", terms)
         if unused:
-            conditions.append(self._differ(unused))
-        return joined("||", tuple(conditions))
+            yield self._differ(unused)
 
     def _differ(self, unused: Sequence[Reserved]) -> Expr:
         """Return the condition that some of these bits differ from the manual."""

@@ -35,6 +35,7 @@ from .comments import break_lines, comment, comment_lines, documented, end_comme
 from .crc_functions import FoldOperation
 from .decode import ByteIs, FlagsIn, Positions, UnusedAre, UnusedIn
 from .device import DeviceView, Part, views_of
+from .errata_page import ERRATA_TEMPLATE, ErrataPage, errata_files
 from .examples import ExampleCode
 from .names import (
     BY_ADDRESS,
@@ -64,6 +65,7 @@ from .package import (
     package_files,
 )
 from .procedures import FilledRows
+from .runtime_files import needed_runtime
 from .selftest import AllTests, FamilyTest, SelfTest, Work, own_test, selftest_files
 from .single import TEMPLATE as SINGLE_TEMPLATE
 from .single import SingleHeader, single_header, single_path, single_views
@@ -194,7 +196,8 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     for device, clash in clashes((view.device, view.names) for view in views):
         raise TargetError(f"{device.name}: {called(clash.path)}: {clash.message()}")
     if views:
-        files |= {f"c/include/{FOLDER}/{name}": text for name, text in runtime_headers().items()} | licence_in("c")
+        runtime = needed_runtime(views) if options.get(ONLY.name) else runtime_headers()
+        files |= {f"c/include/{FOLDER}/{name}": text for name, text in runtime.items()} | licence_in("c")
     if views and not passing.by_address:
 
         def rendered(template: str, values: Mapping[str, object]) -> str:
@@ -202,8 +205,10 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
 
         tests = [test for test in map(SelfTest, views) if test.checks]
         shared = selftest_files(views, tests, rendered)
-        shared |= package_files(views, [*shared, *(test.path for test in tests)], rendered)
-        shared |= dict(assumptions_files(library, rendered))
+        shared |= package_files(views, runtime, [*shared, *(test.path for test in tests)], rendered)
+        chosen_makers = Library(tuple(devices)).by_manufacturer()
+        shared |= dict(assumptions_files(chosen_makers, rendered))
+        shared |= dict(errata_files(chosen_makers, rendered))
         files |= {f"c/{path}": text for path, text in shared.items()}
     return files
 
@@ -297,6 +302,7 @@ TEMPLATES = Templates(
         "selftest.h.jinja": AllTests,
         SINGLE_TEMPLATE: SingleHeader,
         TEMPLATE: Assumptions,
+        ERRATA_TEMPLATE: ErrataPage,
         **dict.fromkeys(FILES.values(), Package),
         **dict.fromkeys(FOUND_BY_NAME.values(), Named),
     },

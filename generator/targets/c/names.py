@@ -22,6 +22,11 @@ PREFIX = "cw_"
 TAKEN = (FOLDER, PREFIX.rstrip("_"))
 
 
+def errata_page_name(maker: str) -> str:
+    """Return the file name of the page with the errata of a manufacturer."""
+    return f"ERRATA-{maker}.md"
+
+
 @cache
 def runtime_headers() -> dict[str, str]:
     """Return the texts of the headers by their file names."""

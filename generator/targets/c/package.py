@@ -12,11 +12,11 @@ from ...model.record import dataclass
 from ...plan.crcs import Residual, residual
 from ...plan.verdicts import reportings
 from ...say.names_and_places import words
-from .. import Library, main_manufacturer, manufacturers
+from .. import main_manufacturer, manufacturers
 from .comments import ascii_text
 from .device import CrcCode, DeviceView
 from .examples import ExampleCode, ShownRegister, ShownRun, example_codes
-from .names import FOLDER, c_name, runtime_headers
+from .names import FOLDER, c_name
 from .procedures import ProcedureCode
 from .variants import CodeRow
 
@@ -43,10 +43,10 @@ class Assumptions(TypedDict):
 
 
 def assumptions_files(
-    library: Library, render: Callable[[str, Mapping[str, object]], str]
+    makers: Iterable[tuple[Manufacturer, tuple[Device, ...]]], render: Callable[[str, Mapping[str, object]], str]
 ) -> Iterator[tuple[str, str]]:
     """Yield the page of each manufacturer, by its path in the C folder."""
-    for maker, devices in library.by_manufacturer():
+    for maker, devices in makers:
         interfaces = [interface for device in devices for interface in device.interfaces]
         values: Assumptions = {
             "maker": maker,
@@ -190,11 +190,14 @@ class Package(Named):
     with_bitwise: Annotated[list[str], "the uppercase names of manufacturers with a CRC that can do without a table"]
     longest: Annotated[ProcedureCode | None, "the procedure with parameters that has the most steps"]
     headers: Annotated[list[str], "all headers, as they are included"]
+    runtime: Annotated[list[str], "the file names of the headers of the runtime"]
     examples: Annotated[list[str], "the names of the programs"]
     tests: Annotated[list[str], "the C files of the self-test, keyed by their path within the folder"]
 
 
-def package_files(views: Sequence[DeviceView], tests: Iterable[str], render: Render) -> dict[str, str]:
+def package_files(
+    views: Sequence[DeviceView], runtime: Iterable[str], tests: Iterable[str], render: Render
+) -> dict[str, str]:
     """Return the files of the package that are not those of a family nor ``tests``, by their path in the C folder."""
     programs = [example for view in views for example in example_codes(view)]
     programs_of_views: list[ExampleCode | ReceiverCode] = [*programs, *receiver_codes(programs)]
@@ -215,7 +218,8 @@ def package_files(views: Sequence[DeviceView], tests: Iterable[str], render: Ren
         "with_tables": _with_crcs(views, lambda crc: not crc.by_bits and bool(crc.table)),
         "with_bitwise": _with_crcs(views, lambda crc: crc.by_bits),
         "longest": max(procedures, key=lambda procedure: procedure.count, default=None),
-        "headers": [*family_headers, *(f"{FOLDER}/{name}" for name in runtime_headers())],
+        "headers": [*family_headers, *(f"{FOLDER}/{name}" for name in runtime)],
+        "runtime": list(runtime),
         "examples": [program.name for program in programs_of_views],
         "tests": sorted(path for path in tests if path.endswith(".c")),
     }

@@ -45,8 +45,8 @@ _OTHER_PARAGRAPHS = (
 _OTHER_SENTENCES = ("Steps: ", "With 0 in place of the CRC")
 _WORD = re.compile(r"\b[A-Za-z_]\w*\b")
 _SENTENCE_END = re.compile(r"(?<=[.:])\s(?=[A-Z])")
-#: Hints at other editions, which refer to a page.
-_EDITION = re.compile(r"^(Before|In) edition .*: (may differ|differs)\. See the encoder's page\.$")
+#: A condition on one line, after which the function only returns a result.
+_GUARD = re.compile(r"^(?P<condition> +if \(.*\) \{)\n +(?P<result>return [^;\n]*;)\n +\}\n(?! *else)", re.MULTILINE)
 
 
 class SingleHeader(TypedDict):
@@ -206,7 +206,7 @@ class SingleCode:
         named_code = self.named(unmarked_code)
         if declaration.has_macro:
             named_code = _refilled_macro(named_code)
-        return self._in_comment(comment) + break_lines(_with_head_in_line(named_code))
+        return self._in_comment(comment) + break_lines(_with_guards_in_line(_with_head_in_line(named_code)))
 
     def _without_argument(self, comment: str, code: str) -> tuple[str, str]:
         """Return a macro that takes no order code, since there is only one."""
@@ -242,7 +242,7 @@ class SingleCode:
         text = " ".join(lines)
         if lines[0].startswith((" ", "@")) or not text:
             return [self.named(line) for line in lines]
-        if _EDITION.match(text) or text.startswith(_OTHER_PARAGRAPHS):
+        if text.startswith(_OTHER_PARAGRAPHS):
             return []
         sentences = [sentence for sentence in _SENTENCE_END.split(text) if not self._is_about_absent(sentence)]
         new_text = self.named(" ".join(sentences))
@@ -297,6 +297,16 @@ def _with_head_in_line(code: str) -> str:
     if len(before_arguments) >= COLUMNS:
         return f"{marks.rstrip()}\n{head}{code[function.end(2) :]}"
     return f"{marks}{head}{code[function.end(2) :]}"
+
+
+def _with_guards_in_line(code: str) -> str:
+    """Return a function in which each condition that only returns a result is one line, if it fits."""
+    return _GUARD.sub(_guard_in_line, code)
+
+
+def _guard_in_line(guard: re.Match[str]) -> str:
+    line = f"{guard['condition']} {guard['result']} }}"
+    return guard[0] if len(line) > COLUMNS or "/*" in line else f"{line}\n"
 
 
 def _refilled_macro(code: str) -> str:

@@ -75,6 +75,10 @@ static inline uint32_t cw_received_zeros(uint32_t value)
         left = (left << 4U) << 4U; /* SDCC 4.2 miscompiles <<= 8 for STM8 */
         zeros += 8U;
     }
+    if (left < 0x10000000U) {
+        left <<= 4U;
+        zeros += 4U;
+    }
     while (left < 0x80000000U) {
         left <<= 1U;
         zeros++;
@@ -113,21 +117,20 @@ static inline uint64_t cw_received_bits(const uint8_t *rx, size_t first, uint32_
 }
 
 /**
- * Return up to 64 bits of a buffer as a number, as cw_received_bits does, but faster.
+ * Load 64 bits of a buffer in two halves. The bit at first becomes the most significant one, and the
+ * 56 bits after it follow. Bits after the end of the buffer are 0.
  *
  * @param rx  the buffer
- * @param size  number of bytes in it
- * @param first  index of the first bit
- * @param bits  number of bits, all of which must be in the buffer
+ * @param size  number of bytes in it, at least 8
+ * @param first  index of the first bit, which must be in the buffer
+ * @param upper  the half with the first bit
+ * @param lower  the other half
  */
-static inline uint64_t cw_received_word(
-    const uint8_t *rx, size_t size, size_t first, uint32_t bits)
+static inline void cw_received_halves(
+    const uint8_t *rx, size_t size, size_t first, uint32_t *upper, uint32_t *lower)
 {
-    const size_t wanted = (first / 8U) + 8U;
-    if ((size < 8U) || (bits == 0U) || (bits > 57U)) {
-        return cw_received_bits(rx, first, bits);
-    }
     /* Take 8 bytes from the one with the first bit on, or the last 8, and drop the bits before. */
+    const size_t wanted = (first / 8U) + 8U;
     const size_t end = (wanted > size) ? size : wanted;
     const size_t before = (first + 64U) - (8U * end);
     uint32_t high = cw_received_4_bytes(&rx[end - 8U]);
@@ -138,8 +141,13 @@ static inline uint64_t cw_received_word(
         low = 0U;
         drop -= 32U;
     }
-    high = (high << drop) | ((low >> 1U) >> (31U - drop));
-    low <<= drop;
+    *upper = (high << drop) | ((low >> 1U) >> (31U - drop));
+    *lower = low << drop;
+}
+
+/** Return the highest 1 to 63 bits of two halves as a number. */
+static inline uint64_t cw_received_highest(uint32_t high, uint32_t low, uint32_t bits)
+{
     if (bits > 32U) {
         const uint32_t more = 64U - bits;
         const uint32_t above = high >> more;
@@ -327,10 +335,22 @@ static inline cw_result cw_biss_receive_bits(
     if ((bits > 64U) || (stop > received)) {
         return CW_FAULT_LENGTH;
     }
-    if ((stop < received) && (cw_received_bit(rx, stop) != 0U)) {
+    if ((received < 57U) || (bits == 0U) || (bits > 56U)) {
+        if ((stop < received) && (cw_received_bit(rx, stop) != 0U)) {
+            return CW_FAULT_CONSTANT;
+        }
+        *word = cw_received_bits(rx, first, bits);
+        return CW_OK;
+    }
+    /* Load the word and the stop bit at once. A stop bit after the buffer is 0. */
+    uint32_t high = 0U;
+    uint32_t low = 0U;
+    cw_received_halves(rx, (received + 7U) / 8U, first, &high, &low);
+    const uint32_t half = (bits > 31U) ? low : high;
+    if (((half & (0x80000000U >> (bits % 32U))) != 0U) && (stop < received)) {
         return CW_FAULT_CONSTANT;
     }
-    *word = cw_received_word(rx, (received + 7U) / 8U, first, bits);
+    *word = cw_received_highest(high, low, bits);
     return CW_OK;
 }
 
@@ -373,6 +393,40 @@ static inline cw_result cw_biss_receive_cds(const uint8_t *rx, size_t size, bool
 /* -- SSI --------------------------------------------------------------------------------------- */
 
 /**
+ * Return up to 64 bits as a number. Since they begin at bit 1, this needs no general shift.
+ *
+ * @param rx  the buffer, which must hold the bits
+ * @param bits  number of bits
+ */
+static inline uint64_t cw_ssi_word(const uint8_t *rx, uint32_t bits)
+{
+    const size_t last = (size_t)bits / 8U;
+    const uint32_t used = (bits % 8U) + 1U;
+    uint32_t upper = 0U;
+    uint32_t lower = 0U;
+    uint32_t byte = 0x7FU & (uint32_t)rx[0];
+    size_t at = 0U;
+    if (last == 3U) {
+        return (cw_received_4_bytes(rx) & 0x7FFFFFFFU) >> (8U - used);
+    }
+    if (last > 3U) {
+        lower = cw_received_4_bytes(rx) & 0x7FFFFFFFU;
+        byte = rx[4];
+        at = 4U;
+    }
+    while (at < last) {
+        upper = (upper << 8U) | (lower >> 24U);
+        lower = (lower << 8U) | byte;
+        at++;
+        byte = rx[at];
+    }
+    /* Use 1 to 8 bits of the last byte. */
+    upper = (upper << used) | (lower >> (32U - used));
+    lower = (lower << used) | (byte >> (8U - used));
+    return ((uint64_t)upper << 32U) | lower;
+}
+
+/**
  * Extract the word from the bits received on the data line, one bit for each clock:
  *
  *   1        D ... D    0      0 or 1 ...
@@ -407,7 +461,7 @@ static inline cw_result cw_ssi_receive(
     if (cw_received_bit(rx, 0U) == 0U) {
         return CW_FAULT_LINE_LOW;
     }
-    found = cw_received_bits(rx, 1U, bits);
+    found = cw_ssi_word(rx, bits);
     if (cw_received_bit(rx, (size_t)bits + 1U) != 0U) {
         return (found == cw_mask(bits)) ? CW_FAULT_LINE_HIGH : CW_FAULT_CONSTANT;
     }

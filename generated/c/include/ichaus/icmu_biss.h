@@ -27,8 +27,8 @@
  *          http://www.datasheetandpdf.com/EN/ICHAUS/29/IC-MU150.htm
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
- * page gives the printed text, what is used instead, and the reason.
+ * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-ichaus.md
+ * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, where a function does not say more:
  *   variant     an order code, ICHAUS_ICMU_BISS_IC_MU_28_2 for example

@@ -531,7 +531,7 @@ static inline cw_result ichaus_icmu_biss_reg_profile_id_decode(
     return CW_OK;
 }
 
-/** Encode 2 bytes. */
+/** Encode 2 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_profile_id_encode(
@@ -602,7 +602,7 @@ static inline cw_result ichaus_icmu_biss_reg_serial_number_decode(
     return CW_OK;
 }
 
-/** Encode 4 bytes. */
+/** Encode 4 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_serial_number_encode(
@@ -954,7 +954,7 @@ static inline cw_result ichaus_icmu_biss_reg_device_id_decode(
     return CW_OK;
 }
 
-/** Encode 6 bytes. */
+/** Encode 6 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_device_id_encode(
@@ -1032,7 +1032,7 @@ static inline cw_result ichaus_icmu_biss_reg_manufacturer_id_decode(
     return CW_OK;
 }
 
-/** Encode 2 bytes. */
+/** Encode 2 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result ichaus_icmu_biss_reg_manufacturer_id_encode(

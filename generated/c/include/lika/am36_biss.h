@@ -31,8 +31,8 @@
  * Sections and pages are cited in brackets.
  * Evidence: manual (all pages of the manufacturer's document were read).
  *
- * Differences from other editions of the manual are noted inline. For the files of another edition,
- * use codewheel generate --edition am36=1.0.
+ * Differences from other editions of the manual are noted in ERRATA-lika.md. For the files of
+ * another edition, use codewheel generate --edition am36=1.0.
  *
  * Other documents, cited by the word before the colon:
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
@@ -45,8 +45,8 @@
  *                  https://manualshive.com/en/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-21.html
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
- * page gives the printed text, what is used instead, and the reason.
+ * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
+ * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, where a function does not say more:
  *   variant     an order code, LIKA_AM36_BISS_AM3616_4096_I7 for example
@@ -122,8 +122,6 @@ extern "C" {
  * as a resolution is written, the position has the number of bits given by registers 56h and 57h.
  * Erratum: The number of bits for 2,000 revolutions and the like is not given (open, omission).
  * Used: The number of bits is read from register 57h, not computed.
- * In edition 1.1: differs. See the encoder's page.
- * In edition 1.1: may differ. See the encoder's page.
  */
 
 /** An order code: the values that differ between the order codes of this interface. */
@@ -241,8 +239,6 @@ typedef enum lika_am36_biss_report {
  * Used: The registers and the frame use 65,536.
  * Erratum: The rule for the BiSS time-out is missing (open, omission). Used: The time-out is at
  * most 10 us.
- * In edition 1.1: differs. See the encoder's page.
- * In edition 1.1: may differ. See the encoder's page.
  */
 #define LIKA_AM36_BISS_CLOCK_MIN_HZ 200000U /**< Clock: 200 kHz to 10 MHz [6.6 p.32]. */
 #define LIKA_AM36_BISS_CLOCK_MAX_HZ 10000000U /**< highest clock in Hz */

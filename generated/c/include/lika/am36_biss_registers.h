@@ -42,7 +42,6 @@ extern "C" {
  * 0-24".
  * Erratum: The profile ID 0000h does not fit the variant 0-24 (open, wrong data). Used: The value
  * is 00 00. The generated files do not derive a data length from it.
- * In edition 1.1: may differ. See the encoder's page.
  *   bits 15:0  profile
  */
 typedef struct lika_am36_biss_reg_profile_id {
@@ -72,7 +71,7 @@ static inline cw_result lika_am36_biss_reg_profile_id_decode(
     return CW_OK;
 }
 
-/** Encode 2 bytes. */
+/** Encode 2 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_profile_id_encode(
@@ -132,7 +131,6 @@ static inline cw_result lika_am36_biss_read_profile_id(
  * Erratum: The coding of year, week and serial number is not given (open, wrong data). Used: The
  * values are plain binary numbers. The year is the plain value of its byte. 46h is the high byte of
  * the serial number.
- * In edition 1.1: may differ. See the encoder's page.
  */
 typedef struct lika_am36_biss_reg_serial_number {
     uint8_t year; /**< Year of production, register 44h. */
@@ -164,7 +162,7 @@ static inline cw_result lika_am36_biss_reg_serial_number_decode(
     return CW_OK;
 }
 
-/** Encode 4 bytes. */
+/** Encode 4 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_serial_number_encode(
@@ -208,7 +206,6 @@ static inline cw_result lika_am36_biss_read_serial_number(
  * sets the preset to zero. The preset must then be written again.
  * Erratum: Two sections disagree on when a new resolution clears the preset (open, omission). Used:
  * set_resolution saves the resolution first, and only then writes and activates the preset.
- * In edition 1.1: may differ. See the encoder's page.
  * Function.
  */
 #define LIKA_AM36_BISS_REG_COMMAND_ADDRESS 0x48U
@@ -310,7 +307,6 @@ typedef enum lika_am36_biss_enable_preset {
  * Counting direction is bit 6.
  * Erratum: The preset example writes one bit instead of the whole byte (settled, wrong data). Used:
  * Register 49h is set to 20h, with bit 2 at 0 and the other bits at their defaults.
- * In edition 1.1: differs. See the encoder's page.
  *   bit 7     -                   Always zero.
  *   bit 6     counting_direction
  *   bit 5     output_code
@@ -473,7 +469,7 @@ static inline cw_result lika_am36_biss_reg_information_per_revolution_decode(
     return CW_OK;
 }
 
-/** Encode 3 bytes. */
+/** Encode 3 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_information_per_revolution_encode(
@@ -594,7 +590,7 @@ static inline cw_result lika_am36_biss_reg_number_of_revolutions_decode(
     return CW_OK;
 }
 
-/** Encode 2 bytes. */
+/** Encode 2 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_number_of_revolutions_encode(
@@ -715,7 +711,7 @@ static inline cw_result lika_am36_biss_reg_preset_decode(
     return CW_OK;
 }
 
-/** Encode 5 bytes. */
+/** Encode 5 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_preset_encode(
@@ -771,7 +767,6 @@ static inline cw_result lika_am36_biss_write_preset(
 /**
  * Device type, register 55h, read only, over BiSS C-mode [6.5 p.31].
  * Type of the device.
- * In edition 1.1: may differ. See the encoder's page.
  * 02: multiturn rotary encoder with BiSS C interface. Holds 02h, which identifies the encoder. The
  * decoder also accepts other values.
  */
@@ -879,7 +874,6 @@ static inline cw_result lika_am36_biss_read_multiturn_bits_used(
  * Erratum: The BiSS models are printed with 17 instead of I7 (settled, wrong limit). Used: I7 is
  * the code for BiSS. 17 is also accepted and shown as unlisted.
  * Erratum: All models share one device ID (open, omission). Used: The device ID is used as printed.
- * In edition 1.1: may differ. See the encoder's page.
  *   bits 47:32  model
  *   bits 31:16  interface_code
  *   bits 15:8   enclosure
@@ -927,7 +921,7 @@ static inline cw_result lika_am36_biss_reg_device_id_decode(
     return CW_OK;
 }
 
-/** Encode 6 bytes. */
+/** Encode 6 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_device_id_encode(
@@ -989,7 +983,6 @@ static inline cw_result lika_am36_biss_read_device_id(
  * Manufacturer ID, registers 7Eh to 7Fh, read only, over BiSS C-mode [6.5 p.32].
  * Manufacturer.
  * Byte order: high byte first, at 7Eh.
- * In edition 1.1: may differ. See the encoder's page.
  *   bits 15:0  name
  */
 typedef struct lika_am36_biss_reg_manufacturer_id {
@@ -1020,7 +1013,7 @@ static inline cw_result lika_am36_biss_reg_manufacturer_id_decode(
     return CW_OK;
 }
 
-/** Encode 2 bytes. */
+/** Encode 2 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_reg_manufacturer_id_encode(

@@ -31,7 +31,7 @@ static inline cw_result lika_am36_biss_set_position(
     return CW_OK;
 }
 
-/** Encode a word. */
+/** Encode a word. The last bit sent is bit 0. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_am36_biss_encode(

@@ -32,8 +32,8 @@
  * Sections and pages are cited in brackets.
  * Evidence: manual (all pages of the manufacturer's document were read).
  *
- * Differences from other editions of the manual are noted inline. For the files of another edition,
- * use codewheel generate --edition am36=1.0.
+ * Differences from other editions of the manual are noted in ERRATA-lika.md. For the files of
+ * another edition, use codewheel generate --edition am36=1.0.
  *
  * Other documents, cited by the word before the colon:
  *   am36_1_1: AMx36 manual, English edition 1.1, Lika Electronic, single pages -
@@ -43,8 +43,8 @@
  *                  https://manualshive.com/en/manual/lika/am-3616-4096bg-series/am-3616-4096bg-series_user-manual_1915910-21.html
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
- * page gives the printed text, what is used instead, and the reason.
+ * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
+ * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, where a function does not say more:
  *   variant     an order code, LIKA_AM36_SSI_AM3619_4096_GG for example
@@ -115,8 +115,6 @@ extern "C" {
  * Used: The registers and the frame use 65,536.
  * Erratum: The number of positions with 28 bits has a wrong digit (settled, wrong limit). Used:
  * 268,435,456.
- * In edition 1.1: differs. See the encoder's page.
- * In edition 1.1: may differ. See the encoder's page.
  */
 
 /** An order code: the values that differ between the order codes of this interface. */
@@ -174,7 +172,6 @@ static inline uint32_t lika_am36_ssi_position_bits(lika_am36_ssi variant)
  * Both limits are listed as printed.
  * Erratum: The SSI pause is "at least" 12 us in words and above it in signs (open, wrong limit).
  * Used: The minimum is 12 us.
- * In edition 1.1: may differ. See the encoder's page.
  */
 #define LIKA_AM36_SSI_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 3 MHz [5.3]. */
 #define LIKA_AM36_SSI_CLOCK_MAX_HZ 3000000U /**< highest clock in Hz */

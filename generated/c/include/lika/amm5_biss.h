@@ -30,10 +30,8 @@
  * Sections and pages are cited in brackets.
  * Evidence: manual (all pages of the manufacturer's document were read).
  *
- * Differences from other editions of the manual are noted inline. For the files of another edition,
- * use codewheel generate --edition amm5=1.0.
- * Before edition 1.4: may differ. See the encoder's page.
- * Before edition 1.3: may differ. See the encoder's page.
+ * Differences from other editions of the manual are noted in ERRATA-lika.md. For the files of
+ * another edition, use codewheel generate --edition amm5=1.0.
  *
  * Other documents, cited by the word before the colon:
  *   prot: BiSS Interface, Protocol Description (BiSS C), revision C6, iC-Haus
@@ -41,8 +39,8 @@
  *   icmu: iC-MU data sheet, iC-Haus - http://www.datasheetandpdf.com/EN/ICHAUS/30/IC-MU_17.htm
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
- * page gives the printed text, what is used instead, and the reason.
+ * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
+ * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, where a function does not say more:
  *   variant     an order code, LIKA_AMM5_BISS_A21_65KSC1 for example
@@ -96,8 +94,6 @@ extern "C" {
  * belongs to the ...BG1-... and ...SC1-... order codes.
  * Erratum: The table of word lengths has 65KKG1 instead of 65KBG1 (settled, wrong limit). Used:
  * 65KBG1.
- * Before edition 1.8: differs. See the encoder's page.
- * Before edition 1.6: differs. See the encoder's page.
  */
 
 /** An order code: the values that differ between the order codes of this interface. */
@@ -204,7 +200,6 @@ typedef enum lika_amm5_biss_report {
  * files have no profile ID.
  * Erratum: The lowest clock is below the range of BiSS (open, wrong limit). Used: The lowest clock
  * is 50 kHz.
- * Before edition 1.4: may differ. See the encoder's page.
  */
 #define LIKA_AMM5_BISS_CLOCK_MIN_HZ 50000U /**< Clock: 50 kHz to 10 MHz [6.5 p.40]. */
 #define LIKA_AMM5_BISS_CLOCK_MAX_HZ 10000000U /**< highest clock in Hz */
@@ -433,12 +428,16 @@ CW_CONSTEXPR
 static inline cw_verdict lika_amm5_biss_verdict(
     lika_amm5_biss variant, const lika_amm5_biss_frame *frame)
 {
-    if (frame->error || ((variant.multiturn_bits != 0U) && (variant.low_battery_only == 0U) &&
-        frame->warning)) {
+    if (frame->error) {
         return CW_NOT_USABLE;
     }
-    if (((variant.multiturn_bits != 0U) && (variant.low_battery_only != 0U) && frame->warning) ||
-        ((variant.multiturn_bits == 0U) && frame->warning)) {
+    if ((variant.multiturn_bits != 0U) && (variant.low_battery_only == 0U) && frame->warning) {
+        return CW_NOT_USABLE;
+    }
+    if ((variant.multiturn_bits != 0U) && (variant.low_battery_only != 0U) && frame->warning) {
+        return CW_USABLE_WITH_WARNING;
+    }
+    if ((variant.multiturn_bits == 0U) && frame->warning) {
         return CW_USABLE_WITH_WARNING;
     }
     return CW_USABLE;

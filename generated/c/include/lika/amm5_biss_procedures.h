@@ -70,7 +70,6 @@ static inline cw_result lika_amm5_biss_set_preset_steps(
  * Before: The manual suggests setting the preset with the shaft at a standstill.
  * Result: The position at the moment of activation becomes the preset value. All other positions
  * shift accordingly.
- * Before edition 1.4: may differ. See the encoder's page.
  * Set, save and activate a preset, over BiSS C-mode. The transport needs read_registers,
  * write_registers and wait_us.
  *
@@ -141,7 +140,6 @@ static inline cw_result lika_amm5_biss_store_preset_steps(
 /**
  * Set and save a preset without activating it [6.4 p.35].
  * Result: The preset is saved. The position is the same as before.
- * Before edition 1.4: may differ. See the encoder's page.
  * Set and save a preset without activating it, over BiSS C-mode. The transport needs
  * read_registers, write_registers and wait_us.
  *
@@ -183,7 +181,6 @@ static inline const cw_step *lika_amm5_biss_save_parameters_steps(size_t *count)
 /**
  * Save the parameters [6.4 p.39].
  * Result: New register values are saved.
- * Before edition 1.4: may differ. See the encoder's page.
  * Save the parameters, over BiSS C-mode. The transport needs write_registers and wait_us.
  */
 CW_NODISCARD
@@ -215,7 +212,6 @@ static inline const cw_step *lika_amm5_biss_activate_preset_steps(size_t *count)
  * Activate the saved preset [6.4 p.39].
  * Before: The manual suggests activating the preset with the shaft at a standstill.
  * Result: The position at the moment of the command becomes the preset value.
- * Before edition 1.4: may differ. See the encoder's page.
  * Activate the saved preset, over BiSS C-mode. The transport needs write_registers and wait_us.
  */
 CW_NODISCARD

@@ -156,7 +156,7 @@ static inline cw_result lika_amm5_biss_reg_preset_decode(
     return CW_OK;
 }
 
-/** Encode 7 bytes. */
+/** Encode 7 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_preset_encode(
@@ -266,7 +266,6 @@ static inline cw_result lika_amm5_biss_write_preset_setting_enable(
  * Byte order: high byte first, at 44h.
  * Erratum: Sister manuals read the serial number in opposite byte orders (open, wrong data). Used:
  * The high byte comes first, as printed.
- * Before edition 1.7: may differ. See the encoder's page.
  *   bits 31:0  serial
  */
 typedef struct lika_amm5_biss_reg_serial_number {
@@ -324,7 +323,7 @@ static inline cw_result lika_amm5_biss_reg_serial_number_decode(
     return CW_OK;
 }
 
-/** Encode 4 bytes. */
+/** Encode 4 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_serial_number_encode(
@@ -378,7 +377,6 @@ static inline cw_result lika_amm5_biss_read_serial_number(
  * Wait at least 30 ms between a write and the next command.
  * Automatically returns to its default after a write.
  * After a command, the register automatically returns to 00.
- * Before edition 1.4: may differ. See the encoder's page.
  * Function.
  */
 #define LIKA_AMM5_BISS_REG_COMMAND_ADDRESS 0x77U
@@ -425,7 +423,6 @@ static inline cw_result lika_amm5_biss_write_command(
  * Name of the device and its hardware-software release.
  * Byte order: high byte first, at 78h.
  * Erratum: All models share one device ID (open, omission). Used: The device ID is used as printed.
- * Before edition 1.7: may differ. See the encoder's page.
  *   bits 47:16  name
  *   bits 15:0   release
  */
@@ -461,7 +458,7 @@ static inline cw_result lika_amm5_biss_reg_device_id_decode(
     return CW_OK;
 }
 
-/** Encode 6 bytes. */
+/** Encode 6 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_device_id_encode(
@@ -550,7 +547,7 @@ static inline cw_result lika_amm5_biss_reg_manufacturer_id_decode(
     return CW_OK;
 }
 
-/** Encode 2 bytes. */
+/** Encode 2 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_biss_reg_manufacturer_id_encode(

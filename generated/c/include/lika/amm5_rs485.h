@@ -29,10 +29,8 @@
  * Sections and pages are cited in brackets.
  * Evidence: manual (all pages of the manufacturer's document were read).
  *
- * Differences from other editions of the manual are noted inline. For the files of another edition,
- * use codewheel generate --edition amm5=1.0.
- * Before edition 1.4: may differ. See the encoder's page.
- * Before edition 1.3: may differ. See the encoder's page.
+ * Differences from other editions of the manual are noted in ERRATA-lika.md. For the files of
+ * another edition, use codewheel generate --edition amm5=1.0.
  *
  * Other documents, cited by the word before the colon:
  *   ti_sdk: TexasInstruments/motor-control-sdk, T-format and BiSS drivers -
@@ -40,8 +38,8 @@
  *   hpm_sdk: hpmicro/hpm_sdk, sample of a T-format encoder - https://github.com/hpmicro/hpm_sdk
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
- * page gives the printed text, what is used instead, and the reason.
+ * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
+ * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, where a function does not say more:
  *   variant     an order code, LIKA_AMM5_RS485_A23_65KJP1 for example
@@ -92,8 +90,6 @@ extern "C" {
  * belongs to the ...BG1-... and ...SC1-... order codes.
  * Erratum: The table of word lengths has 65KKG1 instead of 65KBG1 (settled, wrong limit). Used:
  * 65KBG1.
- * Before edition 1.8: differs. See the encoder's page.
- * Before edition 1.6: differs. See the encoder's page.
  */
 
 /** An order code: the values that differ between the order codes of this interface. */
@@ -156,11 +152,29 @@ static inline uint32_t lika_amm5_rs485_revolutions(lika_amm5_rs485 variant)
 CW_CONSTEXPR
 static inline uint8_t lika_amm5_rs485_crc_rs485_8(const uint8_t *bytes, size_t length)
 {
-    uint8_t crc = 0x00U;
-    for (size_t index = 0U; index < length; index++) {
-        crc = (uint8_t)(crc ^ bytes[index]);
+    uint32_t crc = 0x00U;
+    size_t index = 0U;
+#ifdef __ARM_FEATURE_UNALIGNED
+    /* Compilers turn each sum into one load. */
+    while ((length - index) > 3U) {
+        crc ^= (uint32_t)bytes[index] | ((uint32_t)bytes[index + 1U] << 8U) |
+            ((uint32_t)bytes[index + 2U] << 16U) | ((uint32_t)bytes[index + 3U] << 24U);
+        index += 4U;
     }
-    return crc;
+    crc ^= crc >> 16U;
+    crc ^= crc >> 8U;
+#else
+    /* Two bytes at a time leave half of the counting. */
+    while ((length - index) > 1U) {
+        crc ^= (uint32_t)bytes[index] ^ (uint32_t)bytes[index + 1U];
+        index += 2U;
+    }
+#endif
+    while (index < length) {
+        crc ^= bytes[index];
+        index++;
+    }
+    return (uint8_t)(crc & 0xFFU);
 }
 
 /* -- choices that the manual leaves open ------------------------------------------------------- */
@@ -264,7 +278,6 @@ typedef enum lika_amm5_rs485_report {
  * are given as printed.
  * Erratum: The reply time over RS-485 is missing (open, omission). Used: The generated files have
  * no reply time and no time-out.
- * Before edition 1.6: differs. See the encoder's page.
  */
 /** Baud rate: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.41]. */
 #define LIKA_AMM5_RS485_BAUD 2500000U
@@ -410,7 +423,7 @@ typedef struct lika_amm5_rs485_eeprom_write_request {
     uint8_t data; /**< EDF: Byte to write. */
 } lika_amm5_rs485_eeprom_write_request;
 
-/** Encode 4 bytes. */
+/** Encode 4 bytes in the order sent, low byte first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_write_request_encode(
@@ -466,7 +479,7 @@ typedef struct lika_amm5_rs485_eeprom_read_request {
     uint8_t address; /**< ADD6 ... ADD0: EEPROM address. */
 } lika_amm5_rs485_eeprom_read_request;
 
-/** Encode 3 bytes. */
+/** Encode 3 bytes in the order sent, low byte first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_read_request_encode(
@@ -550,7 +563,7 @@ typedef struct lika_amm5_rs485_singleturn_reply {
 } lika_amm5_rs485_singleturn_reply;
 
 /**
- * Decode 6 bytes.
+ * Decode 6 bytes in the order sent, low byte first.
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
@@ -610,7 +623,10 @@ static inline cw_verdict lika_amm5_rs485_singleturn_reply_verdict(
     lika_amm5_rs485 variant, const lika_amm5_rs485_singleturn_reply *frame)
 {
     (void)variant;
-    if (frame->status_st_error || frame->status_other_error) {
+    if (frame->status_st_error) {
+        return CW_NOT_USABLE;
+    }
+    if (frame->status_other_error) {
         return CW_NOT_USABLE;
     }
     if (frame->unused != 0U) {
@@ -680,7 +696,7 @@ typedef struct lika_amm5_rs485_multiturn_reply {
 } lika_amm5_rs485_multiturn_reply;
 
 /**
- * Decode 6 bytes.
+ * Decode 6 bytes in the order sent, low byte first.
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
@@ -735,7 +751,10 @@ static inline cw_verdict lika_amm5_rs485_multiturn_reply_verdict(
     lika_amm5_rs485 variant, const lika_amm5_rs485_multiturn_reply *frame)
 {
     (void)variant;
-    if (frame->status_st_error || frame->status_other_error) {
+    if (frame->status_st_error) {
+        return CW_NOT_USABLE;
+    }
+    if (frame->status_other_error) {
         return CW_NOT_USABLE;
     }
     if (frame->unused != 0U) {
@@ -805,7 +824,7 @@ typedef struct lika_amm5_rs485_encoder_id_reply {
 } lika_amm5_rs485_encoder_id_reply;
 
 /**
- * Decode 4 bytes.
+ * Decode 4 bytes in the order sent, low byte first.
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
@@ -966,7 +985,7 @@ typedef struct lika_amm5_rs485_complete_reply {
 } lika_amm5_rs485_complete_reply;
 
 /**
- * Decode 11 bytes.
+ * Decode 11 bytes in the order sent, low byte first.
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
@@ -1041,13 +1060,31 @@ CW_CONSTEXPR
 static inline cw_verdict lika_amm5_rs485_complete_reply_verdict(
     lika_amm5_rs485 variant, const lika_amm5_rs485_complete_reply *frame)
 {
-    if (frame->status_st_error || (frame->status_other_error && !frame->battery_alarm &&
-        !frame->mt_error) || frame->busy || frame->st_error || frame->ps_error ||
-        ((variant.multiturn_bits != 0U) && frame->mt_error)) {
+    if (frame->status_st_error) {
         return CW_NOT_USABLE;
     }
-    if (((variant.multiturn_bits == 0U) && frame->mt_error) || frame->battery_alarm ||
-        (frame->unused != 0U)) {
+    if (frame->status_other_error && !frame->battery_alarm && !frame->mt_error) {
+        return CW_NOT_USABLE;
+    }
+    if (frame->busy) {
+        return CW_NOT_USABLE;
+    }
+    if (frame->st_error) {
+        return CW_NOT_USABLE;
+    }
+    if (frame->ps_error) {
+        return CW_NOT_USABLE;
+    }
+    if ((variant.multiturn_bits != 0U) && frame->mt_error) {
+        return CW_NOT_USABLE;
+    }
+    if ((variant.multiturn_bits == 0U) && frame->mt_error) {
+        return CW_USABLE_WITH_WARNING;
+    }
+    if (frame->battery_alarm) {
+        return CW_USABLE_WITH_WARNING;
+    }
+    if (frame->unused != 0U) {
         return CW_USABLE_WITH_WARNING;
     }
     return CW_USABLE;
@@ -1131,7 +1168,7 @@ typedef struct lika_amm5_rs485_eeprom_write_reply {
 } lika_amm5_rs485_eeprom_write_reply;
 
 /**
- * Decode 4 bytes.
+ * Decode 4 bytes in the order sent, low byte first.
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
@@ -1156,12 +1193,12 @@ static inline cw_result lika_amm5_rs485_eeprom_write_reply_decode(
     if (lika_amm5_rs485_crc_rs485_8(bytes, LIKA_AMM5_RS485_EEPROM_WRITE_REPLY_LENGTH) != 0U) {
         return CW_FAULT_CRC;
     }
-    const uint8_t data_id = (uint8_t)((word >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)((word >> 7U) & 0x01U);
+    const uint8_t data_id = (uint8_t)(((uint32_t)word >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(((uint32_t)word >> 7U) & 0x01U);
     const uint8_t address =
         (uint8_t)cw_field(word, 8U + lika_amm5_rs485_eeprom_address_bit(eeprom_address), 7U);
-    const uint8_t data = (uint8_t)((word >> 16U) & 0xFFU);
-    if ((word & 0x07U) != 0x02U) { /* sync */
+    const uint8_t data = (uint8_t)(((uint32_t)word >> 16U) & 0xFFU);
+    if (((uint32_t)word & 0x07U) != 0x02U) { /* sync */
         return CW_FAULT_CONSTANT;
     }
     /* data ID of another frame, or its even parity is wrong */
@@ -1216,7 +1253,7 @@ typedef struct lika_amm5_rs485_eeprom_read_reply {
 } lika_amm5_rs485_eeprom_read_reply;
 
 /**
- * Decode 4 bytes.
+ * Decode 4 bytes in the order sent, low byte first.
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
@@ -1241,12 +1278,12 @@ static inline cw_result lika_amm5_rs485_eeprom_read_reply_decode(
     if (lika_amm5_rs485_crc_rs485_8(bytes, LIKA_AMM5_RS485_EEPROM_READ_REPLY_LENGTH) != 0U) {
         return CW_FAULT_CRC;
     }
-    const uint8_t data_id = (uint8_t)((word >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)((word >> 7U) & 0x01U);
+    const uint8_t data_id = (uint8_t)(((uint32_t)word >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(((uint32_t)word >> 7U) & 0x01U);
     const uint8_t address =
         (uint8_t)cw_field(word, 8U + lika_amm5_rs485_eeprom_address_bit(eeprom_address), 7U);
-    const uint8_t data = (uint8_t)((word >> 16U) & 0xFFU);
-    if ((word & 0x07U) != 0x02U) { /* sync */
+    const uint8_t data = (uint8_t)(((uint32_t)word >> 16U) & 0xFFU);
+    if (((uint32_t)word & 0x07U) != 0x02U) { /* sync */
         return CW_FAULT_CONSTANT;
     }
     /* data ID of another frame, or its even parity is wrong */

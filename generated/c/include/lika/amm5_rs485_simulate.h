@@ -51,7 +51,7 @@ static inline cw_result lika_amm5_rs485_data_request_decode(
 }
 
 /**
- * Decode 4 bytes.
+ * Decode 4 bytes in the order sent, low byte first.
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
@@ -76,12 +76,12 @@ static inline cw_result lika_amm5_rs485_eeprom_write_request_decode(
     if (lika_amm5_rs485_crc_rs485_8(bytes, LIKA_AMM5_RS485_EEPROM_WRITE_REQUEST_LENGTH) != 0U) {
         return CW_FAULT_CRC;
     }
-    const uint8_t data_id = (uint8_t)((word >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)((word >> 7U) & 0x01U);
+    const uint8_t data_id = (uint8_t)(((uint32_t)word >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(((uint32_t)word >> 7U) & 0x01U);
     const uint8_t address =
         (uint8_t)cw_field(word, 8U + lika_amm5_rs485_eeprom_address_bit(eeprom_address), 7U);
-    const uint8_t data = (uint8_t)((word >> 16U) & 0xFFU);
-    if ((word & 0x07U) != 0x02U) { /* sync */
+    const uint8_t data = (uint8_t)(((uint32_t)word >> 16U) & 0xFFU);
+    if (((uint32_t)word & 0x07U) != 0x02U) { /* sync */
         return CW_FAULT_CONSTANT;
     }
     /* mem busy */
@@ -98,7 +98,7 @@ static inline cw_result lika_amm5_rs485_eeprom_write_request_decode(
 }
 
 /**
- * Decode 3 bytes.
+ * Decode 3 bytes in the order sent, low byte first.
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
@@ -122,11 +122,11 @@ static inline cw_result lika_amm5_rs485_eeprom_read_request_decode(
     if (lika_amm5_rs485_crc_rs485_8(bytes, LIKA_AMM5_RS485_EEPROM_READ_REQUEST_LENGTH) != 0U) {
         return CW_FAULT_CRC;
     }
-    const uint8_t data_id = (uint8_t)((word >> 3U) & 0x0FU);
-    const uint8_t parity = (uint8_t)((word >> 7U) & 0x01U);
+    const uint8_t data_id = (uint8_t)(((uint32_t)word >> 3U) & 0x0FU);
+    const uint8_t parity = (uint8_t)(((uint32_t)word >> 7U) & 0x01U);
     const uint8_t address =
         (uint8_t)cw_field(word, 8U + lika_amm5_rs485_eeprom_address_bit(eeprom_address), 7U);
-    if ((word & 0x07U) != 0x02U) { /* sync */
+    if (((uint32_t)word & 0x07U) != 0x02U) { /* sync */
         return CW_FAULT_CONSTANT;
     }
     /* mem busy */
@@ -141,7 +141,7 @@ static inline cw_result lika_amm5_rs485_eeprom_read_request_decode(
     return CW_OK;
 }
 
-/** Encode 6 bytes. */
+/** Encode 6 bytes in the order sent, low byte first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_singleturn_reply_encode(
@@ -174,7 +174,7 @@ static inline cw_result lika_amm5_rs485_singleturn_reply_encode(
     return CW_OK;
 }
 
-/** Encode 6 bytes. */
+/** Encode 6 bytes in the order sent, low byte first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_multiturn_reply_encode(
@@ -200,7 +200,7 @@ static inline cw_result lika_amm5_rs485_multiturn_reply_encode(
     return CW_OK;
 }
 
-/** Encode 4 bytes. */
+/** Encode 4 bytes in the order sent, low byte first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_encoder_id_reply_encode(
@@ -237,7 +237,7 @@ static inline cw_result lika_amm5_rs485_complete_reply_set_position(
     return CW_OK;
 }
 
-/** Encode 11 bytes. */
+/** Encode 11 bytes in the order sent, low byte first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_complete_reply_encode(
@@ -277,7 +277,7 @@ static inline cw_result lika_amm5_rs485_complete_reply_encode(
     return CW_OK;
 }
 
-/** Encode 4 bytes. */
+/** Encode 4 bytes in the order sent, low byte first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_write_reply_encode(
@@ -309,7 +309,7 @@ static inline cw_result lika_amm5_rs485_eeprom_write_reply_encode(
     return CW_OK;
 }
 
-/** Encode 4 bytes. */
+/** Encode 4 bytes in the order sent, low byte first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_rs485_eeprom_read_reply_encode(

@@ -33,14 +33,12 @@
  * Sections and pages are cited in brackets.
  * Evidence: manual (all pages of the manufacturer's document were read).
  *
- * Differences from other editions of the manual are noted inline. For the files of another edition,
- * use codewheel generate --edition amm5=1.0.
- * Before edition 1.4: may differ. See the encoder's page.
- * Before edition 1.3: may differ. See the encoder's page.
+ * Differences from other editions of the manual are noted in ERRATA-lika.md. For the files of
+ * another edition, use codewheel generate --edition amm5=1.0.
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
- * page gives the printed text, what is used instead, and the reason.
+ * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
+ * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, where a function does not say more:
  *   variant     an order code, LIKA_AMM5_SSI_A23_65KBG1 for example
@@ -92,8 +90,6 @@ extern "C" {
  * belongs to the ...BG1-... and ...SC1-... order codes.
  * Erratum: The table of word lengths has 65KKG1 instead of 65KBG1 (settled, wrong limit). Used:
  * 65KBG1.
- * Before edition 1.8: differs. See the encoder's page.
- * Before edition 1.6: differs. See the encoder's page.
  */
 
 /** An order code: the values that differ between the order codes of this interface. */
@@ -158,7 +154,6 @@ static inline uint32_t lika_amm5_ssi_revolutions(lika_amm5_ssi variant)
  * Both limits are listed as printed.
  * Erratum: The SSI pause is "at least" 20 us in words and above it in signs (open, wrong limit).
  * Used: The minimum is 20 us.
- * Before edition 1.6: differs. See the encoder's page.
  */
 #define LIKA_AMM5_SSI_CLOCK_MIN_HZ 100000U /**< Clock: 100 kHz to 4 MHz [5.3 p.29]. */
 #define LIKA_AMM5_SSI_CLOCK_MAX_HZ 4000000U /**< highest clock in Hz */

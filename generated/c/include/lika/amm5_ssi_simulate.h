@@ -30,7 +30,7 @@ static inline cw_result lika_amm5_ssi_set_position(
     return CW_OK;
 }
 
-/** Encode a word. */
+/** Encode a word. The last bit sent is bit 0. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_amm5_ssi_encode(

@@ -85,7 +85,7 @@ static inline cw_result lika_asc85_biss_reg_profile_id_decode(
     return CW_OK;
 }
 
-/** Encode 2 bytes. */
+/** Encode 2 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_profile_id_encode(
@@ -166,7 +166,7 @@ static inline cw_result lika_asc85_biss_reg_serial_number_decode(
     return CW_OK;
 }
 
-/** Encode 4 bytes. */
+/** Encode 4 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_serial_number_encode(
@@ -609,7 +609,7 @@ static inline cw_result lika_asc85_biss_reg_position_decode(
     return CW_OK;
 }
 
-/** Encode 4 bytes. */
+/** Encode 4 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_position_encode(
@@ -817,7 +817,7 @@ static inline cw_result lika_asc85_biss_reg_device_id_decode(
     return CW_OK;
 }
 
-/** Encode 6 bytes. */
+/** Encode 6 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_device_id_encode(
@@ -906,7 +906,7 @@ static inline cw_result lika_asc85_biss_reg_manufacturer_id_decode(
     return CW_OK;
 }
 
-/** Encode 2 bytes. */
+/** Encode 2 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_asc85_biss_reg_manufacturer_id_encode(

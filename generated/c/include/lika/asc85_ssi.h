@@ -33,8 +33,8 @@
  * Evidence: manual (all pages of the manufacturer's document were read).
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
- * page gives the printed text, what is used instead, and the reason.
+ * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
+ * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, where a function does not say more:
  *   variant     an order code, LIKA_ASC85_SSI_25_GG1 for example

@@ -71,7 +71,7 @@ static inline cw_result lika_sma21_biss_reg_profile_id_decode(
     return CW_OK;
 }
 
-/** Encode 2 bytes. */
+/** Encode 2 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_profile_id_encode(
@@ -159,7 +159,7 @@ static inline cw_result lika_sma21_biss_reg_serial_number_decode(
     return CW_OK;
 }
 
-/** Encode 4 bytes. */
+/** Encode 4 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_serial_number_encode(
@@ -533,7 +533,7 @@ static inline cw_result lika_sma21_biss_reg_preset_offset_decode(
     return CW_OK;
 }
 
-/** Encode 4 bytes. */
+/** Encode 4 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_preset_offset_encode(
@@ -723,7 +723,7 @@ static inline cw_result lika_sma21_biss_reg_device_id_decode(
     return CW_OK;
 }
 
-/** Encode 6 bytes. */
+/** Encode 6 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_device_id_encode(
@@ -814,7 +814,7 @@ static inline cw_result lika_sma21_biss_reg_manufacturer_id_decode(
     return CW_OK;
 }
 
-/** Encode 2 bytes. */
+/** Encode 2 bytes, lowest address first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_biss_reg_manufacturer_id_encode(

@@ -29,17 +29,16 @@
  * Sections and pages are cited in brackets.
  * Evidence: manual (all pages of the manufacturer's document were read).
  *
- * Differences from other editions of the manual are noted inline. For the files of another edition,
- * use codewheel generate --edition sma21=1.0.
- * Before edition 1.1: may differ. See the encoder's page.
+ * Differences from other editions of the manual are noted in ERRATA-lika.md. For the files of
+ * another edition, use codewheel generate --edition sma21=1.0.
  *
  * Other documents, cited by the word before the colon:
  *   a4: Panasonic A4 series manual, answers of serial communication -
  *       http://office.manualsonline.com/manuals/mfg/panasonic/a4_series.html?p=298
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
- * page gives the printed text, what is used instead, and the reason.
+ * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
+ * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, where a function does not say more:
  *   variant     an order code, LIKA_SMA21_RS485_JP1_0005 for example
@@ -123,11 +122,29 @@ static CW_CONST lika_sma21_rs485 LIKA_SMA21_RS485_JP1_0001 = { 1U, 24U }; /**< S
 CW_CONSTEXPR
 static inline uint8_t lika_sma21_rs485_crc_rs485_8(const uint8_t *bytes, size_t length)
 {
-    uint8_t crc = 0x00U;
-    for (size_t index = 0U; index < length; index++) {
-        crc = (uint8_t)(crc ^ bytes[index]);
+    uint32_t crc = 0x00U;
+    size_t index = 0U;
+#ifdef __ARM_FEATURE_UNALIGNED
+    /* Compilers turn each sum into one load. */
+    while ((length - index) > 3U) {
+        crc ^= (uint32_t)bytes[index] | ((uint32_t)bytes[index + 1U] << 8U) |
+            ((uint32_t)bytes[index + 2U] << 16U) | ((uint32_t)bytes[index + 3U] << 24U);
+        index += 4U;
     }
-    return crc;
+    crc ^= crc >> 16U;
+    crc ^= crc >> 8U;
+#else
+    /* Two bytes at a time leave half of the counting. */
+    while ((length - index) > 1U) {
+        crc ^= (uint32_t)bytes[index] ^ (uint32_t)bytes[index + 1U];
+        index += 2U;
+    }
+#endif
+    while (index < length) {
+        crc ^= bytes[index];
+        index++;
+    }
+    return (uint8_t)(crc & 0xFFU);
 }
 
 /* -- reports ----------------------------------------------------------------------------------- */
@@ -179,9 +196,6 @@ typedef enum lika_sma21_rs485_report {
  * stays high until it is reset.
  * Erratum: The reply time over RS-485 is missing (open, omission). Used: The generated files have
  * no reply time and no time-out.
- * Before edition 1.1: differs. See the encoder's page.
- * Before edition 1.1: differs. See the encoder's page.
- * Before edition 1.1: differs. See the encoder's page.
  */
 /** Baud rate: 2,500,000 Bd, 8 data bits, no parity, 1 stop bit, no flow control [7.1 p.37]. */
 #define LIKA_SMA21_RS485_BAUD 2500000U
@@ -365,7 +379,7 @@ typedef struct lika_sma21_rs485_position_reply {
 } lika_sma21_rs485_position_reply;
 
 /**
- * Decode 7 bytes.
+ * Decode 7 bytes in the order sent, low byte first.
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
@@ -433,13 +447,37 @@ static inline cw_verdict lika_sma21_rs485_position_reply_verdict(
     lika_sma21_rs485 variant, const lika_sma21_rs485_position_reply *frame)
 {
     (void)variant;
-    if (frame->status_error || frame->overspeed || frame->initialization_error ||
-        frame->hardware_error || frame->encoder_inharmonious_error || frame->higher_track_error ||
-        frame->low_amplitude_error) {
+    if (frame->status_error) {
         return CW_NOT_USABLE;
     }
-    if (frame->status_alarm || frame->signal_strength_alarm || frame->temperature_alarm ||
-        (frame->unused != 0U)) {
+    if (frame->overspeed) {
+        return CW_NOT_USABLE;
+    }
+    if (frame->initialization_error) {
+        return CW_NOT_USABLE;
+    }
+    if (frame->hardware_error) {
+        return CW_NOT_USABLE;
+    }
+    if (frame->encoder_inharmonious_error) {
+        return CW_NOT_USABLE;
+    }
+    if (frame->higher_track_error) {
+        return CW_NOT_USABLE;
+    }
+    if (frame->low_amplitude_error) {
+        return CW_NOT_USABLE;
+    }
+    if (frame->status_alarm) {
+        return CW_USABLE_WITH_WARNING;
+    }
+    if (frame->signal_strength_alarm) {
+        return CW_USABLE_WITH_WARNING;
+    }
+    if (frame->temperature_alarm) {
+        return CW_USABLE_WITH_WARNING;
+    }
+    if (frame->unused != 0U) {
         return CW_USABLE_WITH_WARNING;
     }
     return CW_USABLE;
@@ -550,7 +588,7 @@ typedef struct lika_sma21_rs485_wide_position_reply {
 } lika_sma21_rs485_wide_position_reply;
 
 /**
- * Decode 9 bytes.
+ * Decode 9 bytes in the order sent, low byte first.
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
@@ -605,7 +643,10 @@ static inline cw_verdict lika_sma21_rs485_wide_position_reply_verdict(
     if (frame->status_error) {
         return CW_NOT_USABLE;
     }
-    if (frame->status_alarm || (frame->unused != 0U)) {
+    if (frame->status_alarm) {
+        return CW_USABLE_WITH_WARNING;
+    }
+    if (frame->unused != 0U) {
         return CW_USABLE_WITH_WARNING;
     }
     return CW_USABLE;
@@ -742,7 +783,7 @@ typedef struct lika_sma21_rs485_identification_reply {
 } lika_sma21_rs485_identification_reply;
 
 /**
- * Decode 9 bytes.
+ * Decode 9 bytes in the order sent, low byte first.
  *
  * @return CW_OK, or the first error. out is then unchanged.
  */
@@ -810,13 +851,37 @@ static inline cw_verdict lika_sma21_rs485_identification_reply_verdict(
     lika_sma21_rs485 variant, const lika_sma21_rs485_identification_reply *frame)
 {
     (void)variant;
-    if (frame->status_error || frame->overspeed || frame->initialization_error ||
-        frame->hardware_error || frame->encoder_inharmonious_error || frame->higher_track_error ||
-        frame->low_amplitude_error) {
+    if (frame->status_error) {
         return CW_NOT_USABLE;
     }
-    if (frame->status_alarm || frame->signal_strength_alarm || frame->temperature_alarm ||
-        (frame->unused != 0U)) {
+    if (frame->overspeed) {
+        return CW_NOT_USABLE;
+    }
+    if (frame->initialization_error) {
+        return CW_NOT_USABLE;
+    }
+    if (frame->hardware_error) {
+        return CW_NOT_USABLE;
+    }
+    if (frame->encoder_inharmonious_error) {
+        return CW_NOT_USABLE;
+    }
+    if (frame->higher_track_error) {
+        return CW_NOT_USABLE;
+    }
+    if (frame->low_amplitude_error) {
+        return CW_NOT_USABLE;
+    }
+    if (frame->status_alarm) {
+        return CW_USABLE_WITH_WARNING;
+    }
+    if (frame->signal_strength_alarm) {
+        return CW_USABLE_WITH_WARNING;
+    }
+    if (frame->temperature_alarm) {
+        return CW_USABLE_WITH_WARNING;
+    }
+    if (frame->unused != 0U) {
         return CW_USABLE_WITH_WARNING;
     }
     return CW_USABLE;

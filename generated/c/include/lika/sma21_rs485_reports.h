@@ -156,8 +156,6 @@ static inline const cw_report_text *lika_sma21_rs485_report_text(uint32_t report
 /**
  * Encoder inharmonious error: Not implemented [7.3.3 p.39, 7.3.3.1 p.40].
  * Flag: encoder_inharmonious_error in ALMC.
- * Before edition 1.1: differs. See the encoder's page.
- * Before edition 1.1: differs. See the encoder's page.
  */
 #define LIKA_SMA21_RS485_ALARM_ENCODER_INHARMONIOUS_ERROR_MASK 0x08U
 

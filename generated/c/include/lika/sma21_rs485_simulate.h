@@ -49,7 +49,7 @@ static inline cw_result lika_sma21_rs485_data_request_decode(
     return CW_OK;
 }
 
-/** Encode 7 bytes. */
+/** Encode 7 bytes in the order sent, low byte first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_position_reply_encode(
@@ -86,7 +86,7 @@ static inline cw_result lika_sma21_rs485_position_reply_encode(
     return CW_OK;
 }
 
-/** Encode 9 bytes. */
+/** Encode 9 bytes in the order sent, low byte first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_wide_position_reply_encode(
@@ -117,7 +117,7 @@ static inline cw_result lika_sma21_rs485_wide_position_reply_encode(
     return CW_OK;
 }
 
-/** Encode 9 bytes. */
+/** Encode 9 bytes in the order sent, low byte first. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_rs485_identification_reply_encode(

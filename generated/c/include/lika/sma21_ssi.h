@@ -32,13 +32,12 @@
  * Sections and pages are cited in brackets.
  * Evidence: manual (all pages of the manufacturer's document were read).
  *
- * Differences from other editions of the manual are noted inline. For the files of another edition,
- * use codewheel generate --edition sma21=1.0.
- * Before edition 1.1: may differ. See the encoder's page.
+ * Differences from other editions of the manual are noted in ERRATA-lika.md. For the files of
+ * another edition, use codewheel generate --edition sma21=1.0.
  *
  * An erratum is a place where the manual cannot be taken literally. It is settled if the manual
- * itself resolves it, and open if only the manufacturer or a test on hardware can. The encoder's
- * page gives the printed text, what is used instead, and the reason.
+ * itself resolves it, and open if only the manufacturer or a test on hardware can. ERRATA-lika.md
+ * gives the printed text, what is used instead, and the reason.
  *
  * Arguments and results, where a function does not say more:
  *   variant     an order code, LIKA_SMA21_SSI_BG1_0001 for example
@@ -322,7 +321,7 @@ static inline cw_result lika_sma21_ssi_decode(
         cw_from_gray(word, 1U, variant.position_bits) : word;
     const uint32_t position = (uint32_t)(plain >> 1U);
     out->position = position;
-    out->error = ((plain & 0x01U) == 0U);
+    out->error = (((uint32_t)plain & 0x01U) == 0U);
     return CW_OK;
 }
 

@@ -15,7 +15,7 @@
 extern "C" {
 #endif
 
-/** Encode a word. */
+/** Encode a word. The last bit sent is bit 0. */
 CW_NODISCARD
 CW_CONSTEXPR
 static inline cw_result lika_sma21_ssi_encode(

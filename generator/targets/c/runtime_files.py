@@ -1,0 +1,45 @@
+"""The headers of the runtime that the headers, examples and self-tests of some interfaces need."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator
+
+from ...model import Biss, Rs485, Spi
+from .device import DeviceView
+from .names import FOLDER, runtime_headers, runtime_tests
+
+#: Headers for every encoder: order codes, results, and the use of positions.
+_FOR_ALL = ("bits.h", "result.h", "result.hpp", "encoder.h", "angle.h", "tracker.h")
+_INCLUDE = re.compile(rf'^#include "(?:{FOLDER}/)?(\w+\.hp*)"', re.MULTILINE)
+
+
+def needed_runtime(views: Iterable[DeviceView]) -> dict[str, str]:
+    """Return the texts of the headers of the runtime that these interfaces need, by their file names."""
+    texts = runtime_headers()
+    waiting = [*_FOR_ALL, *(name for view in views for name in _for_interface(view))]
+    waiting += [name for test in runtime_tests().values() for name in _INCLUDE.findall(test)]
+    needed: set[str] = set()
+    while waiting:
+        name = waiting.pop()
+        if name not in needed:
+            needed.add(name)
+            waiting += _INCLUDE.findall(texts[name])
+    return {name: text for name, text in texts.items() if name in needed}
+
+
+def _for_interface(view: DeviceView) -> Iterator[str]:
+    """Yield the headers that the files of an interface include, and those that its users need for its registers."""
+    interface = view.context.interface
+    for part in view.parts:
+        yield from (name.removeprefix(f"{FOLDER}/") for name in part.includes if name.startswith(f"{FOLDER}/"))
+    if view.lengths.macros:
+        yield "receive_frame.h" if view.lengths.length else "receive.h"
+    if isinstance(interface, Spi):
+        yield "spi.h"
+    if isinstance(interface, Rs485):
+        yield "receive.h"
+    if isinstance(interface, Biss) and view.registers:
+        yield "biss_slave.h"
+    if view.procedures:
+        yield "runner.h"
