@@ -116,7 +116,7 @@ def _report_in_edition(inner_report: Report, revision: str, report: Report) -> N
         if problem not in reported:
             message = f"in edition {revision}: {problem.message}"
             place = (problem.file, problem.line, problem.column)
-            report.add_at(*place, problem.rule, message, path=problem.path, text=problem.text)
+            report.add_at(*place, problem.rule, message, problem.path, problem.text, problem.cause)
 
 
 def _change_lists(family: Family, revision: str) -> Iterator[tuple[int, str, str]]:
