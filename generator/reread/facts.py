@@ -119,7 +119,9 @@ class Citing:
         if option is None:
             return False
         label = option[1].casefold()
-        words = {word.casefold() for word in passage.old}
+        # A row with a new order code is next to rows of others.
+        adds_order_code = not passage.old and bool(_last_digits(word.casefold() for word in passage.new))
+        words = {word.casefold() for word in (passage.close if adds_order_code else passage.old)}
         # Labels of digits are often printed only at the end of an order code.
         return (_is_order_code_label(label) and label in words) or (label.isdigit() and label in _last_digits(words))
 

@@ -115,7 +115,9 @@ class TouchedFacts:
             scored_by_item.setdefault(fact.item, []).append(fact)
         for fact in [*self._with_changed_text(passage, facts), *_differing_values(scored_by_item, passage)]:
             listed[fact.path] = fact
-        for place, (item, item_facts) in enumerate(scored_by_item.items()):
+        items_of_listed = [fact.item for fact in listed.values() if fact.item in scored_by_item]
+        ordered_items = {item: scored_by_item[item] for item in (*items_of_listed, *scored_by_item)}
+        for place, (item, item_facts) in enumerate(ordered_items.items()):
             members = dict.fromkeys((*item_facts, *self._facts_by_item[item]))
             most = _OF_FIRST_ITEMS[place] if place < len(_OF_FIRST_ITEMS) else _OF_OTHER_ITEM
             listed.update((fact.path, fact) for fact in list(members)[:most])
@@ -170,6 +172,8 @@ class _Change:
     def __init__(self, passage: Passage) -> None:
         changed_words = [word for word in passage.old if word not in passage.new] or list(passage.old)
         self._text = spaced(" ".join(changed_words)) if changed_words and passage.new else ""
+        self._old_context = spaced(passage.shown[0]) if changed_words and passage.new else ""
+        self._adds_row = not passage.old
         self._before = spaced(passage.shown[0].partition("[")[0]) if passage.new else ""
         self._labels = {word for word in changed_words if _LABEL.fullmatch(word)}
         self._numbers = {word for word in _comparable_words(changed_words) if word[0].isdigit()}
@@ -180,7 +184,15 @@ class _Change:
         if isinstance(fact.value, int | float) and not isinstance(fact.value, bool) and fact.words & self._numbers:
             return True
         is_label = not self._labels.isdisjoint((*fact.path.split("."), str(fact.value)))
-        return is_label or (bool(self._text) and self._text in (fact.text, fact.own_name_text))
+        if self._adds_row:
+            return fact.path.startswith("order_code.parts.")
+        return is_label or any(map(self._is_changed_name, (fact.text, fact.own_name_text)))
+
+    def _is_changed_name(self, text: str) -> bool:
+        """Return whether a text is the changed one, or a name in the passage of which the change is a part."""
+        if not self._text or self._text not in text:
+            return False
+        return text == self._text or text in self._old_context
 
     def is_in(self, fact: Citing) -> bool:
         if isinstance(fact.value, int | float):
