@@ -223,7 +223,9 @@ def _check_order(raw: Raw, edition: Raw, path: Path, report: DocumentReport) -> 
     own_revision = raw["manual"]["revision"]
     up_to_own = history[: history.index(own_revision) + 1] if own_revision in history else [own_revision]
     name = edition["revision"]
-    if "before" in edition and name not in up_to_own[1:]:
+    # A revision that is not in the history is reported elsewhere.
+    is_earlier = name in up_to_own[1:] or (own_revision not in history and name in history[1:])
+    if "before" in edition and not is_earlier:
         message = (
             f"{quoted(name)} can have 'before' only if it is in the history, after the first and not after"
             f" {own_revision}"

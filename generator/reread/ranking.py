@@ -189,10 +189,11 @@ class _Change:
         return is_label or any(map(self._is_changed_name, (fact.text, fact.own_name_text)))
 
     def _is_changed_name(self, text: str) -> bool:
-        """Return whether a text is the changed one, or a name in the passage of which the change is a part."""
-        if not self._text or self._text not in text:
+        """Return whether a text is the changed one, or a name in the passage of which it is a part or the reverse."""
+        if not self._text or not text.strip():
             return False
-        return text == self._text or text in self._old_context
+        is_name_in_change = " " in text.strip() and text in self._text
+        return is_name_in_change or text == self._text or (self._text in text and text in self._old_context)
 
     def is_in(self, fact: Citing) -> bool:
         if isinstance(fact.value, int | float):

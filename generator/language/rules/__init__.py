@@ -184,4 +184,5 @@ RULES: tuple[Rule, ...] = (
     stale_texts.waits_given_twice,
     stale_texts.quoted_names,
     stale_texts.labels_in_errata,
+    stale_texts.alarm_names,
 )

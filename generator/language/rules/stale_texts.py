@@ -23,7 +23,7 @@ _UNITS: Mapping[str, Mapping[str, int]] = {
 _KIND_OF_UNIT = {unit: kind for kind, factors in _UNITS.items() for unit in factors}
 _UNITS_IN_TEXTS = "|".join(sorted((unit for unit in _KIND_OF_UNIT if not unit.islower()), key=len, reverse=True))
 _QUANTITY = re.compile(
-    rf"(?<![\w.,])(?P<number>[+−-]?\d+(?:,\d{{3}})*(?:\.\d+)?) ?(?P<unit>{_UNITS_IN_TEXTS})(?![\w/])"
+    rf"(?<![\w.,±])(?<!± )(?P<number>[+−-]?\d+(?:,\d{{3}})*(?:\.\d+)?) ?(?P<unit>{_UNITS_IN_TEXTS})(?![\w/])"
 )
 _BOUNDS = ("min", "typical", "max")
 _THING = "bits?|registers?|commands?|alarms?|inputs?"
@@ -38,11 +38,17 @@ _ELSEWHERE = frozenset(("documents", "manual", "editions", "evidence", "lost_fig
 
 
 def erratum_quantities(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that the quantities that an erratum uses are those of the facts that it affects."""
+    """Check that the quantities that an erratum uses are those of the facts that it affects.
+
+    An erratum without quantities under 'used' uses those that are printed.
+    """
+    if report.document.family or report.document.other_files:
+        return
     affected_places = Affected(spec)
     for path, erratum in items(spec, "errata"):
-        matches = list(_QUANTITY.finditer(erratum.get("used", "")))
-        if not matches:
+        key = "used" if _QUANTITY.search(erratum.get("used", "")) else "printed"
+        matches = list(_QUANTITY.finditer(erratum.get(key, "")))
+        if not matches or "readings" in erratum:
             continue
         facts: list[Any] = []
         for affected in erratum.get("affects", ()):
@@ -57,7 +63,7 @@ def erratum_quantities(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 message = (
                     f"the text says {quoted(match[0])}, but the facts affected have {known}; correct one of the two"
                 )
-                report.add("left-behind", (*path, "used"), message)
+                report.add("left-behind", (*path, key), message)
                 break
 
 
@@ -167,3 +173,37 @@ def _known_labels(spec: Spec) -> set[str]:
 def _shape(label: str) -> str:
     """Return a label with each letter as A and each digit as 0."""
     return re.sub("[0-9]", "0", re.sub("[A-Z]", "A", label))
+
+
+#: The name of an error or alarm with a word in capital letters, such as "ST error".
+_NAMED_ERROR = re.compile(r"\b([A-Z]{2,}) (error|alarm|flag|warning)\b")
+
+
+def alarm_names(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that a text that lists alarms names only those that there are.
+
+    It lists alarms if it has the name of one of them, or says when one of their flags is active.
+    """
+    if report.document.family or report.document.other_files:
+        return
+    names = {str(alarm.get("printed_name", "")) for _, alarm in items(spec, "alarms")}
+    capital_names = {name for name in names if _NAMED_ERROR.fullmatch(name)}
+    if not capital_names:
+        return
+    printed_names = [
+        str(text) for path, text in leaves_of(spec, report) if path[-1] in ("printed_name", "title", "signal")
+    ]
+    known_words = {word for name in printed_names for word in re.findall(r"[A-Z]{2,}", name)}
+    for path, text in leaves_of(spec, report):
+        if (
+            not isinstance(text, str)
+            or path[0] in _ELSEWHERE
+            or path[-1] not in _TEXTS | {"when_active", "when_inactive"}
+        ):
+            continue
+        for match in _NAMED_ERROR.finditer(text):
+            if match[1] not in known_words:
+                message = (
+                    f"no alarm here is called {quoted(match[0])}{suggestion(match[0], sorted(names))}; correct the text"
+                )
+                report.add("left-behind", path, message, cause=match[0])
