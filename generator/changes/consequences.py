@@ -220,3 +220,22 @@ def _likeness(change: Change) -> object:
     is_pause = change.rule.name == "procedure-steps" and what_changed.startswith("pause ")
     is_signal = change.rule.name == "contact" and what_changed.startswith("signal ")
     return (change.rule.name, what_changed, change.codes) if is_pause or is_signal else None
+
+
+def fold_types(changes: Sequence[Change]) -> Iterator[Change]:
+    """Yield the changes. Another type in C of a field with another width is part of that change."""
+    types = {_subject_text(change): change for change in changes if change.rule.name == "field-type"}
+    widened = {_subject_text(change) for change in changes if change.rule.name == "field-width"}
+    for change in changes:
+        field_type = types.get(_subject_text(change))
+        if field_type is not None and change.rule.name == "field-width":
+            impacts = _highest(change.rule.impacts, field_type.rule.impacts)
+            text = f"{change.text}, in C {field_type.text.rpartition(': ')[2]}"
+            yield replace(change, text=text, rule=replace(change.rule, impacts=impacts))
+        elif change.rule.name != "field-type" or _subject_text(change) not in widened:
+            yield change
+
+
+def _subject_text(change: Change) -> str:
+    """Return the text of a change up to what has changed."""
+    return change.text.rpartition(": ")[0]

@@ -200,7 +200,8 @@ class _Change:
             return False
         is_number_in_text = any(len(word) > 1 and word in self._numbers for word in fact.words)
         is_text_in_text = len(self._text) > _SHORTEST_TEXT and self._text in fact.text
-        return is_number_in_text or is_text_in_text or self._is_named_before(fact)
+        has_label = any(f" {label.casefold()} " in fact.text for label in self._labels)
+        return is_number_in_text or is_text_in_text or has_label or self._is_named_before(fact)
 
     def _is_named_before(self, fact: Citing) -> bool:
         """Return whether the words right before the change are a name of several words, as in a sentence about it."""

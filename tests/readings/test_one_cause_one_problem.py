@@ -51,11 +51,11 @@ def test_a_difference_in_another_frame_stays(folder: Path, capsys: pytest.Captur
     edit(
         folder / "sma21.yaml",
         ("printed_name: ENID2, bits: 8,", "printed_name: ENID2, bits: 16,"),
-        ("min_hz: 100000, max_hz: 1000000", "min_hz: 100000, max_hz: 2000000"),
+        ("max_hz: 10000000, source", "max_hz: 5000000, source"),
     )
     problems = disagreements(capsys)
     assert len(problems) == 2
-    assert problems[0].startswith("highest clock over SSI: 2000000 Hz here, 1000000 Hz in sma21.second.yaml:")
+    assert problems[0].startswith("highest clock over BiSS: 5000000 Hz here, 10000000 Hz in sma21.second.yaml:")
 
 
 def test_a_printed_name_that_differs_everywhere_is_one_problem(
