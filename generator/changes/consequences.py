@@ -195,3 +195,47 @@ def _resized_frames_text(resized_frames: Mapping[str, int]) -> str:
     if not bits:
         return f"{subject} with a different length"
     return f"{subject} {counted(abs(bits), 'bit')} {'longer' if bits > 0 else 'shorter'}"
+
+
+def fold_alike(changes: Sequence[Change]) -> Iterator[Change]:
+    """Yield the changes. The same pause in several procedures, or signal at several contacts, is one change."""
+    groups: dict[object, list[Change]] = {}
+    for change in changes:
+        groups.setdefault(_likeness(change) or id(change), []).append(change)
+    for alike_changes in groups.values():
+        if len(alike_changes) == 1:
+            yield alike_changes[0]
+            continue
+        first = alike_changes[0]
+        subjects = [change.text.rpartition(": ")[0] for change in alike_changes]
+        if first.rule.name == "procedure-steps":
+            names = [subject.partition(": ")[0].removeprefix("procedure ") for subject in subjects]
+            subjects = [f"procedures {', '.join(names)}"]
+        yield replace(first, text=f"{', '.join(subjects)}: {first.text.rpartition(': ')[2]}")
+
+
+def _likeness(change: Change) -> object:
+    """Return what changes that can be shown as one have in common, or None if the change stands alone."""
+    what_changed = change.text.rpartition(": ")[2]
+    is_pause = change.rule.name == "procedure-steps" and what_changed.startswith("pause ")
+    is_signal = change.rule.name == "contact" and what_changed.startswith("signal ")
+    return (change.rule.name, what_changed, change.codes) if is_pause or is_signal else None
+
+
+def fold_types(changes: Sequence[Change]) -> Iterator[Change]:
+    """Yield the changes. Another type in C of a field with another width is part of that change."""
+    types = {_subject_text(change): change for change in changes if change.rule.name == "field-type"}
+    widened = {_subject_text(change) for change in changes if change.rule.name == "field-width"}
+    for change in changes:
+        field_type = types.get(_subject_text(change))
+        if field_type is not None and change.rule.name == "field-width":
+            impacts = _highest(change.rule.impacts, field_type.rule.impacts)
+            text = f"{change.text}, in C {field_type.text.rpartition(': ')[2]}"
+            yield replace(change, text=text, rule=replace(change.rule, impacts=impacts))
+        elif change.rule.name != "field-type" or _subject_text(change) not in widened:
+            yield change
+
+
+def _subject_text(change: Change) -> str:
+    """Return the text of a change up to what has changed."""
+    return change.text.rpartition(": ")[0]

@@ -10,7 +10,7 @@ from operator import attrgetter
 from ..model import Alternative, CodePart, Device, Manual, Parameter, Spelling, Supply, Variant
 from ..say.plain_text import first_of
 from .compare import compare_members, compare_parts, compare_section
-from .consequences import fold_defaults, with_consequences
+from .consequences import fold_alike, fold_defaults, fold_types, with_consequences
 from .counterparts import FamilyPair, in_section, note_all
 from .interfaces import contacts, displayed, interfaces, procedure, register, timings
 from .pairs import Pair, both_of, paired
@@ -242,7 +242,7 @@ def compare_family(old: Device, new: Device) -> list[Change]:
     family_pair = FamilyPair(old, new)
     note_all(family_pair)
     changes = list(_merge_repeated(_section_changes(family_pair)))
-    changes = list(fold_defaults(changes))
+    changes = list(fold_alike(list(fold_types(list(fold_defaults(changes))))))
     if not changes and _without_spec_data(old) != _without_spec_data(new):
         subject = Subject("", f"family {new.name}")
         changes.append(family_pair.change("order", subject, ": different order, same facts", None, None))

@@ -160,7 +160,7 @@ def _part_pattern(used_texts: tuple[str, ...], all_texts: tuple[str, ...]) -> st
 
 
 _LONGEST = 60
-_SAID = ("meaning", "note")
+_SAID = ("meaning", "note", "printed")
 _FORMS: Mapping[str, Callable[[int], str]] = {
     # In whole bytes.
     "hex": lambda value: f"{value:0{2 * max(1, (value.bit_length() + 7) // 8)}X}h",

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from ..language.problems import joined_lines
 from ..say.plain_text import counted
 from .arguments import Parser, a_path, add_specs_option
 from .facts import facts_data
@@ -169,12 +170,31 @@ def _passage_lines(changed_passage: _ChangedPassage) -> Iterator[str]:
     if not changed_passage.facts_of_section:
         yield "  no fact in the spec cites this place"
         return
-    listed_facts = changed_passage.facts[:_MOST_FACTS]
-    yield from (f"  {fact.shown}" for fact in listed_facts)
+    groups = _with_equal_ones(changed_passage.facts)[:_MOST_FACTS]
+    for first_fact, *other_facts in groups:
+        other_lines = [str(line) for line in sorted({fact.line for fact in other_facts})]
+        noun = "line" if len(other_lines) == 1 else "lines"
+        others_text = f", also in {noun} {joined_lines(other_lines)}" if other_lines else ""
+        yield f"  {first_fact.shown}{others_text}"
+    listed_facts = [fact for group in groups for fact in group]
     unlisted = changed_passage.facts_of_section - len(listed_facts)
     if unlisted:
         noun = "other fact" if listed_facts else "fact"
         yield f"  and {counted(unlisted, noun)} from this section"
+
+
+def _with_equal_ones(facts: Sequence[Citing]) -> list[list[Citing]]:
+    """Return facts that follow each other with the same key and value as one group, such as a wait after each step."""
+    from ..reread.ranking import key_of
+
+    groups: list[list[Citing]] = []
+    for fact in facts:
+        is_equal = bool(groups) and (key_of(groups[-1][0]), groups[-1][0].value) == (key_of(fact), fact.value)
+        if is_equal:
+            groups[-1].append(fact)
+        else:
+            groups.append([fact])
+    return groups
 
 
 def _shortened(text: str) -> str:

@@ -164,4 +164,4 @@ def problems(report: Report) -> Stop:
     """Print all problems to standard error, and return the ``Stop`` to raise."""
     for problem in report.shown:
         print(problem.format(), file=sys.stderr)
-    return Stop(counted(len(report), "problem"), 1)
+    return Stop(counted(len(report.by_cause), "problem"), 1)

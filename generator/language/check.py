@@ -71,7 +71,7 @@ class _RecordingReport(DocumentReport):
         self.noted: list[Path] = []
         self._before = len(report)
 
-    def add(self, rule: str, path: Path, message: str, *, at_key: bool = False) -> None:
+    def add(self, rule: str, path: Path, message: str, *, at_key: bool = False, cause: str = "") -> None:
         """Add a problem at ``path``.
 
         Raises:
@@ -81,7 +81,7 @@ class _RecordingReport(DocumentReport):
             super().add(TOO_MANY, path, "there are more problems; they are reported once these are fixed")
             raise _TooManyProblems
         self.noted.append(self.document.original(path))
-        super().add(rule, path, message, at_key=at_key)
+        super().add(rule, path, message, at_key=at_key, cause=cause)
 
     def mark(self, path: Path) -> None:
         self.noted.append(self.document.original(path))

@@ -29,8 +29,12 @@ MAX_PROBLEMS = 200
 MAX_FOUND = 1000
 LONGEST_QUOTE = 60
 _LONGEST_PATH = 200
+#: Largest number of further lines listed for problems with one cause.
+_MOST_LINES = 12
 #: Largest number of known words listed in a message.
 _FEW_CHOICES = 11
+#: The end of a line that introduces a text of several lines.
+_BLOCK = re.compile(r": [>|][+-]?\s*$")
 _BETWEEN = re.compile(r"[_\s-]")
 _DIGITS = re.compile(r"[0-9]+")
 #: Units at the end of a key. Keys with different units are never typos of each other: the number would be wrong.
@@ -39,7 +43,10 @@ UNITS = frozenset("hz khz mhz ghz ps ns us ms s nm um mm cm m mv v ma a bits byt
 
 @dataclass(frozen=True, order=True, slots=True)
 class Problem:
-    """One finding. ``line`` and ``column`` count from 1. ``text`` is the offending line, or empty."""
+    """One finding. ``line`` and ``column`` count from 1. ``text`` is the offending line, or empty.
+
+    Problems of a file with the same rule and the same ``cause``, if there is one, are shown as one.
+    """
 
     file: str
     line: int
@@ -48,6 +55,7 @@ class Problem:
     path: str
     message: str
     text: str
+    cause: str = ""
 
     def format(self, width: int = 80) -> str:
         """Return the problem as lines of text without a final line break: place and message, path, line and caret.
@@ -58,7 +66,9 @@ class Problem:
         if self.path:
             path = self.path if len(self.path) <= _LONGEST_PATH else f"{self.path[: _LONGEST_PATH - 3]}..."
             lines.append(f"  in {visible(path)}")
-        return "\n".join([*lines, *excerpt(self.text, self.column, width)])
+        # The line above a text of several lines has none of its words.
+        has_words = _BLOCK.search(self.text) is None
+        return "\n".join([*lines, *(excerpt(self.text, self.column, width) if has_words else ())])
 
     def to_json(self) -> dict[str, str | int]:
         """Return the problem as a flat JSON object with the names of the attributes."""
@@ -78,7 +88,15 @@ class Report:
         self._faults: dict[str, set[Path]] = {}
 
     def add(
-        self, rule: str, document: Document, path: Path, message: str, *, at_key: bool = False, in_words: bool = False
+        self,
+        rule: str,
+        document: Document,
+        path: Path,
+        message: str,
+        *,
+        at_key: bool = False,
+        in_words: bool = False,
+        cause: str = "",
     ) -> None:
         """Add a problem at ``path`` of ``document``.
 
@@ -89,19 +107,28 @@ class Report:
             message: The error and its correction.
             at_key: Point at the key rather than at its value.
             in_words: Only prose is affected, so that everything built from the place is reliable.
+            cause: What the problem has in common with others of this rule, such as the name that is missing.
         """
         if not in_words and path and path[-1] not in WORDS_ONLY:
             self._faults.setdefault(document.key, set()).add(document.original(path))
         line, column = document.position(path, at_key)
         file = document.file_of(path)
         text = document.line(line, file)
-        self.add_at(file or document.file, line, column, rule, message, path=document.name_path(path), text=text)
+        self.add_at(file or document.file, line, column, rule, message, document.name_path(path), text, cause)
 
     def add_at(
-        self, file: str, line: int, column: int, rule: str, message: str, *, path: str = "", text: str = ""
+        self,
+        file: str,
+        line: int,
+        column: int,
+        rule: str,
+        message: str,
+        path: str = "",
+        text: str = "",
+        cause: str = "",
     ) -> None:
         """Add a problem at a place of a file, for errors before a document exists."""
-        self._problems.add(Problem(file, line, column, rule, path, message, text))
+        self._problems.add(Problem(file, line, column, rule, path, message, text, cause))
 
     def mark(self, document: Document, paths: Iterable[Path]) -> None:
         """Mark places of a document as faulty without a message, such as parts that were cut out with others."""
@@ -122,6 +149,15 @@ class Report:
         return tuple(sorted(self._problems))
 
     @property
+    def by_cause(self) -> tuple[Problem, ...]:
+        """All problems, with those that have the same cause as one."""
+        problems_by_cause: dict[object, list[Problem]] = {}
+        for problem in self.problems:
+            key = (problem.file, problem.rule, problem.cause) if problem.cause else problem
+            problems_by_cause.setdefault(key, []).append(problem)
+        return tuple(_as_one(problems) for problems in problems_by_cause.values())
+
+    @property
     def faulty_files(self) -> frozenset[str]:
         """The files with problems."""
         return frozenset(problem.file for problem in self._problems)
@@ -130,7 +166,7 @@ class Report:
     def shown(self) -> tuple[Problem, ...]:
         """The problems to list: the first ones of each file, and then one that counts the others."""
         shown_problems: list[Problem] = []
-        for _, problems_of_file in groupby(self.problems, key=lambda problem: problem.file):
+        for _, problems_of_file in groupby(self.by_cause, key=lambda problem: problem.file):
             shown_problems += _first_problems(list(problems_of_file))
         return tuple(shown_problems)
 
@@ -139,6 +175,23 @@ class Report:
 
     def __bool__(self) -> bool:
         return bool(self._problems)
+
+
+def _as_one(problems: Sequence[Problem]) -> Problem:
+    """Return the first of several problems with one cause, with the lines of the others in its message."""
+    first, *others = problems
+    lines = [str(line) for line in dict.fromkeys(problem.line for problem in others) if line != first.line]
+    if not lines:
+        return first
+    noun = "line" if len(lines) == 1 else "lines"
+    return replace(first, message=f"{first.message}; the same in {noun} {joined_lines(lines)}")
+
+
+def joined_lines(lines: Sequence[str]) -> str:
+    """Return numbers of lines as a list, up to a number of them."""
+    if len(lines) > _MOST_LINES:
+        return f"{', '.join(lines[:_MOST_LINES])} and {len(lines) - _MOST_LINES} more"
+    return " and ".join(filter(None, (", ".join(lines[:-1]), lines[-1])))
 
 
 def _first_problems(file_problems: Sequence[Problem]) -> Iterator[Problem]:
@@ -168,9 +221,9 @@ class DocumentReport:
         #: The data of the document that rules asked about last, and its leaves.
         self.leaves: tuple[Any, Sequence[tuple[Path, Any]]] = (None, ())
 
-    def add(self, rule: str, path: Path, message: str, *, at_key: bool = False) -> None:
+    def add(self, rule: str, path: Path, message: str, *, at_key: bool = False, cause: str = "") -> None:
         """Add a problem at ``path``, as :meth:`Report.add` does."""
-        self._report.add(rule, self.document, path, message, at_key=at_key)
+        self._report.add(rule, self.document, path, message, at_key=at_key, cause=cause)
 
     def mark(self, path: Path) -> None:
         """Mark a place as faulty without a message, because another problem explains it."""

@@ -117,7 +117,7 @@ def _report_in_edition(inner_report: Report, revision: str, report: Report) -> N
         if problem not in reported:
             message = f"in edition {revision}: {problem.message}"
             place = (problem.file, problem.line, problem.column)
-            report.add_at(*place, problem.rule, message, path=problem.path, text=problem.text)
+            report.add_at(*place, problem.rule, message, problem.path, problem.text, problem.cause)
 
 
 def _change_lists(family: Family, revision: str) -> Iterator[tuple[int, str, str]]:
@@ -224,7 +224,9 @@ def _check_order(raw: Raw, edition: Raw, path: Path, report: DocumentReport) -> 
     own_revision = raw["manual"]["revision"]
     up_to_own = history[: history.index(own_revision) + 1] if own_revision in history else [own_revision]
     name = edition["revision"]
-    if "before" in edition and name not in up_to_own[1:]:
+    # A revision that is not in the history is reported elsewhere.
+    is_earlier = name in up_to_own[1:] or (own_revision not in history and name in history[1:])
+    if "before" in edition and not is_earlier:
         message = (
             f"{quoted(name)} can have 'before' only if it is in the history, after the first and not after"
             f" {own_revision}"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import PurePath
 
@@ -38,21 +39,25 @@ def check_shared_facts(documents: Sequence[Document], report: Report) -> None:
 
 
 def _compare(kind: str, name: str, documents_with_fact: Sequence[Document], report: Report) -> None:
-    """Compare each device with the first one that has the fact."""
-    first: dict[tuple[str, ...], tuple[Document, _Fact]] = {}
+    """Compare each device with the first one that has the most common value."""
+    facts_by_key: dict[tuple[str, ...], list[tuple[Document, _Fact]]] = {}
     for document in sorted(documents_with_fact, key=lambda document: document.file):
         for key, fact in _facts(kind, by_name(document.data, kind)[name]):
-            first_document, (first_path, first_text) = first.setdefault(key, (document, fact))
-            affected = (kind, name, *key)
-            if first_text == fact[1] or explained(document, *affected) or explained(first_document, *affected):
+            facts_by_key.setdefault(key, []).append((document, fact))
+    for key, facts in facts_by_key.items():
+        affected = (kind, name, *key)
+        counts = Counter(text for _, (_, text) in facts)
+        common_document, (common_path, common_text) = max(facts, key=lambda fact: counts[fact[1][1]])
+        for document, (path, text) in facts:
+            if text == common_text or explained(document, *affected) or explained(common_document, *affected):
                 continue
-            line = first_document.position((kind, name, *first_path))[0]
+            line = common_document.position((kind, name, *common_path))[0]
             message = (
-                f"this is {fact[1]}, but {first_text} in {PurePath(first_document.file).name}:{line}; according to the"
+                f"this is {text}, but {common_text} in {PurePath(common_document.file).name}:{line}; according to the"
                 f" manufacturer's file, {quoted(name)} is the same in all devices. If it is not, add an erratum that"
                 f" affects {'.'.join(affected)}"
             )
-            report.add("not-alike", document, (kind, name, *fact[0]), message)
+            report.add("not-alike", document, (kind, name, *path), message)
 
 
 def _facts(kind: str, definition: Spec) -> Iterator[tuple[tuple[str, ...], _Fact]]:

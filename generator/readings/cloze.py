@@ -18,7 +18,7 @@ from ..language.schema_files import word_sheet_path
 from ..loading.overlays import Family
 from ..say.plain_text import counted
 from .texts import dotted, is_source, prose_texts
-from .turning_words import ClozeText, Vocabulary
+from .turning_words import SIGNAL, ClozeText, Vocabulary
 
 RULE = "words-disagree"
 OUTDATED_RULE = "words-outdated"
@@ -61,13 +61,22 @@ def sheet(spec: Document, filled: Mapping[str, Any]) -> dict[str, Any]:
     """Return the sheet for a spec. Words of the ``filled`` texts are kept if the text is still the same."""
     texts: dict[str, Any] = {}
     kinds: set[str] = set()
+    choices = vocabulary_of(spec).choices
+    # A text can move with the name of the part that has it.
+    filled_by_text = {filled_text["text"]: filled_text for filled_text in filled.values()}
     for path, (_, cloze) in clozes(spec).items():
         kinds.update(gap.kind for gap in cloze.gaps)
-        filled_text = filled.get(path, {})
+        filled_text = filled.get(path) or filled_by_text.get(cloze.text, {})
         is_same = filled_text.get("text") == cloze.text
         texts[path] = filled_text if is_same else {"text": cloze.text, "words": ["?"] * len(cloze.gaps)}
-    choices = {kind: list(words) for kind, words in vocabulary_of(spec).choices.items() if kind in kinds}
-    return {"choices": choices, "texts": texts}
+        texts[path] = {**texts[path], "words": _valid_words(cloze, texts[path]["words"], choices)}
+    used_choices = {kind: list(words) for kind, words in choices.items() if kind in kinds}
+    return {"choices": used_choices, "texts": texts}
+
+
+def _valid_words(cloze: ClozeText, words: Sequence[str], choices: Mapping[str, Sequence[str]]) -> list[str]:
+    """Return filled words, with a question mark for one that is no longer a choice, such as a renamed signal."""
+    return [word if word in choices[gap.kind] else "?" for gap, word in zip(cloze.gaps, words, strict=False)]
 
 
 def open_gaps(sheet_data: Mapping[str, Any]) -> int:
@@ -102,23 +111,28 @@ def check_sheets(families: Iterable[Family], sound: Collection[str], report: Rep
 def compare_words(spec: Document, sheet_document: Document, report: Report) -> None:
     """Report each gap that the sheet fills with another word than the spec, and each text that has changed since."""
     spec_texts, sheet_texts = clozes(spec), sheet_document.data["texts"]
+    is_outdated = False
     sheet_name = File(sheet_document.file).name
     for path, (place, cloze) in spec_texts.items():
         filled_text = sheet_texts.get(path)
         if filled_text is None:
             words = counted(len(cloze.gaps), "turning word")
             message = f"{sheet_name} lacks this text, which has {words}; {_refill(spec)}"
-            report.add(OUTDATED_RULE, spec, place, message)
+            report.add(OUTDATED_RULE, spec, place, message, cause=sheet_name)
+            is_outdated = True
         elif filled_text["text"] != cloze.text or len(filled_text["words"]) != len(cloze.gaps):
             line, _ = sheet_document.position(("texts", path))
             message = f"this text has changed since {sheet_name}:{line} was filled; {_refill(spec)}"
-            report.add(OUTDATED_RULE, spec, place, message)
+            report.add(OUTDATED_RULE, spec, place, message, cause=sheet_name)
+            is_outdated = True
         else:
             _compare_gaps(spec, place, cloze, sheet_document, ("texts", path), report)
+    if is_outdated:
+        return  # The command that the messages name also removes texts that are gone.
     for path in sheet_texts:
         if path not in spec_texts:
             message = f"the spec has no such text with turning words; {_refill(spec)}"
-            report.add(OUTDATED_RULE, sheet_document, ("texts", path), message, at_key=True)
+            report.add(OUTDATED_RULE, sheet_document, ("texts", path), message, at_key=True, cause=sheet_name)
 
 
 def _refill(spec: Document) -> str:
@@ -138,13 +152,13 @@ def _compare_gaps(
         if word not in choices.get(gap.kind, ()):
             valid_words = ", ".join(choices.get(gap.kind, ()))
             message = f"gap {number} has {quoted(word)}; valid values for {gap.kind}: {valid_words}"
-            report.add(OUTDATED_RULE, sheet_document, word_place, message)
+            report.add(OUTDATED_RULE, sheet_document, word_place, message, cause=str(word))
             continue
         line, _ = sheet_document.position(word_place)
         sheet_text = f"{quoted(word)} in {File(sheet_document.file).name}:{line}"
         context = _context(cloze, number)
         message = f"{context}: {quoted(gap.word)} here, {sheet_text}; check the manual and correct one of them"
-        report.add(RULE, spec, place, message)
+        report.add(RULE, spec, place, message, cause=f"{gap.word} {word}" if gap.kind == SIGNAL else "")
 
 
 #: Number of characters of a text shown on each side of a gap.

@@ -282,6 +282,9 @@ def _compare_facts(
 def _compare_values(comparison: Comparison, spec_fact: Fact, second_fact: Fact) -> Iterator[Disagreement]:
     """Compare the values of a fact: one value, or one for each case. Of several differences, yield the first."""
     spec_value, second_value = _common_value(spec_fact.value), _common_value(second_fact.value)
+    if isinstance(spec_value, str) is not isinstance(second_value, str):
+        # A reading in which all cases have one value is compared in the cases of the other one.
+        spec_value, second_value = spec_fact.value, second_fact.value
     if not isinstance(spec_value, str) and not isinstance(second_value, str):
         yield from _compare_cases(comparison, spec_fact, spec_value, second_fact, second_value)
         return

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Sequence, Set
 from dataclasses import dataclass
 
 from .compare import Disagreement
@@ -12,6 +12,11 @@ from .reading import NOTHING, Sort
 #: Classes of facts in words, of which a second reading may list some that the spec no longer has.
 _TEXTS = (Sort.TEXT, Sort.SECTION)
 
+
+#: Classes of facts whose values are places or words, with numbers that mean nothing elsewhere.
+_TEXTS_OF_PLACES = (Sort.SECTION, Sort.CONTENTS, Sort.PRINTED, Sort.ADDRESS, Sort.POSITION)
+#: A number in decimal, or in hexadecimal with its mark.
+_NUMBER = re.compile(r"0x[0-9A-Fa-f]+|\d[0-9A-F]*h\b|\d+(?:\.\d+)?")
 
 #: The edition that a fact of the history is about.
 _EDITION = re.compile(r"of the edition '.*'")
@@ -37,12 +42,20 @@ def related(disagreements: Sequence[Disagreement]) -> list[Related]:
     """
     frames = [disagreement.resized_frame for disagreement in disagreements if disagreement.resized_frame]
     remaining = [disagreement for disagreement in disagreements if not _is_in_frame(disagreement, frames)]
-    remaining.sort(key=lambda disagreement: not disagreement.is_name)
+    remaining.sort(key=_place_in_order)
     groups: dict[object, list[Disagreement]] = {}
     for index, disagreement in enumerate(remaining):
-        cause = _renamed_entry(disagreement, groups) or _cause(disagreement) or index
+        cause = _renamed_entry(disagreement, groups) or _renamed_place(disagreement, groups)
+        cause = cause or _changed_time(disagreement, groups) or _cause(disagreement) or index
         groups.setdefault(cause, []).append(disagreement)
     return [Related(group[0], tuple(group[1:])) for group in groups.values()]
+
+
+def _place_in_order(disagreement: Disagreement) -> tuple[bool, bool, bool]:
+    """Return a key that puts names first, and what depends on other disagreements last."""
+    is_open_value = disagreement.second[-1:] == ("open",)
+    is_time_without_spec = disagreement.sort is Sort.TIME and disagreement.used == NOTHING
+    return not disagreement.is_name, is_open_value, is_time_without_spec
 
 
 def _is_in_frame(disagreement: Disagreement, frames: Sequence[str]) -> bool:
@@ -67,8 +80,30 @@ def _cause(disagreement: Disagreement) -> object:
         return "text that only the second reading has"
     if disagreement.is_name:
         return _plain_name(disagreement.used), _plain_name(disagreement.other)
-    edition = _EDITION.search(disagreement.description)
-    return edition[0] if edition is not None and disagreement.sort is Sort.HISTORY else None
+    if disagreement.sort is Sort.ORDER_CODE and NOTHING in (disagreement.used, disagreement.other):
+        return "order codes"
+    if disagreement.sort is Sort.HISTORY:
+        edition = _EDITION.search(disagreement.description)
+        return edition[0] if edition is not None else None
+    return _changed_values(disagreement)
+
+
+def _changed_values(disagreement: Disagreement) -> object:
+    """Return the numbers in which the values differ, in any unit, or the two signals of a contact.
+
+    A wait of 30 ms and a time of 30,000 µs have the same digits.
+    """
+    used, other = _digits_of_numbers(disagreement.used), _digits_of_numbers(disagreement.other)
+    if used - other and other - used and disagreement.sort not in _TEXTS_OF_PLACES:
+        return "numbers", frozenset(used - other), frozenset(other - used)
+    if disagreement.sort is Sort.PIN:
+        return "signals", frozenset((disagreement.used, disagreement.other))
+    return None
+
+
+def _digits_of_numbers(text: str) -> Set[str]:
+    """Return the digits of each number in a text, without the zeros that depend on its unit."""
+    return {number.replace(".", "").strip("0") or "0" for number in _NUMBER.findall(text)}
 
 
 def _renamed_entry(disagreement: Disagreement, causes: Iterable[object]) -> object:
@@ -77,6 +112,25 @@ def _renamed_entry(disagreement: Disagreement, causes: Iterable[object]) -> obje
         return None
     entry = _plain_name(str(disagreement.second[-1]))
     return next((cause for cause in causes if isinstance(cause, tuple) and cause[1] == entry), None)
+
+
+def _renamed_place(disagreement: Disagreement, causes: Iterable[object]) -> object:
+    """Return the two names of a thing if a source or a text is at a place in it."""
+    if disagreement.sort not in _TEXTS:
+        return None
+    names = {_plain_name(str(step)) for step in disagreement.place}
+    return next((cause for cause in causes if isinstance(cause, tuple) and cause[0] in names), None)
+
+
+def _changed_time(disagreement: Disagreement, causes: Iterable[object]) -> object:
+    """Return the cause of another time that has changed from this one. A time without a name is known by its value."""
+    if disagreement.sort is not Sort.TIME or disagreement.used != NOTHING:
+        return None
+    digits = _digits_of_numbers(disagreement.other)
+    same_digits = [
+        cause for cause in causes if isinstance(cause, tuple) and cause[0] == "numbers" and cause[2] == digits
+    ]
+    return next(iter(same_digits), None)
 
 
 def _plain_name(text: str) -> str:

@@ -11,7 +11,7 @@ from pathlib import Path as File
 
 from ..language.check import check_second
 from ..language.document import Document, Path
-from ..language.problems import Report, quoted
+from ..language.problems import Report, joined_lines, quoted
 from ..language.read import read_document
 from ..language.schema_files import second_reading_path
 from ..loading.device import build_device
@@ -177,7 +177,7 @@ def _report_disagreements(disagreements: Related, spec: Document, second: Docume
     """Report disagreements with one cause once: in the spec, or in the second reading if only that has the fact."""
     first = disagreements.first
     place = first.place or first.near
-    others = _others_text(disagreements)
+    others = _others_text(disagreements, spec, second)
     mend = _MEND_TEXT if disagreements.is_text_without_spec else _MEND
     if first.used == NOTHING:
         values = f"{first.other} here, {first.used} in {_place_text(spec, place)}"
@@ -193,10 +193,20 @@ def _place_text(document: Document, place: Path) -> str:
     return f"{file}:{document.position(place)[0]}" if place and document.has(place[:1]) else file
 
 
-def _others_text(disagreements: Related) -> str:
-    """Return the number of the other disagreements with the same cause."""
-    count = len(disagreements.others)
-    return f", and {count} more with the same cause" if count else ""
+def _others_text(disagreements: Related, spec: Document, second: Document) -> str:
+    """Return the number of the other disagreements with the same cause, and their places."""
+    first, others = disagreements.first, disagreements.others
+    # One contact of both interfaces is one place.
+    others = tuple(other for other in others if (other.place, other.second) != (first.place, first.second))
+    if not others:
+        return ""
+    in_spec = [disagreement.place or disagreement.near for disagreement in others if disagreement.used != NOTHING]
+    in_second = [disagreement.second for disagreement in others if disagreement.used == NOTHING]
+    lines = dict.fromkeys(str(spec.position(place)[0]) for place in in_spec)
+    places = list(dict.fromkeys(_place_text(second, place) for place in in_second))
+    if lines:
+        places.insert(0, f"{'line' if len(lines) == 1 else 'lines'} {joined_lines(list(lines))}")
+    return f", and {len(others)} more with the same cause in {', '.join(places)}"
 
 
 def _check_explanations(

@@ -28,6 +28,7 @@ _SHORT = {"read_only": ("ro", "r"), "read_write": ("rw",), "write_only": ("wo", 
 _OPTION = re.compile(r"order_code\.parts\.[^.]+\.values\.([^.]+)(?:\..*)?")
 #: Paths of the facts about the edition itself. Manuals print them with a date.
 _EDITION = ("manual.revision", "manual.date", "manual.history")
+_REVISION = re.compile(r"\d+(?:\.\d+)+")
 _DATE = re.compile(r"\d{1,2}[./-]\d{1,2}[./-]\d{4}|\d{4}-\d\d-\d\d")
 #: An order code that ends in a number, such as the resolution.
 ORDER_CODE = re.compile(r"[a-z]{2}\w*?(\d\d)")
@@ -73,6 +74,21 @@ class Citing:
         return printed_words
 
     @cached_property
+    def text(self) -> str:
+        """The words of the value in order, with spaces between them and around them. Empty for a number."""
+        return "" if isinstance(self.value, int) else spaced(str(self.value))
+
+    @cached_property
+    def own_name_text(self) -> str:
+        """The words of the last of its names in order, as in ``text``."""
+        return spaced(self.names[-1]) if self.names else ""
+
+    @property
+    def is_page_of_contents(self) -> bool:
+        """True for a page of an entry of the contents, which changes with the layout of a manual."""
+        return isinstance(self.value, int) and self.path.startswith("manual.contents.")
+
+    @cached_property
     def named(self) -> frozenset[str]:
         """The words of its name and of the names above it."""
         return frozenset(word for name in self.names for word in WORD.findall(name.replace("_", " ").casefold()))
@@ -89,17 +105,30 @@ class Citing:
         """
         if self.is_of_edition:
             is_revision_on_cover = passage.section.number == COVER and not self.words.isdisjoint(passage.old)
-            return is_revision_on_cover or any(map(_DATE.fullmatch, (*passage.old, *passage.new)))
+            has_date = any(map(_DATE.fullmatch, (*passage.old, *passage.new)))
+            return is_revision_on_cover or has_date or self._is_above_new_row_of_history(passage)
         return not self.sections.isdisjoint(sections) or self._is_option_named_in(passage)
+
+    def _is_above_new_row_of_history(self, passage: Passage) -> bool:
+        """Return whether a passage adds a row with another revision below the row of this one."""
+        is_new_row = not passage.old and any(map(_REVISION.fullmatch, passage.new[:1]))
+        return is_new_row and self.path != "manual.date" and not self.words.isdisjoint(passage.close)
 
     def _is_option_named_in(self, passage: Passage) -> bool:
         option = _OPTION.fullmatch(self.path)
         if option is None:
             return False
         label = option[1].casefold()
-        words = {word.casefold() for word in passage.old}
+        # A row with a new order code is next to rows of others.
+        adds_order_code = not passage.old and bool(_last_digits(word.casefold() for word in passage.new))
+        words = {word.casefold() for word in (passage.close if adds_order_code else passage.old)}
         # Labels of digits are often printed only at the end of an order code.
         return (_is_order_code_label(label) and label in words) or (label.isdigit() and label in _last_digits(words))
+
+
+def spaced(text: str) -> str:
+    """Return the words of a text or of an identifier, with spaces between them and around them."""
+    return f" {' '.join(WORD.findall(plain(text).replace('_', ' ').casefold()))} "
 
 
 def _is_order_code_label(text: str) -> bool:

@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence, Set
 from typing import NamedTuple
 
-from .facts import ORDER_CODE, Citing
+from .facts import ORDER_CODE, Citing, spaced
 from .passages import Passage
 
 #: Weights of the words that differ, and of those close to them. All words near them weigh as much as 2.
@@ -23,6 +23,12 @@ _DIFFERING_VALUES = 4
 #: A number in hexadecimal, which the bytes of an example have without the letter.
 _HEXADECIMAL = re.compile(r"[0-9a-f]{2,}h")
 #: A number with its unit, printed without a space.
+#: A label of an order code, in capital letters.
+_LABEL = re.compile(r"[A-Z][A-Z0-9]+")
+#: Groups of facts that are a changed text, at most.
+_MOST_EQUAL = 10
+#: Letters of a changed text that is looked for in other texts, with the spaces around it.
+_SHORTEST_TEXT = 4
 _WITH_UNIT = re.compile(r"(\d[\d.]*)[kmµn]?(?:hz|vdc|v|a|s|m)")
 
 
@@ -95,17 +101,23 @@ class TouchedFacts:
         scored = in_section.scored(passage)
         if others and others[0].is_of_edition:
             scored = [(_DIFFERS, fact) for fact in reversed(others)] + scored
-        return self._by_item(scored, passage), len(in_section.facts)
+        facts = [*dict.fromkeys(fact for _, fact in scored), *in_section.facts]
+        touched_facts = self._by_item(scored, list(dict.fromkeys(facts)), passage)
+        return touched_facts, max(len(in_section.facts), len(touched_facts))
 
-    def _by_item(self, scored: Sequence[tuple[float, Citing]], passage: Passage) -> list[Citing]:
+    def _by_item(
+        self, scored: Sequence[tuple[float, Citing]], facts: Sequence[Citing], passage: Passage
+    ) -> list[Citing]:
         """Return values that differ, then facts of the likely items, and of those that refer to the first one."""
         listed: dict[str, Citing] = {}
         scored_by_item: dict[str, list[Citing]] = {}
         for _, fact in scored:
             scored_by_item.setdefault(fact.item, []).append(fact)
-        for fact in _differing_values(scored_by_item, passage):
+        for fact in [*self._with_changed_text(passage, facts), *_differing_values(scored_by_item, passage)]:
             listed[fact.path] = fact
-        for place, (item, item_facts) in enumerate(scored_by_item.items()):
+        items_of_listed = [fact.item for fact in listed.values() if fact.item in scored_by_item]
+        ordered_items = {item: scored_by_item[item] for item in (*items_of_listed, *scored_by_item)}
+        for place, (item, item_facts) in enumerate(ordered_items.items()):
             members = dict.fromkeys((*item_facts, *self._facts_by_item[item]))
             most = _OF_FIRST_ITEMS[place] if place < len(_OF_FIRST_ITEMS) else _OF_OTHER_ITEM
             listed.update((fact.path, fact) for fact in list(members)[:most])
@@ -113,6 +125,21 @@ class TouchedFacts:
                 listed.update((fact.path, fact) for fact in self._referring(item, passage))
         listed.update((fact.path, fact) for _, fact in scored)
         return list(listed.values())
+
+    def _with_changed_text(self, passage: Passage, facts: Sequence[Citing]) -> list[Citing]:
+        """Return the facts that are the changed text, in groups with the same key and value, then those that have it.
+
+        If too many facts are the changed text, such as a 1, none are returned.
+        """
+        change = _Change(passage)
+        equal_facts: dict[tuple[str, object], list[Citing]] = {}
+        for fact in facts:
+            if change.is_value_or_name_of(fact):
+                equal_facts.setdefault((key_of(fact), fact.value), []).append(fact)
+        if len(equal_facts) > _MOST_EQUAL:
+            return []
+        containing_facts = [fact for fact in facts if change.is_in(fact)][: _MOST_EQUAL - len(equal_facts)]
+        return [*(fact for group in equal_facts.values() for fact in group), *containing_facts]
 
     def _referring(self, item: str, passage: Passage) -> list[Citing]:
         """Return a fact of each item that refers to this one and has words of the passage, the most such words first.
@@ -132,6 +159,54 @@ class TouchedFacts:
                 facts.append((common_words, best))
         facts.sort(key=lambda counted_fact: -counted_fact[0])
         return [fact for _, fact in facts[:_REFERRING]]
+
+
+def key_of(fact: Citing) -> str:
+    """Return the key of a fact, the last step of its path."""
+    return fact.path.rpartition(".")[2]
+
+
+class _Change:
+    """The words that a passage no longer has, as a text, as numbers and as labels of order codes."""
+
+    def __init__(self, passage: Passage) -> None:
+        changed_words = [word for word in passage.old if word not in passage.new] or list(passage.old)
+        self._text = spaced(" ".join(changed_words)) if changed_words and passage.new else ""
+        self._old_context = spaced(passage.shown[0]) if changed_words and passage.new else ""
+        self._adds_row = not passage.old
+        self._before = spaced(passage.shown[0].partition("[")[0]) if passage.new else ""
+        self._labels = {word for word in changed_words if _LABEL.fullmatch(word)}
+        self._numbers = {word for word in _comparable_words(changed_words) if word[0].isdigit()}
+
+    def is_value_or_name_of(self, fact: Citing) -> bool:
+        if fact.is_page_of_contents and fact.own_name_text != self._text:
+            return False
+        if isinstance(fact.value, int | float) and not isinstance(fact.value, bool) and fact.words & self._numbers:
+            return True
+        is_label = not self._labels.isdisjoint((*fact.path.split("."), str(fact.value)))
+        if self._adds_row:
+            return fact.path.startswith("order_code.parts.")
+        return is_label or any(map(self._is_changed_name, (fact.text, fact.own_name_text)))
+
+    def _is_changed_name(self, text: str) -> bool:
+        """Return whether a text is the changed one, or a name in the passage of which it is a part or the reverse."""
+        if not self._text or not text.strip():
+            return False
+        is_name_in_change = " " in text.strip() and text in self._text
+        return is_name_in_change or text == self._text or (self._text in text and text in self._old_context)
+
+    def is_in(self, fact: Citing) -> bool:
+        if isinstance(fact.value, int | float):
+            return False
+        is_number_in_text = any(len(word) > 1 and word in self._numbers for word in fact.words)
+        is_text_in_text = len(self._text) > _SHORTEST_TEXT and self._text in fact.text
+        has_label = any(f" {label.casefold()} " in fact.text for label in self._labels)
+        return is_number_in_text or is_text_in_text or has_label or self._is_named_before(fact)
+
+    def _is_named_before(self, fact: Citing) -> bool:
+        """Return whether the words right before the change are a name of several words, as in a sentence about it."""
+        name = fact.own_name_text
+        return " " in name.strip() and self._before.endswith(name)
 
 
 def _differing_values(scored_by_item: Mapping[str, Sequence[Citing]], passage: Passage) -> list[Citing]:

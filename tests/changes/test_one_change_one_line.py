@@ -73,3 +73,44 @@ def test_the_impact_is_that_of_the_moves_too() -> None:
     """A new field alone only adds to the XML. If others move, a user of the XML reads other bits."""
     [change] = [change for change in compare(devices([]), devices([NEW_FLAG])) if change.rule.name == "field-new"]
     assert [impact.word for impact in change.rule.impacts] == ["behaviour", "breaking", "behaviour", "documentation"]
+
+
+#: A second procedure that saves, and a cable next to the connector, on both sides.
+SECOND_PROCEDURE = (
+    "procedures:\n",
+    """procedures:
+  - name: save
+    title: Save
+    interface: biss
+    steps:
+      - {do: write, register: command, value: save}
+      - {do: wait, at_least_ms: 40}
+    result: All is saved.
+    source: "6.4"
+""",
+)
+
+
+def test_the_same_pause_in_several_procedures_is_one_line() -> None:
+    longer = ("at_least_ms: 40}", "at_least_ms: 60}")
+    longer_first = ("{do: wait, at_least_ms: 30, meaning", "{do: wait, at_least_ms: 50, meaning")
+    both = ("{do: wait, at_least_ms: 30, meaning", "{do: wait, at_least_ms: 40, meaning")
+    both_longer = ("{do: wait, at_least_ms: 40, meaning", "{do: wait, at_least_ms: 60, meaning")
+    before = devices([SECOND_PROCEDURE, both])
+    after = devices([SECOND_PROCEDURE, both, longer, both_longer])
+    texts = [change.text for change in compare(before, after)]
+    assert texts == ["procedures save, set_preset: pause 40 ms → 60 ms"]
+    # Other pauses are two changes.
+    other = compare(before, devices([SECOND_PROCEDURE, longer, longer_first]))
+    assert len(other) == 2
+
+
+def test_another_type_in_c_is_part_of_another_width() -> None:
+    narrower = [("- {name: number, at: 31:0}", "- {name: number, at: 15:0}")]
+    narrower.append(("    address: 0x44\n    length: 4\n", "    address: 0x44\n    length: 2\n"))
+    [change] = [change for change in compare(devices([]), devices(narrower)) if change.rule.name.startswith("field-")]
+    assert change.rule.name == "field-width"
+    assert change.text.startswith("serial: field number: bits 32 → 16")
+    assert change.text.endswith(", in C uint32_t → uint16_t")
+    # The variable in C must change, the other outputs only read other bits.
+    assert [impact.word for impact in change.rule.impacts] == ["breaking", "behaviour", "behaviour", "documentation"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import shutil
 from pathlib import Path
 
@@ -50,11 +51,11 @@ def test_a_difference_in_another_frame_stays(folder: Path, capsys: pytest.Captur
     edit(
         folder / "sma21.yaml",
         ("printed_name: ENID2, bits: 8,", "printed_name: ENID2, bits: 16,"),
-        ("min_hz: 100000, max_hz: 1000000", "min_hz: 100000, max_hz: 2000000"),
+        ("max_hz: 10000000, source", "max_hz: 5000000, source"),
     )
     problems = disagreements(capsys)
     assert len(problems) == 2
-    assert problems[0].startswith("highest clock over SSI: 2000000 Hz here, 1000000 Hz in sma21.second.yaml:")
+    assert problems[0].startswith("highest clock over BiSS: 5000000 Hz here, 10000000 Hz in sma21.second.yaml:")
 
 
 def test_a_printed_name_that_differs_everywhere_is_one_problem(
@@ -68,7 +69,7 @@ def test_a_printed_name_that_differs_everywhere_is_one_problem(
     )
     (problem,) = disagreements(capsys)
     assert ": speed limit here, overspeed in sma21.second.yaml:" in problem
-    assert problem.endswith(f" more with the same cause{MEND}")
+    assert re.search(rf" more with the same cause in line \d+, sma21\.second\.yaml:\d+{re.escape(MEND)}$", problem)
 
 
 def test_texts_of_an_example_that_is_gone_are_one_problem_in_the_second_reading(
@@ -87,4 +88,51 @@ def test_revision_and_date_of_an_edition_are_one_problem(folder: Path, capsys: p
     edit(folder / "sma21.second.yaml", ('revision: "1.2"\n  date: 2024-05-10', 'revision: "1.1"\n  date: 2023-11-10'))
     (problem,) = disagreements(capsys)
     assert problem.startswith("revision of the edition 'it': 1.2 here, 1.1 in sma21.second.yaml:")
-    assert problem.endswith(f", and 1 more with the same cause{MEND}")
+    assert re.search(rf", and 1 more with the same cause in line \d+{re.escape(MEND)}$", problem)
+
+
+AM36_COPIED = ("manufacturer.yaml", "am36.yaml", "am36.second.yaml", "am36.words.yaml")
+#: Edits of the AM36 after which each disagreement of a kind has the same cause, and the number of the others.
+ONE_CAUSE = {
+    "a wait in the register and in all procedures": (
+        [("at_least_ms: 30", "at_least_ms: 50"), ("at_least_us: 30000", "at_least_us: 50000")],
+        "delay after a write of register 0x48: 50 ms here, 30 ms in ",
+    ),
+    "a supply in volts, millivolts and at two contacts": (
+        [
+            ("min_mv: 10000", "min_mv: 5000"),
+            ("+10VDC +30VDC}", "+5VDC +30VDC}"),
+            ("quantity: supply, min: 10,", "quantity: supply, min: 5,"),
+            ("value: +10 V DC", "value: +5 V DC"),
+            ("+10 V to +30 V.", "+5 V to +30 V."),
+        ],
+        "supply: 5000 to 30000 mV here, 10000 to 30000 mV in ",
+    ),
+    "two colours exchanged": (
+        [
+            ("{contact: White, signal: Zero setting/Preset}", "{contact: Grey, signal: Zero setting/Preset}"),
+            ("{contact: Grey, signal: Counting direction}", "{contact: White, signal: Counting direction}"),
+        ],
+        "contact ",
+    ),
+}
+
+
+@pytest.mark.parametrize(("edits", "start"), ONE_CAUSE.values(), ids=ONE_CAUSE)
+def test_one_change_of_a_manual_is_one_disagreement(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    edits: list[tuple[str, str]],
+    start: str,
+) -> None:
+    for name in AM36_COPIED:
+        shutil.copy(SPECS / name, tmp_path)
+    monkeypatch.chdir(tmp_path)
+    edit(tmp_path / "am36.yaml", *edits)
+    main(["check", "am36.yaml"])
+    lines = capsys.readouterr().out.splitlines()
+    texts = [line.partition(" readings-disagree: ")[2] for line in lines if " readings-disagree: " in line]
+    about_change = [text for text in texts if not text.startswith("numbers in errata.")]
+    assert len(about_change) == 1, texts
+    assert about_change[0].startswith(start)

@@ -92,3 +92,93 @@ def test_a_name_in_the_contents_is_a_fact_of_its_section(tmp_path: Path, capsys:
     paths = [fact["path"] for fact in passage["facts"][:LISTED]]
     assert "manual.contents.7.3.3.1.entries.Overspeed" in paths
     assert "alarms.overspeed.printed_name" in paths
+
+
+AM36 = ROOT / "specs" / "lika" / "am36.yaml"
+#: A text of the manual that a change concerns, with headings around it.
+AM36_TEXT = """\
+AM36 AMC36
+
+{contents}
+
+4 Electrical connections
+
+Function\tM12 8-pin\tM8 type cable
+0VDC\t1\tBlack
++10VDC +30VDC\t2\tRed
+
+5 SSI interface
+
+Order codes: AMx36xx/4096-BG-... AMx36xx/4096-GG-...
+
+6 BiSS C-mode interface
+
+6.5 Implemented registers
+
+Command
+
+After the command, wait min. 30 ms (EPROM writing time) before using a new function.
+
+Configuration
+
+Set to 1 the bit 2 Enable preset in this register, then enter the wished preset value.
+
+7 Default parameters list
+
+Document release\tDescription
+1.0\tFirst issue
+This device is to be supplied by a Class 2 circuit.
+"""
+
+
+def paths_of_am36(tmp_path: Path, capsys: pytest.CaptureFixture[str], old: str, new: str) -> list[str]:
+    """Return the paths of the facts that are listed for the only passage, with those of the same value and key."""
+    titles = ["1 Safety summary", "2 Identification", "3 Mounting instructions", "4 Electrical connections"]
+    titles += ["5 SSI interface", "6 BiSS C-mode interface", "6.5 Implemented registers", "7 Default parameters list"]
+    text = AM36_TEXT.format(contents="".join(f"{title}....... {page}\n" for page, title in enumerate(titles, 8)))
+    assert text.count(old) == 1
+    (tmp_path / "old.txt").write_text(text, encoding="utf-8")
+    (tmp_path / "new.txt").write_text(text.replace(old, new), encoding="utf-8")
+    files = [str(tmp_path / "old.txt"), str(tmp_path / "new.txt")]
+    main(["reread", *files, "--specs", str(AM36.parent), "--family", "am36"])
+    shown = capsys.readouterr().out
+    lines: list[int] = []
+    for line, others in re.findall(
+        r"am36\.yaml:(\d+): [^\n]*?(?:, also in lines? ([\d, and]+))?$", shown, re.MULTILINE
+    ):
+        lines += [int(line), *(int(number) for number in re.findall(r"\d+", others))]
+    assert "and -" not in shown
+    return [AM36.read_text(encoding="utf-8").splitlines()[line - 1].strip() for line in lines]
+
+
+def test_each_fact_with_a_changed_wait_is_listed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    spec_lines = [line.strip() for line in AM36.read_text(encoding="utf-8").splitlines()]
+    waits = [line for line in spec_lines if re.search(r"at_least_ms: 30\b|at_least_us: 30000\b", line)]
+    assert len(waits) == 10  # Of the register, of seven procedures with one that has two, and of a timing.
+    listed = paths_of_am36(tmp_path, capsys, "min. 30 ms", "min. 50 ms")
+    assert sorted(line for line in listed if line in waits) == sorted(waits)
+
+
+def test_each_fact_with_a_changed_supply_is_listed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    listed = "\n".join(paths_of_am36(tmp_path, capsys, "+10VDC +30VDC", "+5VDC +30VDC"))
+    for text in ("supply: {min_mv: 10000", "quantity: supply, min: 10", '"2", signal: +10VDC', "Red, signal: +10VDC"):
+        assert text in listed
+    assert "value: +10 V DC to +30 V DC" in listed
+    assert "used: All models have +10 V to +30 V." in listed
+
+
+def test_references_to_a_renamed_bit_are_listed(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    listed = "\n".join(paths_of_am36(tmp_path, capsys, "the bit 2 Enable preset", "the bit 2 Preset lock"))
+    for text in ("printed_name: Enable preset", "field: enable_preset", "values: {enable_preset", "Enable preset: 25"):
+        assert text in listed
+
+
+def test_a_dropped_order_code_lists_its_option(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    listed = "\n".join(paths_of_am36(tmp_path, capsys, " AMx36xx/4096-GG-...", ""))
+    assert 'GG: {meaning: "SSI, Gray code"' in listed
+    assert "BG is binary, GG is Gray." in listed
+
+
+def test_a_new_row_of_the_history_lists_the_rows_above(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    listed = "\n".join(paths_of_am36(tmp_path, capsys, "1.0\tFirst issue\n", "1.0\tFirst issue\n2.0\tCable colours\n"))
+    assert 'revision: "1.0", changes: First issue.' in listed

@@ -170,7 +170,7 @@ def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     lines += placeholder_lines(report.files)
     lines.append(read_line(families, report))
     if report:
-        lines.append(counted(len(report), "problem"))
+        lines.append(counted(len(report.by_cause), "problem"))
     elif families:
         number = "1 family" if len(families) == 1 else f"{len(families)} families"
         lines.append(f"no problems in {number}: {', '.join(families)}")

@@ -155,7 +155,7 @@ def refuse_unproved(families: Sequence[Family], participle: str, cache: Cache = 
     if report:
         for problem in report.shown:
             print(problem.format(), file=sys.stderr)
-        problems = f"'codewheel check --coverage' reports {counted(len(report), 'problem')}"
+        problems = f"'codewheel check --coverage' reports {counted(len(report.by_cause), 'problem')}"
         raise Stop(f"nothing {participle}: {problems}; correct them, or add --unchecked", 1)
 
 

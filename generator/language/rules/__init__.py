@@ -23,6 +23,7 @@ from . import (
     requests,
     shapes,
     sources,
+    stale_texts,
     values,
     words,
 )
@@ -179,4 +180,9 @@ RULES: tuple[Rule, ...] = (
     left_behind.start_values,
     left_behind.defaults,
     left_behind.order_codes_in_texts,
+    stale_texts.erratum_quantities,
+    stale_texts.waits_given_twice,
+    stale_texts.quoted_names,
+    stale_texts.labels_in_errata,
+    stale_texts.alarm_names,
 )

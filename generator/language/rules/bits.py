@@ -77,14 +77,15 @@ def flag_sums(spec: Spec, raw: Spec, report: DocumentReport) -> None:
             for index, name in enumerate(field.get("sums_up", ())):
                 if name not in other_flags:
                     problem = f"there is no other flag {quoted(name)}{suggestion(name, other_flags)}"
-                    report.add("undefined-reference", (*path, "sums_up", index), problem)
+                    report.add("undefined-reference", (*path, "sums_up", index), problem, cause=name)
 
 
 def alarm_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that an alarm with the name of a flag in its group or register is about that flag."""
     for path, alarm in items(spec, "alarms"):
         name, flag = alarm["name"], alarm.get("field", alarm["name"])
-        if name != flag and name in by_name(owner_of_alarm(spec, alarm), "fields"):
+        flags = by_name(owner_of_alarm(spec, alarm), "fields")
+        if name != flag and name in flags and flag in flags:
             owner_name = alarm["group"] if "group" in alarm else alarm["register"]
             problem = (
                 f"the alarm {quoted(name)} has the same name as a flag of {quoted(owner_name)}, but describes"

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from contextlib import suppress
+from itertools import takewhile
 from typing import Any
 
 from ..document import Path
@@ -21,6 +23,8 @@ _AS_DELIVERED = frozenset(("default", "defaults", "delivered"))
 #: Parts of an order code that a text leaves open, and its tail.
 _LEFT_OPEN = re.compile(r"x+|\.{2,3}|…|_+|\*")
 _TAIL = re.compile(r"(?:[-/]?(?:\.{2,3}|…)|[-/])*")
+#: Least number of letters with which an order code begins to be found in a text.
+_SHORTEST_START = 3
 _BRACES = re.compile(r"\{(\w+)\}")
 
 
@@ -110,22 +114,49 @@ def order_codes_in_texts(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     A text may leave parts open, such as ``TV62-xxx-0050-...``, and may end after any part.
     """
     pattern = spec.get("order_code", {}).get("pattern", "")
-    start = pattern.partition("{")[0]
+    starts, pieces = _starts(spec, pattern), _pieces(spec, pattern)
     # The texts of an older edition are those of today, with other order codes.
-    if len(start) < 3 or report.document.family:
+    if not starts or report.document.family:
         return
-    pieces = _pieces(spec, pattern)
-    word = re.compile(rf"(?<![\w-]){re.escape(start)}[\w.…/*-]+")
+    if pattern.startswith("{"):
+        pieces = pieces[1:]
+    word = re.compile(rf"(?<![\w-])({'|'.join(starts)})([\w.…/*-]+)")
     for path, text in leaves_of(spec, report):
         if not isinstance(text, str) or not _is_text(path):
             continue
-        for order_code in word.findall(text):
-            label = _unknown_label(order_code[len(start) :].rstrip(".,"), pieces)
+        for start, rest in word.findall(text):
+            label = _unknown_label(rest.rstrip(".,"), pieces)
             if label:
-                names = f"{quoted(order_code)} names {quoted(label)}"
+                names = f"{quoted(start + rest)} names {quoted(label)}"
                 message = f"{names}, which is not in the order code; correct one of the two"
                 report.add("left-behind", path, message)
                 break
+
+
+def _starts(spec: Spec, pattern: str) -> list[str]:
+    """Return expressions for the start of an order code: the text of the pattern, or the labels of its first part.
+
+    A letter of a label can be an x for several models, as in AMx36 for AM36 and AMC36.
+    """
+    start = pattern.partition("{")[0]
+    if start:
+        return [re.escape(start)] if len(start) >= _SHORTEST_START else []
+    first_part = by_name(spec, "order_code", "parts").get(pattern.partition("{")[2].partition("}")[0], {})
+    labels = [str(label) for label in first_part.get("values", {})]
+    if not labels or any(len(label) < _SHORTEST_START or not label[0].isalpha() for label in labels):
+        return []
+    expressions = {re.escape(label) for label in labels}
+    common_start = _common_start(labels)
+    common_end = _common_start([label[::-1] for label in labels])[::-1]
+    if len(labels) > 1 and common_start and common_end:
+        expressions.add(f"{re.escape(common_start)}x{re.escape(common_end)}")
+    return sorted(expressions, key=len, reverse=True)
+
+
+def _common_start(texts: Sequence[str]) -> str:
+    """Return the letters with which all texts begin."""
+    columns = takewhile(lambda letters: len(set(letters)) == 1, zip(*texts, strict=False))
+    return "".join(letters[0] for letters in columns)
 
 
 #: Texts about the encoder, without the titles and reasons of errata, and parts about other documents and editions.
@@ -150,7 +181,9 @@ def _pieces(spec: Spec, pattern: str) -> list[tuple[str, re.Pattern[str] | None]
         part: dict[str, Any] = parts.get(texts[place], {})
         labels = sorted(map(re.escape, map(str, part.get("values", {}))), key=len, reverse=True)
         alternatives = [*labels, *([part["open"]] if "open" in part else [])]
-        expression = re.compile("|".join(alternatives)) if all(alternatives) and alternatives else None
+        expression = None
+        with suppress(re.error):  # An invalid expression is reported elsewhere.
+            expression = re.compile("|".join(alternatives)) if all(alternatives) and alternatives else None
         pieces.append(("" if place == 1 else texts[place - 1], expression))
     return pieces
 

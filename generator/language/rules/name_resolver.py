@@ -50,7 +50,7 @@ class NameResolver:
             self._report.mark(path)
             return
         problem = f"there is no {kind} {quoted(name)}{suggestion(name, choices)}"
-        self._report.add("undefined-reference", path, problem)
+        self._report.add("undefined-reference", path, problem, cause=name)
 
     def report_problem(self, path: Path, problem: str) -> None:
         """Report a name that exists but is not sufficient."""

@@ -215,7 +215,7 @@ def _check_spelling(path: Path, spelling: Spec, parts: Mapping[str, Spec], repor
         for text, value in texts.items():
             if value not in listed_values:
                 message = f"{quoted(value)} is not a value of {name}; known: {', '.join(listed_values)}"
-                report.add("also-written", (*path, "values", name, text), message)
+                report.add("also-written", (*path, "values", name, text), message, cause=f"{name} {value}")
     fault = _expression_fault(spelling.get("then", ""))
     if fault:
         message = f"{quoted(spelling['then'])} is not a valid regular expression: {fault}"

@@ -118,7 +118,7 @@ def step_waits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 if short_wait is not None:
                     place, wait_text = short_wait
                     problem = f"{quoted(step['register'])} needs a wait of {needed_ms} ms after a write"
-                    report.add("wait-too-short", (*path, *place), f"{problem}, but {wait_text}")
+                    report.add("wait-too-short", (*path, *place), f"{problem}, but {wait_text}", cause=step["register"])
 
 
 def _find_short_wait(write_path: Path, later_steps: list[tuple[Path, Spec]], needed_ms: int) -> tuple[Path, str] | None:

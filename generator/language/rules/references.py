@@ -95,8 +95,10 @@ def _check_opener(path: Path, opener: Spec, resolver: NameResolver) -> None:
     if name not in resolver.registers:
         return
     fields = resolver.bits(name)
-    values = resolver.values(name, opener.get("field"))
     resolver.refer_by("field", path, opener, f"field of {quoted(name)} called", fields)
+    if opener.get("field", "") not in ("", *fields):
+        return
+    values = resolver.values(name, opener.get("field"))
     resolver.refer_by("value", path, opener, f"value of {quoted(name)} called", values)
     if "field" not in opener and opener.get("value") in values and len(fields) > 1:
         problem = f"{quoted(name)} has several fields; add 'field' with the name of the field"
@@ -216,6 +218,8 @@ def _check_step(path: Path, step: Spec, procedure: Spec, resolver: NameResolver)
         return
     register = resolver.registers[name]
     resolver.refer_by("field", path, step, f"field of {quoted(name)} called", resolver.bits(name))
+    if step.get("field", "") not in ("", *resolver.bits(name)):
+        return
     arguments = [argument["name"] for _, argument in items(procedure, "arguments")]
     values = [*resolver.values(name, step.get("field")), *arguments]
     resolver.refer_by("value", path, step, f"argument, or value of {quoted(name)}, called", values)

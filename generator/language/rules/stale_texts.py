@@ -1,0 +1,209 @@
+"""Rules for facts that a revision of the spec leaves behind: quantities in errata, quoted names, times given twice."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from decimal import Decimal
+from typing import Any
+
+from ..document import Affected
+from ..problems import DocumentReport, listed, quoted, suggestion
+from ..schema_files import PROSE
+from .walk import Spec, by_name, items, leaves, leaves_of, mapping
+
+#: Factors to the smallest unit of a quantity, by the units of texts and by the ends of keys.
+_UNITS: Mapping[str, Mapping[str, int]] = {
+    "voltage": {"V": 1000, "mV": 1, "mv": 1},
+    "frequency": {"MHz": 1_000_000, "kHz": 1000, "Hz": 1, "hz": 1},
+    "current": {"A": 1000, "mA": 1, "ma": 1},
+    "temperature": {"°C": 1},
+    "torque": {"Nm": 1},
+}
+_KIND_OF_UNIT = {unit: kind for kind, factors in _UNITS.items() for unit in factors}
+_UNITS_IN_TEXTS = "|".join(sorted((unit for unit in _KIND_OF_UNIT if not unit.islower()), key=len, reverse=True))
+_QUANTITY = re.compile(
+    rf"(?<![\w.,±])(?<!± )(?P<number>[+−-]?\d+(?:,\d{{3}})*(?:\.\d+)?) ?(?P<unit>{_UNITS_IN_TEXTS})(?![\w/])"
+)
+_BOUNDS = ("min", "typical", "max")
+_THING = "bits?|registers?|commands?|alarms?|inputs?"
+#: The printed name of a thing in quotes, with the word for what it is.
+_QUOTED_NAME = re.compile(
+    rf'"(?P<before>[A-Z][^"]{{2,60}})" (?:{_THING})\b|\b(?:{_THING}) "(?P<after>[A-Z][^"]{{2,60}})"'
+)
+_NAMES = frozenset(("printed_name", "title", "signal", "name"))
+#: Texts about the encoder of today.
+_TEXTS = (PROSE | {"used"}) - {"title", "why", "changes", "source"}
+_ELSEWHERE = frozenset(("documents", "manual", "editions", "evidence", "lost_figures"))
+
+
+def erratum_quantities(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that the quantities that an erratum uses are those of the facts that it affects.
+
+    An erratum without quantities under 'used' uses those that are printed.
+    """
+    if report.document.family or report.document.other_files:
+        return
+    affected_places = Affected(spec)
+    for path, erratum in items(spec, "errata"):
+        key = "used" if _QUANTITY.search(erratum.get("used", "")) else "printed"
+        matches = list(_QUANTITY.finditer(erratum.get(key, "")))
+        if not matches or "readings" in erratum:
+            continue
+        facts: list[Any] = []
+        for affected in erratum.get("affects", ()):
+            facts += affected_places.at(affected)
+        stated: dict[str, dict[Decimal, str]] = {}
+        for kind, number, text in _stated_quantities(facts):
+            stated.setdefault(kind, {})[number] = text
+        for match in matches:
+            kind, number = _KIND_OF_UNIT[match["unit"]], _in_smallest_unit(match["number"], match["unit"])
+            if kind in stated and number not in stated[kind]:
+                known = listed(list(stated[kind].values()), "or")
+                message = (
+                    f"the text says {quoted(match[0])}, but the facts affected have {known}; correct one of the two"
+                )
+                report.add("left-behind", (*path, key), message)
+                break
+
+
+def _stated_quantities(facts: Iterable[Any]) -> Iterator[tuple[str, Decimal, str]]:
+    """Yield the kind of each quantity, its number in the smallest unit, and its text."""
+    for fact in facts:
+        for path, value in leaves(fact):
+            unit = str(path[-1]).rpartition("_")[2] if path else ""
+            if unit in _KIND_OF_UNIT and isinstance(value, int):
+                yield _KIND_OF_UNIT[unit], Decimal(value), f"'{path[-1]}: {value}'"
+        for _, characteristic_value in items(fact, "values") if isinstance(fact, dict) else ():
+            unit = characteristic_value.get("unit", "")
+            for bound in _BOUNDS:
+                if unit in _KIND_OF_UNIT and bound in characteristic_value:
+                    number = characteristic_value[bound]
+                    yield _KIND_OF_UNIT[unit], _in_smallest_unit(str(number), unit), f"{number} {unit}"
+
+
+def _in_smallest_unit(number: str, unit: str) -> Decimal:
+    return Decimal(number.replace(",", "").replace("−", "-")) * _UNITS[_KIND_OF_UNIT[unit]][unit]
+
+
+def waits_given_twice(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that a timing about writes to a register has the wait of this register."""
+    waits = {
+        str(register["printed_name"]): register
+        for register in by_name(spec, "registers").values()
+        if "wait_at_least_ms" in register and "printed_name" in register
+    }
+    for interface in mapping(spec, "interfaces"):
+        for path, timing in items(spec, "interfaces", interface, "timings"):
+            match = re.search(r"\bwrite to the (.+?) register\b", timing.get("meaning", ""))
+            register = waits.get(match[1].strip('"')) if match is not None else None
+            if register is None or "at_least_us" not in timing:
+                continue
+            wait_ms = register["wait_at_least_ms"]
+            if timing["at_least_us"] != wait_ms * 1000:
+                message = (
+                    f"'at_least_us' is {timing['at_least_us']}, but 'wait_at_least_ms' of {quoted(register['name'])} "
+                    f"is {wait_ms}; correct one of the two"
+                )
+                report.add("left-behind", (*path, "at_least_us"), message)
+
+
+def quoted_names(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that a bit, register, command, alarm or input that a text names in quotes has this printed name."""
+    if report.document.family or report.document.other_files:
+        return
+    known = _printed_names(spec, report)
+    known_folded = {_folded(name) for name in known}
+    for path, text in leaves_of(spec, report):
+        if not isinstance(text, str) or path[0] in _ELSEWHERE or path[-1] not in _TEXTS:
+            continue
+        for match in _QUOTED_NAME.finditer(text):
+            name = match["before"] or match["after"]
+            if _folded(name) not in known_folded:
+                message = f"nothing here is called {quoted(name)}{suggestion(name, known)}; correct the text"
+                report.add("left-behind", path, message, cause=name)
+
+
+def _printed_names(spec: Spec, report: DocumentReport) -> list[str]:
+    """Return the names of all parts of a spec, as printed and in other languages."""
+    names: dict[str, None] = {}
+    for path, text in leaves_of(spec, report):
+        if path[0] in _ELSEWHERE or path[0] == "errata" or not isinstance(text, str):
+            continue
+        if path[-1] in _NAMES or path[-2:-1] == ("names",):
+            names[text] = None
+    return list(names)
+
+
+def _folded(name: str) -> str:
+    return re.sub(r"[\W_]+", " ", name).strip().casefold()
+
+
+_LABEL = re.compile(r"(?<![\w/-])[A-Z][A-Z0-9]+(?![\w/-])")
+
+
+def labels_in_errata(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that an erratum about order codes uses only labels that there are, next to another label of the part."""
+    if report.document.family or report.document.other_files:
+        return
+    known_labels = _known_labels(spec)
+    for path, erratum in items(spec, "errata"):
+        affects = erratum.get("affects", ())
+        if not any(affected.split(".")[0] == "order_code" for affected in affects):
+            continue
+        words = _LABEL.findall(erratum.get("used", ""))
+        shapes = {_shape(word) for word in words if word in known_labels}
+        unknown_labels = [word for word in words if word not in known_labels and _shape(word) in shapes]
+        if unknown_labels:
+            message = f"{quoted(unknown_labels[0])} is not in the order code; correct the text"
+            report.add("left-behind", (*path, "used"), message, cause=unknown_labels[0])
+
+
+def _known_labels(spec: Spec) -> set[str]:
+    """Return the labels of all parts of the order code, also as they are written elsewhere."""
+    known_labels: set[str] = set()
+    for part in by_name(spec, "order_code", "parts").values():
+        known_labels.update(map(str, mapping(part, "values")))
+    for _, spelling in items(spec, "order_code", "also_written"):
+        for texts in mapping(spelling, "values").values():
+            known_labels.update(map(str, texts))
+    return known_labels
+
+
+def _shape(label: str) -> str:
+    """Return a label with each letter as A and each digit as 0."""
+    return re.sub("[0-9]", "0", re.sub("[A-Z]", "A", label))
+
+
+#: The name of an error or alarm with a word in capital letters, such as "ST error".
+_NAMED_ERROR = re.compile(r"\b([A-Z]{2,}) (error|alarm|flag|warning)\b")
+
+
+def alarm_names(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+    """Check that a text that lists alarms names only those that there are.
+
+    It lists alarms if it has the name of one of them, or says when one of their flags is active.
+    """
+    if report.document.family or report.document.other_files:
+        return
+    names = {str(alarm.get("printed_name", "")) for _, alarm in items(spec, "alarms")}
+    capital_names = {name for name in names if _NAMED_ERROR.fullmatch(name)}
+    if not capital_names:
+        return
+    printed_names = [
+        str(text) for path, text in leaves_of(spec, report) if path[-1] in ("printed_name", "title", "signal")
+    ]
+    known_words = {word for name in printed_names for word in re.findall(r"[A-Z]{2,}", name)}
+    for path, text in leaves_of(spec, report):
+        if (
+            not isinstance(text, str)
+            or path[0] in _ELSEWHERE
+            or path[-1] not in _TEXTS | {"when_active", "when_inactive"}
+        ):
+            continue
+        for match in _NAMED_ERROR.finditer(text):
+            if match[1] not in known_words:
+                message = (
+                    f"no alarm here is called {quoted(match[0])}{suggestion(match[0], sorted(names))}; correct the text"
+                )
+                report.add("left-behind", path, message, cause=match[0])
