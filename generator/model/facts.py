@@ -5,6 +5,23 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import ClassVar
 
+from .part import (
+    BY_HAND,
+    NOTHING,
+    STEPS,
+    Count,
+    Name,
+    Names,
+    Phrase,
+    Text,
+    key,
+    name_key,
+    names_key,
+    only_key,
+    part,
+    printed_name_key,
+    source_key,
+)
 from .record import dataclass
 
 
@@ -119,24 +136,69 @@ class Supply:
     source: Sources
 
 
-@dataclass(frozen=True, slots=True)
+@part("An error or a warning.", identity="register field")
 class Alarm:
-    name: str
-    printed_name: str
-    names: Mapping[str, str]
-    group: str
-    register: str
-    field: str
-    meaning: str
-    detected: str
-    below_mv: int | None
-    latch: bool | None
-    implemented: bool
-    remedy: str
-    cleared_by: tuple[str, ...]
-    source: Sources
-    only: str = ""
-    by_hand: tuple[str, ...] = ()
+    name: Name = name_key("Name of the alarm.")
+    printed_name: Text = printed_name_key(default="")
+    names: Names = names_key(default=NOTHING)
+    group: Name = key("Field group that contains the flag.", data="Group of fields that contains the flag.", default="")
+    register: Name = key(
+        "Register that contains the flag, instead of a group.",
+        data="Register that contains the flag.",
+        default="",
+        rule="alarm-bit",
+        refers_to="register",
+    )
+    field: Name = key(
+        "Flag in that group or register.", default="", rule="alarm-bit", label="bit", refers_to="any-field"
+    )
+    meaning: Text = key("Event that the alarm signals.", rule="words")
+    detected: Text = key("Time at which the encoder checks for the alarm.", default="", rule="words")
+    below_mv: Count | None = key(
+        "Voltage in millivolts below which the alarm is raised.",
+        default=None,
+        rule="alarm-rule",
+        label="threshold",
+        read="alarm",
+    )
+    latch: bool | None = key(
+        "True if the alarm remains active until it is reset.",
+        reading="null if the manual does not say.",
+        default=None,
+        rule="alarm-rule",
+        label="kept until reset",
+        read="alarm",
+        noun="latching",
+    )
+    implemented: bool = key(
+        "False if this encoder does not implement it. Default: true.",
+        data="True if this encoder implements the item.",
+        default=True,
+        rule="alarm-rule",
+        read="alarm",
+        noun="presence in this encoder",
+    )
+    remedy: Text = key("Instructions for clearing the alarm.", default="", rule="words")
+    cleared_by: tuple[Name, ...] = key(
+        "Procedures that clear the alarm.",
+        may_be_empty=True,
+        default=(),
+        rule="alarm-rule",
+        read="alarm",
+        noun="clearing procedures",
+        refers_to="procedures",
+    )
+    only: Phrase = only_key(default="", writing="Its flag must have the same patterns.", rule="alarm-rule")
+    by_hand: tuple[Name, ...] = key(
+        "Names of characteristics that list steps for a person.",
+        writing=STEPS,
+        data=BY_HAND,
+        default=(),
+        rule="alarm-rule",
+        label="manual steps",
+        read="alarm",
+    )
+    source: Sources = source_key()
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,20 +220,27 @@ class Connector:
     source: Sources
 
 
-@dataclass(frozen=True, slots=True)
+@part("One state.")
 class LedState:
-    state: str
-    meaning: str
-    only: str = ""
-    by_hand: tuple[str, ...] = ()
+    state: Phrase = key("State that a person sees.")
+    meaning: Text = key("Meaning of the state.", data="Meaning.")
+    only: Phrase = only_key(default="", read="LED")
+    by_hand: tuple[Name, ...] = key(
+        "Names of characteristics that list steps for a person.",
+        writing=STEPS,
+        data=BY_HAND,
+        default=(),
+        label="steps by hand",
+        read="LED",
+    )
 
 
-@dataclass(frozen=True, slots=True)
+@part("A diagnostic LED.")
 class Led:
-    name: str
-    title: str
-    states: tuple[LedState, ...]
-    source: Sources
+    name: Name = name_key("Name of the LED.")
+    title: Phrase = key("Label as printed.")
+    states: tuple[LedState, ...] = key("States of the LED.")
+    source: Sources = source_key()
 
 
 @dataclass(frozen=True, slots=True)

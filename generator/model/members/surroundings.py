@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from ..facts import Led, LedState
+from .described import described_part
 from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part
 
 SURROUNDINGS = (
@@ -46,33 +48,8 @@ SURROUNDINGS = (
         NOTE,
         identity="contacts",
     ),
-    Part(
-        "led_state",
-        "One state.",
-        Member("state", "string", "State that a person sees."),
-        Member("meaning", "text", "Meaning."),
-        Member(
-            "only",
-            "string",
-            "Order codes that the item applies to. Empty if it applies to all.",
-            label="order codes",
-            read="LED",
-        ),
-        Member(
-            "by_hand",
-            "[name]",
-            "Steps carried out by a person: names of characteristics.",
-            label="steps by hand",
-            read="LED",
-        ),
-    ),
-    Part(
-        "led",
-        "A diagnostic LED.",
-        NAME,
-        Member("title", "string", "Label as printed."),
-        Member("states", "[led_state]", "States of the LED."),
-    ),
+    described_part(LedState),
+    described_part(Led),
     Part(
         "characteristic",
         "A fact that is only displayed, never used in computations.",

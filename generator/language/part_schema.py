@@ -1,0 +1,140 @@
+"""The parts of the spec language that are described by classes, as JSON Schema.
+
+``python -m codewheel.language.part_schema`` writes them into ``device.schema.json``. Editors and commands read that
+file. A test compares the two.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from ..model import facts
+from ..model.key_types import JsonSchema, KeyType, key_type, limits_in_schema, snake_case
+from ..model.part import DescribedKey, description_of, is_part, keys_of
+
+#: Modules with parts.
+_MODULES = (facts,)
+#: Places of the parts that are described inside another part, if that part is not described by a class.
+_PLACES: Mapping[str, str] = MappingProxyType({})
+_SCHEMA = Path(__file__).parent / "device.schema.json"
+
+
+def described_parts() -> dict[str, Any]:
+    """Return the classes of parts that specs contain, by the names of the classes."""
+    classes = {}
+    for module in _MODULES:
+        for value in vars(module).values():
+            if is_part(value) and value.__module__ == module.__name__:
+                classes[value.__name__] = value
+    return classes
+
+
+def part_schema(kind: Any) -> JsonSchema:
+    """Return the JSON Schema of a part."""
+    description = description_of(kind)
+    written_keys = [described for described in keys_of(kind) if described.key.is_written]
+    required_keys = [described.name for described in written_keys if described.is_required]
+    return {
+        "type": "object",
+        "additionalProperties": False,
+        **({"required": required_keys} if required_keys else {}),
+        "description": f"{description.about} {description.writing}".rstrip(),
+        "properties": {described.name: _key_schema(described) for described in written_keys},
+    }
+
+
+def _key_schema(described: DescribedKey) -> JsonSchema:
+    key, kind = described.key, key_type(described.notation)
+    about = f"{key.about} {key.writing}".rstrip()
+    schema: JsonSchema = {"description": about} if about else {}
+    if kind.is_list:
+        schema["type"] = "array"
+        if not key.may_be_empty:
+            schema["minItems"] = 1
+        schema |= {"maxItems": key.most, "items": _value_schema(kind)}
+    else:
+        schema |= _value_schema(kind)
+    return {**schema, **limits_in_schema(key), **key.schema}
+
+
+def _value_schema(kind: KeyType) -> JsonSchema:
+    """Return the JSON Schema of a value that is not a list. Parts without a name in the schema are described inline."""
+    if not kind.part:
+        return kind.schema
+    if kind.part in _definitions():
+        return {"$ref": f"#/$defs/{kind.part}"}
+    return part_schema(described_parts()[kind.word])
+
+
+def _definitions() -> Mapping[str, Any]:
+    definitions: Mapping[str, Any] = json.loads(_SCHEMA.read_text(encoding="utf-8"))["$defs"]
+    return definitions
+
+
+def schema_with_parts(text: str) -> str:
+    """Return the text of a schema, with the parts as their classes describe them. The rest remains as it is."""
+    lines = text.splitlines()
+    definitions = json.loads(text)["$defs"]
+    for name, kind in described_parts().items():
+        place = _PLACES.get(name, snake_case(name))
+        if place.partition(".")[0] in definitions:
+            lines = _with_block(lines, place.split("."), part_schema(kind))
+    return "\n".join(lines) + "\n"
+
+
+def _with_block(lines: Sequence[str], keys: Sequence[str], schema: JsonSchema) -> list[str]:
+    """Return the lines with another schema at the place of ``keys`` in the definitions."""
+    begin, end = lines.index('  "$defs": {'), len(lines)
+    for key in keys:
+        begin = next(number for number in range(begin + 1, end) if lines[number].lstrip().startswith(f'"{key}": {{'))
+        indent = len(lines[begin]) - len(lines[begin].lstrip())
+        end = next(number for number in range(begin, end) if lines[number].startswith(" " * indent + "}"))
+    comma = "," if lines[end].endswith(",") else ""
+    block = f'{" " * indent}"{keys[-1]}": ' + _text(schema, indent) + comma
+    return [*lines[:begin], *block.splitlines(), *lines[end + 1 :]]
+
+
+def _text(schema: JsonSchema, indent: int) -> str:
+    """Return the text of a schema. Only objects with properties, and what contains them, take several lines."""
+    if '"properties"' not in json.dumps(schema):
+        return json.dumps(schema, ensure_ascii=False)
+    lines: list[str] = []
+    words: JsonSchema = {}
+    for word, value in schema.items():
+        if word == "description" or isinstance(value, dict):
+            lines += [*_on_one_line(words), f"{json.dumps(word)}: {_value_text(word, value, indent + 2)}"]
+            words = {}
+        else:
+            words[word] = value
+    return _in_braces([*lines, *_on_one_line(words)], indent)
+
+
+def _on_one_line(words: JsonSchema) -> list[str]:
+    """Return the words as one line without braces, or no line if there are none."""
+    return [json.dumps(words, ensure_ascii=False)[1:-1]] if words else []
+
+
+def _value_text(word: str, value: Any, indent: int) -> str:
+    if word == "properties":
+        return _in_braces([f"{json.dumps(name)}: {_text(inner, indent + 2)}" for name, inner in value.items()], indent)
+    return _text(value, indent) if isinstance(value, dict) else json.dumps(value, ensure_ascii=False)
+
+
+def _in_braces(lines: Sequence[str], indent: int) -> str:
+    margin = " " * (indent + 2)
+    return "{\n" + ",\n".join(margin + line for line in lines) + "\n" + " " * indent + "}"
+
+
+def main() -> int:
+    """Write the parts into the schema."""
+    _SCHEMA.write_text(schema_with_parts(_SCHEMA.read_text(encoding="utf-8")), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
