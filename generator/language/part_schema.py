@@ -13,14 +13,27 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
-from ..model import facts
+from ..model import facts, fields, interfaces, kinds, measurement
 from ..model.key_types import JsonSchema, KeyType, key_type, limits_in_schema, snake_case
 from ..model.part import DescribedKey, description_of, is_part, keys_of
 
 #: Modules with parts.
-_MODULES = (facts,)
-#: Places of the parts that are described inside another part, if that part is not described by a class.
-_PLACES: Mapping[str, str] = MappingProxyType({})
+_MODULES = (facts, fields, interfaces, kinds, measurement)
+#: Places of parts in the definitions of the schema, if they are not called like the class.
+_PLACES: Mapping[str, str] = MappingProxyType(
+    {
+        "CableLength": "ssi.cable_lengths.items",
+        "DataId": "rs485.data_ids.items",
+        "Edition": "manual.editions.items",
+        "LayoutRange": "position_range",
+        "MemoryAccess": "rs485.memory_access.items",
+        "Network": "biss.network",
+        "Port": "rs485.port",
+        "Revision": "manual.history.items",
+        "Timeout": "biss.timeout",
+        "Write": "example.writes.items",
+    }
+)
 _SCHEMA = Path(__file__).parent / "device.schema.json"
 
 
@@ -39,27 +52,37 @@ def part_schema(kind: Any) -> JsonSchema:
     description = description_of(kind)
     written_keys = [described for described in keys_of(kind) if described.key.is_written]
     required_keys = [described.name for described in written_keys if described.is_required]
-    return {
-        "type": "object",
-        "additionalProperties": False,
-        **({"required": required_keys} if required_keys else {}),
-        "description": f"{description.about} {description.writing}".rstrip(),
-        "properties": {described.name: _key_schema(described) for described in written_keys},
-    }
+    about = f"{description.about} {description.writing}".strip()
+    schema: JsonSchema = {"type": "object", "additionalProperties": False}
+    if required_keys:
+        schema["required"] = required_keys
+    if description.needs_a_key:
+        schema["minProperties"] = 1
+    if about:
+        schema["description"] = about
+    return schema | {"properties": {described.name: _key_schema(described) for described in written_keys}}
 
 
 def _key_schema(described: DescribedKey) -> JsonSchema:
     key, kind = described.key, key_type(described.notation)
     about = f"{key.about} {key.writing}".rstrip()
     schema: JsonSchema = {"description": about} if about else {}
+    if key.schema:
+        return {**schema, **key.schema}
     if kind.is_list:
         schema["type"] = "array"
         if not key.may_be_empty:
             schema["minItems"] = 1
         schema |= {"maxItems": key.most, "items": _value_schema(kind)}
+    elif kind.is_map:
+        schema["type"] = "object"
+        if not key.may_be_empty:
+            schema["minProperties"] = 1
+        names: JsonSchema = {"$ref": "#/$defs/name"}
+        schema |= {"maxProperties": key.most, "propertyNames": names, "additionalProperties": _value_schema(kind)}
     else:
         schema |= _value_schema(kind)
-    return {**schema, **limits_in_schema(key), **key.schema}
+    return schema | limits_in_schema(key)
 
 
 def _value_schema(kind: KeyType) -> JsonSchema:
@@ -91,7 +114,7 @@ def _with_block(lines: Sequence[str], keys: Sequence[str], schema: JsonSchema) -
     """Return the lines with another schema at the place of ``keys`` in the definitions."""
     begin, end = lines.index('  "$defs": {'), len(lines)
     for key in keys:
-        begin = next(number for number in range(begin + 1, end) if lines[number].lstrip().startswith(f'"{key}": {{'))
+        begin = next(number for number in range(begin + 1, end) if lines[number].strip() == f'"{key}": {{')
         indent = len(lines[begin]) - len(lines[begin].lstrip())
         end = next(number for number in range(begin, end) if lines[number].startswith(" " * indent + "}"))
     comma = "," if lines[end].endswith(",") else ""

@@ -24,7 +24,7 @@ _INTERFACES = ["ssi", "biss", "rs485", "spi"]
 _WORDS: Mapping[str, WordOfType] = MappingProxyType(
     {
         "Name": WordOfType({"$ref": "#/$defs/name"}, "name"),
-        "Text": WordOfType({"$ref": "#/$defs/text"}, "text"),
+        "Prose": WordOfType({"$ref": "#/$defs/text"}, "text"),
         "Phrase": WordOfType({"$ref": "#/$defs/text"}, "string"),
         "Names": WordOfType({"$ref": "#/$defs/names"}, "names"),
         "Sources": WordOfType({"$ref": "#/$defs/source"}, ""),
@@ -35,6 +35,7 @@ _WORDS: Mapping[str, WordOfType] = MappingProxyType(
         "float": WordOfType({"type": "number"}, "number"),
         "bool": WordOfType({"type": "boolean"}, "boolean"),
         "str": WordOfType({"type": "string"}, "string"),
+        "CrcNumber": WordOfType({"$ref": "#/$defs/crc_number"}, "hex"),
         "RegisterBit": WordOfType(
             {"type": "string", "pattern": r"^[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*$", "maxLength": 100}, "name"
         ),
@@ -43,19 +44,22 @@ _WORDS: Mapping[str, WordOfType] = MappingProxyType(
         "Url": WordOfType(
             {"type": "string", "pattern": r"""^https?://[^\s<>"|`^{}\[\]\\]+$""", "maxLength": 300}, "string"
         ),
+        "Unit": WordOfType({"description": "Unit.", "type": "string", "maxLength": 20}, "text"),
         "InterfaceName": WordOfType({"enum": _INTERFACES}, "|".join(_INTERFACES)),
     }
 )
 _LIST = re.compile(r"tuple\[(?P<inner>.*), \.\.\.\]")
+_MAP = re.compile(r"Mapping\[Name, (?P<inner>\w+)\]")
 _CHOICE = re.compile(r"Literal(?P<words>\[.*\])")
 
 
 class KeyType(NamedTuple):
-    """Type of a key: a word for a type, the name of a class, or words to choose from, and whether it is a list."""
+    """Type of a key: a word for a type, the name of a class, or words to choose from, or a list or map of these."""
 
     word: str
     choices: tuple[str, ...] = ()
     is_list: bool = False
+    is_map: bool = False
     is_optional: bool = False
 
     @property
@@ -65,12 +69,14 @@ class KeyType(NamedTuple):
 
     @property
     def schema(self) -> JsonSchema:
-        """JSON Schema of a value that is not a list, apart from parts."""
-        return {"enum": list(self.choices)} if self.choices else dict(_WORDS[self.word].schema)
+        """JSON Schema of a value in it, apart from parts."""
+        return (
+            {"enum": [choice for choice in self.choices if choice]} if self.choices else dict(_WORDS[self.word].schema)
+        )
 
     @property
     def notation(self) -> str:
-        """Notation of a value in the data that is not a list."""
+        """Notation of a value in it in the data."""
         return "|".join(self.choices) if self.choices else self.part or _WORDS[self.word].notation
 
 
@@ -82,14 +88,16 @@ def snake_case(class_name: str) -> str:
 def key_type(text: str) -> KeyType:
     """Return the type of a key as it is written in its class, such as ``tuple[Name, ...]`` or ``Count | None``."""
     required_text = text.removesuffix(" | None")
-    listed = _LIST.fullmatch(required_text)
-    inner_text = listed["inner"] if listed else required_text
+    listed, mapped = _LIST.fullmatch(required_text), _MAP.fullmatch(required_text)
+    container = listed or mapped
+    inner_text = container["inner"] if container else required_text
     choice = _CHOICE.fullmatch(inner_text)
     choices = tuple(ast.literal_eval(choice["words"])) if choice else ()
     return KeyType(
         word="" if choice else inner_text,
         choices=choices,
         is_list=listed is not None,
+        is_map=mapped is not None,
         is_optional=required_text != text,
     )
 
@@ -101,10 +109,10 @@ def data_notation(described: DescribedKey) -> str:
     kind = key_type(described.notation)
     if kind.is_list:
         return f"[{kind.notation}]"
+    if kind.is_map:
+        return f"{{{kind.notation}}}"
     if kind.is_optional:
         return f"{kind.notation}?"
-    if kind.choices and described.default == "":
-        return f"|{kind.notation}"
     if isinstance(described.default, bool):
         return f"{kind.notation}={str(described.default).lower()}"
     return kind.notation

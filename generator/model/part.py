@@ -28,8 +28,8 @@ T = TypeVar("T")
 #: A name in the spec, such as that of a field.
 Name = str
 #: Running text, of several sentences if needed. It is an element in XML.
-Text = str
-#: Text of a few words. It is an attribute in XML.
+Prose = str
+#: Prose of a few words. It is an attribute in XML.
 Phrase = str
 #: Names in manuals in other languages, by language code.
 Names = Mapping[str, str]
@@ -37,6 +37,8 @@ Names = Mapping[str, str]
 Count = int
 #: A whole number that is written in hexadecimal.
 Hex = int
+#: A CRC parameter of up to 64 bits.
+CrcNumber = int
 #: A bit of a register, as ``register.field``.
 RegisterBit = str
 #: A release date, as year-month-day.
@@ -45,6 +47,8 @@ Date = str
 Language = str
 #: A web address.
 Url = str
+#: A unit of a column.
+Unit = str
 #: Name of an interface.
 InterfaceName = Literal["ssi", "biss", "rs485", "spi"]
 
@@ -66,9 +70,9 @@ class Key(NamedTuple):
         pattern: Regular expression of a text.
         minimum: Lowest number.
         maximum: Highest number.
-        most: Highest number of entries of a list.
-        may_be_empty: True for a list that may be empty.
-        schema: Further words of JSON Schema.
+        most: Highest number of entries of a list or map.
+        may_be_empty: True for a list or map that may be empty.
+        schema: JSON Schema of the value, if no type of the keys has it.
         member: Other properties of ``Member``: the rule of ``diff``, the class of second reading and so on.
     """
 
@@ -96,6 +100,7 @@ class About(NamedTuple):
         data: Description for users of the data, if it is not ``about``.
         identity: Members by which a part is recognised under another name, separated by spaces.
         is_sourced: True if the part has sources in the data: its own, or those of its parent.
+        needs_a_key: True if no key is required, but one must be given.
     """
 
     about: str
@@ -103,6 +108,7 @@ class About(NamedTuple):
     data: str = ""
     identity: str = ""
     is_sourced: bool = True
+    needs_a_key: bool = False
 
 
 @overload
@@ -192,11 +198,11 @@ def source_key(**options: Any) -> Any:
         source_key,
     ),
 )
-def part(about: str, **options: Any) -> Callable[[type[T]], type[T]]:
-    """Return the decorator of a part of the language. The options are those of ``About``."""
+def part(about: str, *, kw_only: bool = True, **options: Any) -> Callable[[type[T]], type[T]]:
+    """Return the decorator of a part of the language. The options are those of ``About`` and of data classes."""
 
     def decorate(kind: type[T]) -> type[T]:
-        described: Any = dataclass(frozen=True, slots=True, kw_only=True)(kind)
+        described: Any = dataclass(frozen=True, slots=True, kw_only=kw_only)(kind)
         described.__part__ = About(about, **options)
         return described  # type: ignore[no-any-return]
 

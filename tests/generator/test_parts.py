@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from codewheel.language.part_schema import described_parts, part_schema, schema_with_parts
 from codewheel.model.key_types import data_notation, key_type
-from codewheel.model.part import NOTHING, STEPS, Count, Name, Text, fact, key, keys_of, part
+from codewheel.model.part import NOTHING, STEPS, Count, Name, Prose, fact, key, keys_of, part
 
 SCHEMA = Path(__file__).parents[2] / "generator/language/device.schema.json"
 
@@ -24,7 +24,7 @@ class Brake:
     level_mv: Count | None = key("Voltage that releases it.", reading="null if it is not known.", default=None)
     kinds: tuple[Name, ...] = key("Kinds.", writing=STEPS, default=(), most=4)
     is_wet: bool = key("True if it runs in oil.", default=False)
-    derived: Text = fact("Something that follows.", default="")
+    derived: Prose = fact("Something that follows.", default="")
 
 
 def test_the_schema_of_a_part_follows_from_its_class() -> None:
@@ -62,7 +62,7 @@ def test_a_changed_description_reaches_the_schema(monkeypatch: pytest.MonkeyPatc
         ("Name", "", "name"),
         ("Phrase", "", "string"),
         ("Count | None", None, "integer?"),
-        ("tuple[Text, ...]", (), "[text]"),
+        ("tuple[Prose, ...]", (), "[text]"),
         ("bool", True, "boolean=true"),
         ("Literal['up', 'down']", None, "up|down"),
         ("LedState", None, "led_state"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from ..facts import Alarm
+from ..fields import Crc
 from .described import described_part
 from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part
 
@@ -155,46 +156,11 @@ REGISTERS = (
         MEANING,
         identity="when value",
     ),
-    Part(
-        "crc",
-        "A CRC, defined by its standard parameters.",
-        NAME,
-        Member("width", "integer", "Number of bits.", "crc-changed", "bits", read="crc", noun="width"),
-        Member(
-            "poly",
-            "hex",
-            "Generator polynomial without its top bit.",
-            "crc-changed",
-            "polynomial",
-            read="crc",
-            noun="poly",
-        ),
+    described_part(
+        Crc,
         Member("poly_with_top_bit", "hex", "Generator polynomial with its top bit."),
         Member("polynomial", "string", "Generator polynomial in powers of x."),
-        Member("init", "hex", "Start value.", "crc-changed", "start value", read="crc", noun="init"),
-        Member(
-            "refin",
-            "boolean",
-            "True if each input byte is processed least significant bit first.",
-            "crc-changed",
-            "input reflected",
-            read="crc",
-            noun="refin",
-        ),
-        Member(
-            "refout",
-            "boolean",
-            "True if the bits of the result are reversed.",
-            "crc-changed",
-            "output reflected",
-            read="crc",
-            noun="refout",
-        ),
-        Member(
-            "xorout", "hex", "Value XORed with the result.", "crc-changed", "inverted with", read="crc", noun="xorout"
-        ),
-        NOTE,
-        identity="width poly init refin refout xorout",
+        after="poly",
     ),
     described_part(Alarm),
     Part(
