@@ -14,24 +14,19 @@ from types import MappingProxyType
 from typing import Any
 
 from ..model import facts, fields, interfaces, kinds, measurement
-from ..model.key_types import JsonSchema, KeyType, key_type, limits_in_schema, snake_case
-from ..model.part import DescribedKey, description_of, is_part, keys_of
+from ..model.key_types import JsonSchema, KeyType, key_type, limits_in_schema, name_of_part
+from ..model.part import DescribedKey, Key, description_of, is_part, keys_of
+from . import written_parts
 
 #: Modules with parts.
-_MODULES = (facts, fields, interfaces, kinds, measurement)
+_MODULES = (facts, fields, interfaces, kinds, measurement, written_parts)
 #: Places of parts in the definitions of the schema, if they are not called like the class.
 _PLACES: Mapping[str, str] = MappingProxyType(
     {
-        "CableLength": "ssi.cable_lengths.items",
-        "DataId": "rs485.data_ids.items",
         "Edition": "manual.editions.items",
         "LayoutRange": "position_range",
-        "MemoryAccess": "rs485.memory_access.items",
-        "Network": "biss.network",
-        "Port": "rs485.port",
         "Revision": "manual.history.items",
-        "Timeout": "biss.timeout",
-        "Write": "example.writes.items",
+        "WrittenValue": "values.additionalProperties",
     }
 )
 _SCHEMA = Path(__file__).parent / "device.schema.json"
@@ -69,29 +64,27 @@ def _key_schema(described: DescribedKey) -> JsonSchema:
     schema: JsonSchema = {"description": about} if about else {}
     if key.schema:
         return {**schema, **key.schema}
-    if kind.is_list:
-        schema["type"] = "array"
-        if not key.may_be_empty:
-            schema["minItems"] = 1
-        schema |= {"maxItems": key.most, "items": _value_schema(kind)}
-    elif kind.is_map:
-        schema["type"] = "object"
-        if not key.may_be_empty:
-            schema["minProperties"] = 1
-        names: JsonSchema = {"$ref": "#/$defs/name"}
-        schema |= {"maxProperties": key.most, "propertyNames": names, "additionalProperties": _value_schema(kind)}
-    else:
-        schema |= _value_schema(kind)
-    return schema | limits_in_schema(key)
+    return schema | _value_schema(kind, key) | limits_in_schema(key)
 
 
-def _value_schema(kind: KeyType) -> JsonSchema:
-    """Return the JSON Schema of a value that is not a list. Parts without a name in the schema are described inline."""
+def _value_schema(kind: KeyType, key: Key) -> JsonSchema:
+    """Return the JSON Schema of a value. Parts without a name in the schema are described inline."""
+    if kind.container == "list":
+        at_least: JsonSchema = {"minItems": key.least} if key.least else {}
+        return {"type": "array"} | at_least | {"maxItems": key.most, "items": _value_schema(kind.inner, Key(""))}
+    if kind.container == "map":
+        at_least = {"minProperties": key.least} if key.least else {}
+        entries = {
+            "propertyNames": {"$ref": "#/$defs/name"},
+            "additionalProperties": _value_schema(kind.inner, Key("")),
+        }
+        return {"type": "object"} | at_least | {"maxProperties": key.most} | entries
     if not kind.part:
         return kind.schema
-    if kind.part in _definitions():
-        return {"$ref": f"#/$defs/{kind.part}"}
-    return part_schema(described_parts()[kind.word])
+    name = _PLACES.get(kind.class_name, kind.part)
+    if name in _definitions():
+        return {"$ref": f"#/$defs/{name}"}
+    return part_schema(described_parts()[kind.class_name])
 
 
 def _definitions() -> Mapping[str, Any]:
@@ -104,7 +97,7 @@ def schema_with_parts(text: str) -> str:
     lines = text.splitlines()
     definitions = json.loads(text)["$defs"]
     for name, kind in described_parts().items():
-        place = _PLACES.get(name, snake_case(name))
+        place = _PLACES.get(name, name_of_part(name))
         if place.partition(".")[0] in definitions:
             lines = _with_block(lines, place.split("."), part_schema(kind))
     return "\n".join(lines) + "\n"

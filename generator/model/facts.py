@@ -9,6 +9,7 @@ from .part import (
     BY_HAND,
     NOTHING,
     STEPS,
+    Cells,
     Count,
     Date,
     Hex,
@@ -256,7 +257,7 @@ class Alarm:
     remedy: Prose = key("Instructions for clearing the alarm.", default="", rule="words")
     cleared_by: tuple[Name, ...] = key(
         "Procedures that clear the alarm.",
-        may_be_empty=True,
+        least=0,
         default=(),
         rule="alarm-rule",
         read="alarm",
@@ -299,7 +300,7 @@ class Connector:
     interfaces: tuple[InterfaceName, ...] = key(
         "Interfaces that it is wired for.",
         data="Interfaces that the connector is wired for. Empty for all.",
-        may_be_empty=True,
+        least=0,
         default=(),
         rule="contact",
         shape="[name]",
@@ -471,23 +472,7 @@ class Table:
         default=(),
         read="table",
     )
-    rows: tuple[tuple[str, ...], ...] = key(
-        "Rows, each with one cell per column.",
-        data="Rows of the table.",
-        schema={
-            "type": "array",
-            "minItems": 1,
-            "maxItems": 2000,
-            "items": {
-                "description": "One row.",
-                "type": "array",
-                "minItems": 1,
-                "maxItems": 12,
-                "items": {"description": "One cell.", "type": ["string", "integer"], "maxLength": 300},
-            },
-        },
-        shape="[table_row]",
-    )
+    rows: tuple[Cells, ...] = key("Rows, each with one cell per column.", data="Rows of the table.")
     note: Prose = note_key("Footnotes.", default="")
     source: Sources = source_key()
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Mapping
+from functools import cache
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -21,6 +22,9 @@ class WordOfType(NamedTuple):
 
 
 _INTERFACES = ["ssi", "biss", "rs485", "spi"]
+#: Largest number that JavaScript represents exactly.
+_LARGEST = 2**53 - 1
+_NAME = "^[a-z][a-z0-9]*(_[a-z0-9]+)*$"
 _WORDS: Mapping[str, WordOfType] = MappingProxyType(
     {
         "Name": WordOfType({"$ref": "#/$defs/name"}, "name"),
@@ -28,8 +32,10 @@ _WORDS: Mapping[str, WordOfType] = MappingProxyType(
         "Phrase": WordOfType({"$ref": "#/$defs/text"}, "string"),
         "Names": WordOfType({"$ref": "#/$defs/names"}, "names"),
         "Sources": WordOfType({"$ref": "#/$defs/source"}, ""),
+        "SourceText": WordOfType({"$ref": "#/$defs/source"}, ""),
         "Count": WordOfType({"$ref": "#/$defs/count"}, "integer"),
         "Expression": WordOfType({"$ref": "#/$defs/expression"}, "expression"),
+        "Formula": WordOfType({"$ref": "#/$defs/expression"}, "expression"),
         "int": WordOfType({"type": "integer"}, "integer"),
         "Hex": WordOfType({"type": "integer"}, "hex"),
         "float": WordOfType({"type": "number"}, "number"),
@@ -46,60 +52,131 @@ _WORDS: Mapping[str, WordOfType] = MappingProxyType(
         ),
         "Unit": WordOfType({"description": "Unit.", "type": "string", "maxLength": 20}, "text"),
         "InterfaceName": WordOfType({"enum": _INTERFACES}, "|".join(_INTERFACES)),
+        "OtherBits": WordOfType({"$ref": "#/$defs/other_bits"}, "name"),
+        "HexBytes": WordOfType({"$ref": "#/$defs/hex_bytes"}, "string"),
+        "BitRange": WordOfType({"type": ["integer", "string"]}, "string"),
+        "NumberOrText": WordOfType({"type": ["string", "integer"], "maxLength": 64}, "string"),
+        "Values": WordOfType({"$ref": "#/$defs/values"}, "[value]"),
+        "Joins": WordOfType({"$ref": "#/$defs/join"}, "[join]"),
+        "CodePattern": WordOfType({"type": "string", "minLength": 1, "maxLength": 100}, "string"),
+        "PrintedWrite": WordOfType(
+            {
+                "type": "string",
+                "pattern": "^0x[0-9A-Fa-f]{1,4}(-0x[0-9A-Fa-f]{1,4})?( bit [0-9]{1,3})?"
+                "( = (0x[0-9A-Fa-f]{1,16}|[0-9]{1,3}))?$",
+                "maxLength": 60,
+            },
+            "string",
+        ),
+        "Headline": WordOfType(
+            {"type": "string", "minLength": 1, "maxLength": 70, "pattern": r"^\S+ .*[^.\s]$"}, "text"
+        ),
+        "FactPath": WordOfType({"type": "string", "pattern": r"^[a-z0-9_]+(\.[a-z0-9_]+)*$", "maxLength": 120}, "name"),
+        "ParameterValue": WordOfType({"type": "integer", "minimum": 0, "maximum": _LARGEST}, "integer"),
+        "SignedNumber": WordOfType({"type": "integer", "minimum": -_LARGEST, "maximum": _LARGEST}, "integer"),
+        "AddressRange": WordOfType(
+            {"type": ["integer", "string"], "pattern": "^0x[0-9A-Fa-f]+-0x[0-9A-Fa-f]+$", "maxLength": 20}, "string"
+        ),
+        "VerdictOfAnswer": WordOfType(
+            {"description": "Verdict on the position with that answer.", "enum": ["not_usable", "usable_with_warning"]},
+            "string",
+        ),
+        "Cells": WordOfType(
+            {
+                "description": "One row.",
+                "type": "array",
+                "minItems": 1,
+                "maxItems": 12,
+                "items": {"description": "One cell.", "type": ["string", "integer"], "maxLength": 300},
+            },
+            "table_row",
+        ),
+        "Scalar": WordOfType({"type": ["integer", "string", "boolean"]}, "scalar"),
+        "NameOrNames": WordOfType(
+            {
+                "type": ["string", "array"],
+                "pattern": _NAME,
+                "maxLength": 40,
+                "minItems": 1,
+                "maxItems": 32,
+                "items": {"$ref": "#/$defs/name"},
+            },
+            "[name]",
+        ),
     }
 )
-_LIST = re.compile(r"tuple\[(?P<inner>.*), \.\.\.\]")
-_MAP = re.compile(r"Mapping\[Name, (?P<inner>\w+)\]")
+_CONTAINERS: Mapping[str, re.Pattern[str]] = MappingProxyType(
+    {
+        "list": re.compile(r"tuple\[(?P<inner>.*), \.\.\.\]"),
+        "map": re.compile(r"Mapping\[Name, (?P<inner>.*)\]"),
+        "located": re.compile(r"Located\[(?P<inner>\w+)\]"),
+    }
+)
 _CHOICE = re.compile(r"Literal(?P<words>\[.*\])")
 
 
 class KeyType(NamedTuple):
-    """Type of a key: a word for a type, the name of a class, or words to choose from, or a list or map of these."""
+    """Type of a key: a word for a type, the name of a class, words to choose from, or a container of an inner type.
 
-    word: str
+    A container is a ``list``, a ``map`` by names, or ``located``: a part with its place.
+    """
+
+    word: str = ""
     choices: tuple[str, ...] = ()
-    is_list: bool = False
-    is_map: bool = False
+    container: str = ""
+    content: tuple[KeyType, ...] = ()
     is_optional: bool = False
 
     @property
+    def inner(self) -> KeyType:
+        """Type of what a container contains."""
+        return self.content[0]
+
+    @property
     def part(self) -> str:
-        """Name in the data of the part that the class describes. Empty for other types."""
-        return "" if self.choices or self.word in _WORDS else snake_case(self.word)
+        """Name in the schema of the part that the class describes. Empty for other types."""
+        if self.container == "located":
+            return self.inner.part
+        return "" if self.choices or self.container or self.word in _WORDS else name_of_part(self.word)
+
+    @property
+    def class_name(self) -> str:
+        """Class of a part."""
+        return self.inner.word if self.container == "located" else self.word
 
     @property
     def schema(self) -> JsonSchema:
-        """JSON Schema of a value in it, apart from parts."""
-        return (
-            {"enum": [choice for choice in self.choices if choice]} if self.choices else dict(_WORDS[self.word].schema)
-        )
+        """JSON Schema of a value, apart from containers and parts."""
+        if self.choices:
+            return {"enum": [choice for choice in self.choices if choice]}
+        return dict(_WORDS[self.word].schema)
 
     @property
     def notation(self) -> str:
-        """Notation of a value in it in the data."""
+        """Notation of a value in the data."""
+        if self.container:
+            return f"[{self.inner.notation}]" if self.container == "list" else f"{{{self.inner.notation}}}"
         return "|".join(self.choices) if self.choices else self.part or _WORDS[self.word].notation
 
 
-def snake_case(class_name: str) -> str:
-    """Return the name of a part by that of its class."""
-    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", class_name).lower()
+def name_of_part(class_name: str) -> str:
+    """Return the name of a part by that of its class. ``WrittenField`` is a field as it is written in a spec."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", class_name.removeprefix("Written")).lower()
 
 
+@cache
 def key_type(text: str) -> KeyType:
     """Return the type of a key as it is written in its class, such as ``tuple[Name, ...]`` or ``Count | None``."""
-    required_text = text.removesuffix(" | None")
-    listed, mapped = _LIST.fullmatch(required_text), _MAP.fullmatch(required_text)
-    container = listed or mapped
-    inner_text = container["inner"] if container else required_text
-    choice = _CHOICE.fullmatch(inner_text)
-    choices = tuple(ast.literal_eval(choice["words"])) if choice else ()
-    return KeyType(
-        word="" if choice else inner_text,
-        choices=choices,
-        is_list=listed is not None,
-        is_map=mapped is not None,
-        is_optional=required_text != text,
-    )
+    if text.endswith(" | None"):
+        return key_type(text.removesuffix(" | None"))._replace(is_optional=True)
+    choice = _CHOICE.fullmatch(text)
+    if choice is not None:
+        return KeyType(choices=tuple(ast.literal_eval(choice["words"])))
+    for container, pattern in _CONTAINERS.items():
+        match = pattern.fullmatch(text)
+        if match is not None:
+            return KeyType(container=container, content=(key_type(match["inner"]),))
+    return KeyType(text)
 
 
 def data_notation(described: DescribedKey) -> str:
@@ -107,10 +184,6 @@ def data_notation(described: DescribedKey) -> str:
     if described.key.shape:
         return described.key.shape
     kind = key_type(described.notation)
-    if kind.is_list:
-        return f"[{kind.notation}]"
-    if kind.is_map:
-        return f"{{{kind.notation}}}"
     if kind.is_optional:
         return f"{kind.notation}?"
     if isinstance(described.default, bool):
@@ -127,4 +200,6 @@ def limits_in_schema(key: Key) -> JsonSchema:
         limits["minimum"] = key.minimum
     if key.maximum is not None:
         limits["maximum"] = key.maximum
+    if key.longest:
+        limits["maxLength"] = key.longest
     return limits

@@ -8,7 +8,7 @@ types of the spec language and of the data.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, field, fields
+from dataclasses import MISSING, Field, field, fields
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeVar, overload
 
@@ -52,6 +52,44 @@ Unit = str
 #: Name of an interface.
 InterfaceName = Literal["ssi", "biss", "rs485", "spi"]
 
+#: The types below occur only in specs as they are written, before names and formulas are resolved.
+#: Text with sources.
+SourceText = str
+#: A whole number, or a formula with parameters.
+Formula = int | str
+#: A bit number, or a range such as 7:6.
+BitRange = int | str
+#: A whole number, a formula with parameters, or a text.
+NumberOrText = int | str
+#: A name, or a list of names. It reads as a list.
+NameOrNames = tuple[str, ...]
+#: Names of joined fields, by the name of the number that they form.
+Joins = Mapping[str, tuple[str, ...]]
+#: An order code with the names of its parts in braces.
+CodePattern = str
+#: A write as the manual prints it.
+PrintedWrite = str
+#: A sentence in place of a name.
+Headline = str
+#: A path into the spec.
+FactPath = str
+#: A number that a parameter of an order code has.
+ParameterValue = int
+#: A number, possibly negative.
+SignedNumber = int
+#: An address, or a range of addresses.
+AddressRange = int | str
+#: A verdict on the position for one answer of the user.
+VerdictOfAnswer = str
+#: The cells of a row.
+Cells = tuple[str, ...]
+#: A value of an example.
+Scalar = int | str | bool
+#: Content of the bits outside all fields.
+OtherBits = str
+#: Bytes in hexadecimal, separated by spaces.
+HexBytes = str
+
 #: An empty map, as a default.
 NOTHING: Mapping[Any, Any] = MappingProxyType({})
 _KEY = "key"
@@ -70,8 +108,9 @@ class Key(NamedTuple):
         pattern: Regular expression of a text.
         minimum: Lowest number.
         maximum: Highest number.
+        longest: Highest number of characters of a text.
         most: Highest number of entries of a list or map.
-        may_be_empty: True for a list or map that may be empty.
+        least: Lowest number of entries of a list or map.
         schema: JSON Schema of the value, if no type of the keys has it.
         member: Other properties of ``Member``: the rule of ``diff``, the class of second reading and so on.
     """
@@ -85,8 +124,9 @@ class Key(NamedTuple):
     pattern: str = ""
     minimum: int | None = None
     maximum: int | None = None
+    longest: int = 0
     most: int = 2000
-    may_be_empty: bool = False
+    least: int = 1
     schema: Mapping[str, Any] = NOTHING
     member: Mapping[str, str] = NOTHING
 
@@ -235,11 +275,16 @@ class DescribedKey(NamedTuple):
 
 
 def keys_of(kind: Any) -> tuple[DescribedKey, ...]:
-    """Return the keys of a part, in the order of the data."""
-    described_keys = []
-    for member in fields(kind):
-        default = member.default
-        if member.default_factory is not MISSING:
-            default = member.default_factory()
-        described_keys.append(DescribedKey(member.name, str(member.type), default, member.metadata[_KEY]))
-    return tuple(described_keys)
+    """Return the keys of a part, in the order of its class."""
+    if hasattr(kind, "described_keys"):
+        described_keys: tuple[DescribedKey, ...] = kind.described_keys
+        return described_keys
+    return tuple(described_key(member.name, str(member.type), member) for member in fields(kind))
+
+
+def described_key(name: str, notation: str, member: Field[Any]) -> DescribedKey:
+    """Return a key by its description in a class."""
+    default = member.default
+    if member.default_factory is not MISSING:
+        default = member.default_factory()
+    return DescribedKey(name, notation, default, member.metadata[_KEY])

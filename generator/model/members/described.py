@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ..key_types import data_notation, snake_case
+from ..key_types import data_notation, name_of_part
 from ..part import DescribedKey, description_of, keys_of
 from .member import Member, Part
 
@@ -24,7 +24,7 @@ def described_part(kind: Any, *additional: Member, after: str = "", name: str = 
         if described.name == after:
             members += additional
     return Part(
-        name or snake_case(kind.__name__),
+        name or name_of_part(kind.__name__),
         description.data or description.about,
         *members,
         of=kind.__name__,
