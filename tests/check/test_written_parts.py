@@ -82,7 +82,7 @@ def test_every_key_of_every_part_can_be_read_from_an_empty_map() -> None:
         for described in keys_of(kind):
             name = described.name if hasattr(kind, described.name) else f"{described.name}_"
             value = getattr(part, name)
-            is_empty = not value or isinstance(value, (WrittenPart, Located)) and not value.data
+            is_empty = not value or (isinstance(value, (WrittenPart, Located)) and not value.data)
             assert is_empty or value is described.default, f"{kind.__name__}.{name}"
 
 
