@@ -220,8 +220,8 @@ class WrittenFieldGroup(WrittenPart):
     bits: int = key("Width of the whole group.", minimum=1, maximum=64)
     other_bits: OtherBits = key("", default="")
     note: Prose = key("Additional information for the reader.", default="")
-    source: SourceText = key("")
     fields: tuple[WrittenField, ...] = key("Fields.", most=512)
+    source: SourceText = key("")
 
 
 @written("The number that is sent in Gray code as one word, and the condition under which this applies.")
@@ -682,7 +682,6 @@ class WrittenSpelling(WrittenPart):
 @written("Structure of an order code, and the properties that each part selects.")
 class WrittenOrderCode(WrittenPart):
     pattern: CodePattern = key("Order code with its parts in braces, as in ABC{bits}/{interface}.")
-    source: SourceText = key("")
     special: Prose = key("The manual's warning about codes that end in /Sxxx.", default="")
     not_on_label: Prose = key(
         "For made-up order codes: what the label shows instead, and what the code stands for.", default=""
@@ -695,6 +694,7 @@ class WrittenOrderCode(WrittenPart):
         least=0,
         default=(),
     )
+    source: SourceText = key("")
 
 
 @written("One answer.")

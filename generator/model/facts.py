@@ -163,8 +163,8 @@ class Manual:
 
 @part("A figure that was not available.")
 class LostFigure:
-    content: Prose = key("Content of the figure, and how the spec manages without it.")
     source: Sources = source_key()
+    content: Prose = key("Content of the figure, and how the spec manages without it.")
 
 
 @part(
