@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any
@@ -29,6 +30,8 @@ _PLACES: Mapping[str, str] = MappingProxyType(
         "WrittenValue": "values.additionalProperties",
     }
 )
+#: Line of the schema after which the definitions begin.
+_DEFINITIONS = '  "$defs": {'
 _SCHEMA = Path(__file__).parent / "device.schema.json"
 
 
@@ -75,7 +78,7 @@ def _value_schema(kind: KeyType, key: Key) -> JsonSchema:
     if kind.container == "map":
         at_least = {"minProperties": key.least} if key.least else {}
         entries = {
-            "propertyNames": {"$ref": "#/$defs/name"},
+            "propertyNames": kind.key_schema,
             "additionalProperties": _value_schema(kind.inner, Key("")),
         }
         return {"type": "object"} | at_least | {"maxProperties": key.most} | entries
@@ -96,22 +99,29 @@ def schema_with_parts(text: str) -> str:
     """Return the text of a schema, with the parts as their classes describe them. The rest remains as it is."""
     lines = text.splitlines()
     definitions = json.loads(text)["$defs"]
+    spec_keys = part_schema(written_parts.WrittenSpec)["properties"]
+    lines = _with_block(lines, 0, ["properties"], lambda indent: _value_text("properties", spec_keys, indent))
     for name, kind in described_parts().items():
         place = _PLACES.get(name, name_of_part(name))
         if place.partition(".")[0] in definitions:
-            lines = _with_block(lines, place.split("."), part_schema(kind))
+            schema = part_schema(kind)
+            begin = lines.index(_DEFINITIONS)
+            lines = _with_block(lines, begin, place.split("."), partial(_text, schema))
     return "\n".join(lines) + "\n"
 
 
-def _with_block(lines: Sequence[str], keys: Sequence[str], schema: JsonSchema) -> list[str]:
-    """Return the lines with another schema at the place of ``keys`` in the definitions."""
-    begin, end = lines.index('  "$defs": {'), len(lines)
+def _with_block(lines: Sequence[str], begin: int, keys: Sequence[str], text_of: Callable[[int], str]) -> list[str]:
+    """Return the lines with another schema at the first place of ``keys`` after ``begin``.
+
+    ``text_of`` returns its text for an indentation.
+    """
+    end = len(lines)
     for key in keys:
         begin = next(number for number in range(begin + 1, end) if lines[number].strip() == f'"{key}": {{')
         indent = len(lines[begin]) - len(lines[begin].lstrip())
         end = next(number for number in range(begin, end) if lines[number].startswith(" " * indent + "}"))
     comma = "," if lines[end].endswith(",") else ""
-    block = f'{" " * indent}"{keys[-1]}": ' + _text(schema, indent) + comma
+    block = f'{" " * indent}"{keys[-1]}": ' + text_of(indent) + comma
     return [*lines[:begin], *block.splitlines(), *lines[end + 1 :]]
 
 

@@ -173,7 +173,10 @@ _text, _number, _number_or_text = _is_of(str), _is_of(int), _is_of(int, str)
 #: The words for types that are not text.
 _READERS: Mapping[str, Reader] = MappingProxyType(
     {
-        **dict.fromkeys(("Count", "int", "Hex", "CrcNumber", "ParameterValue", "SignedNumber"), _number),
+        **dict.fromkeys(
+            ("Count", "int", "Hex", "CrcNumber", "ParameterValue", "SignedNumber", "PageOfEntry", "LanguageVersion"),
+            _number,
+        ),
         **dict.fromkeys(("Formula", "BitRange", "NumberOrText", "AddressRange"), _number_or_text),
         "Scalar": _is_of(int, str, bool),
         "bool": _is_of(bool),
@@ -181,7 +184,8 @@ _READERS: Mapping[str, Reader] = MappingProxyType(
         "Expression": _expression,
         "Names": _map_reader(_text),
         "Joins": _map_reader(_list_reader(_text)),
-        "NameOrNames": _one_or_more,
+        **dict.fromkeys(("NameOrNames", "Places"), _one_or_more),
+        "Anything": lambda value, _: value,
         "Cells": _cells,
     }
 )

@@ -8,7 +8,23 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Literal
 
-from ..model.facts import Supply, Timing, Write
+from ..model.facts import (
+    Alarm,
+    Characteristic,
+    Connector,
+    Edition,
+    EditionTest,
+    Evidence,
+    Input,
+    Led,
+    LostFigure,
+    Revision,
+    Supply,
+    Table,
+    Timing,
+    Write,
+)
+from ..model.fields import Crc
 from ..model.interfaces import CableLength, Clock, DataId, MemoryAccess, Network, Port, Timeout
 from ..model.kinds import Digits, Scale
 from ..model.measurement import LayoutRange, Measurement
@@ -16,28 +32,40 @@ from ..model.part import (
     NOTHING,
     PATTERNS,
     AddressRange,
+    Anything,
     BitRange,
+    CodeNumber,
     CodePattern,
     Count,
     CrcNumber,
+    Date,
+    DateOrYear,
     FactPath,
     Formula,
+    Heading,
     Headline,
     HexBytes,
     InterfaceName,
     Joins,
+    Label,
+    Language,
+    LanguageVersion,
     Name,
     NameOrNames,
     Names,
     NumberOrText,
     OtherBits,
+    PageOfEntry,
     ParameterValue,
+    Place,
+    Places,
     PrintedWrite,
     Prose,
     RegisterBit,
     Scalar,
     SignedNumber,
     SourceText,
+    Url,
     VerdictOfAnswer,
     key,
 )
@@ -581,16 +609,10 @@ class WrittenParameter(WrittenPart):
     )
     min: Count | None = key("Smallest value of a parameter read from a register.", default=None)
     max: Count | None = key("Largest value of a parameter read from a register.", default=None)
-    by_code: Mapping[Name, Count] = key(
+    by_code: Mapping[CodeNumber, Count] = key(
         "For a parameter read from a register whose field holds a code for it: the value of the "
         "parameter for each code, as in {0: 0, 2: 8, 4: 16}. Other codes are refused.",
-        schema={
-            "type": "object",
-            "minProperties": 2,
-            "maxProperties": 2000,
-            "propertyNames": {"type": "string", "pattern": "^(0|[1-9][0-9]{0,9}|0x[0-9A-Fa-f]{1,8})$"},
-            "additionalProperties": {"$ref": "#/$defs/count"},
-        },
+        least=2,
         default=NOTHING,
     )
     source: SourceText = key("", default="")
@@ -634,16 +656,7 @@ class WrittenCodePart(WrittenPart):
     open_only_with: Mapping[Name, tuple[str, ...]] = key(
         "Values of other parts that an open value can be combined with. Default: all.", default=NOTHING
     )
-    values: Mapping[Name, WrittenCodeValue] = key(
-        "All values that the manual lists, as printed on the label.",
-        schema={
-            "type": "object",
-            "minProperties": 1,
-            "maxProperties": 2000,
-            "propertyNames": {"pattern": "^[A-Za-z0-9]+(/[A-Za-z0-9]+)*$", "maxLength": 20},
-            "additionalProperties": {"$ref": "#/$defs/code_value"},
-        },
-    )
+    values: Mapping[Label, WrittenCodeValue] = key("All values that the manual lists, as printed on the label.")
 
 
 @written("An alternative spelling on labels.")
@@ -652,22 +665,9 @@ class WrittenSpelling(WrittenPart):
     where: Prose = key(
         "Origin of this spelling, in words that can follow 'written as in', such as 'edition 1.1 of the manual'."
     )
-    values: Mapping[Name, Mapping[Name, str]] = key(
+    values: Mapping[Name, Mapping[Label, str]] = key(
         "For each part: strings on the label, each with the listed value that it represents. A part "
         "given here accepts only these strings. Any other part accepts its listed values.",
-        schema={
-            "type": "object",
-            "minProperties": 1,
-            "maxProperties": 2000,
-            "propertyNames": {"$ref": "#/$defs/name"},
-            "additionalProperties": {
-                "type": "object",
-                "minProperties": 1,
-                "maxProperties": 2000,
-                "propertyNames": {"pattern": "^[A-Za-z0-9]+(/[A-Za-z0-9]+)*$", "maxLength": 20},
-                "additionalProperties": {"type": "string"},
-            },
-        },
         default=NOTHING,
     )
     then: str = key(
@@ -852,5 +852,175 @@ class WrittenErratum(WrittenPart):
     readings: tuple[WrittenReading, ...] = key(
         "Pairs of values, as check prints them. Needed if the manual prints two values, and the spec "
         "and the second reading use different ones.",
+        default=(),
+    )
+
+
+@written("A section.", needs_a_key=True)
+class WrittenSection(WrittenPart):
+    title: Prose = key("Title of a numbered section.", default="")
+    page: int | None = key(
+        "Page on which the section begins, if the contents give it.", minimum=1, maximum=9999, default=None
+    )
+    entries: Mapping[Heading, PageOfEntry] = key(
+        "Unnumbered entries of the section, such as registers and alarms, with the pages on which they begin.",
+        default=NOTHING,
+    )
+
+
+@written("The manual that this file transcribes.")
+class WrittenManual(WrittenPart):
+    title: Prose = key("Title as printed.")
+    revision: Prose = key("Revision as printed. Put it in quotes so that it remains text.")
+    date: DateOrYear | None = key(
+        "Release date of that revision, as year-month-day. If the manual gives only a year, for "
+        "example as its copyright year, give only the year.",
+        default=None,
+    )
+    language: Language = key("Language code of the edition that sources without a key cite.")
+    publisher: Prose = key("Publisher of the manual.", default="")
+    editions: tuple[Located[Edition], ...] = key(
+        "Other language editions that were also read. Sources use the language code to cite them.", least=0, default=()
+    )
+    contents: Mapping[Heading, WrittenSection] = key(
+        "Contents of the manual: sections by number, or by title if they have none, with the pages on "
+        "which they begin. 'check' compares cited sections and pages with them.",
+        default=NOTHING,
+    )
+    history: tuple[Located[Revision], ...] = key("Revision table, oldest first.", least=0, default=())
+
+
+@written("A public document.")
+class WrittenDocument(WrittenPart):
+    title: Prose = key("Title, revision and publisher.")
+    url: Url = key("Web address of the document.", default="")
+
+
+@written("One difference from the spec. It has exactly one of the keys set, add, remove, unknown and also.")
+class WrittenChange(WrittenPart):
+    set: Places | None = key("Place or places whose value changes.", default=None)
+    to: Anything | None = key("With set: new value.", default=None)
+    add: Place | None = key("A list to which an item is added, or a new key.", default=None)
+    value: Anything | None = key("With add: new item or value.", default=None)
+    remove: Places | None = key("Place or places to remove.", default=None)
+    unknown: Places | None = key(
+        "Place or places whose content is unknown. They are removed, and outputs state that they are unknown.",
+        default=None,
+    )
+    also: str = key("Description of an additional, undocumented item.", shortest=1, longest=500, default="")
+    why: str = key("The reason.", shortest=1, longest=2000)
+    severity: Literal["", "wrong_data", "wrong_limit", "omission", "wording"] = key(
+        "Effect of omitting the change, as for an erratum. Default: wrong_data.", default=""
+    )
+    source: str = key(
+        "Source of the change: section and page of the manual, or a key of documents, a colon, and the "
+        "place in that document.",
+        shortest=1,
+        longest=200,
+    )
+
+
+@written("A revision of the manual and its changes.")
+class WrittenManualEdition(WrittenPart):
+    revision: Prose = key("Revision as printed. It is in the history, or later than the manual's revision.")
+    date: Date = key("Date of a later revision, year-month-day.", default="")
+    before: tuple[WrittenChange, ...] = key(
+        "Changes that lead from the edition of this revision back to the edition before it.", most=100, default=()
+    )
+    then: tuple[WrittenChange, ...] = key(
+        "For a revision later than that of the manual: changes that apply from that revision on.", most=100, default=()
+    )
+    labels: tuple[Prose, ...] = key("Patterns from also_written that identify labels of this edition.", default=())
+    tests: tuple[Located[EditionTest], ...] = key(
+        "Registers that identify an encoder of an earlier edition.", default=()
+    )
+
+
+@written(
+    "One manual, transcribed: order codes, interfaces, layouts, registers, procedures, examples "
+    "and errata of one encoder family."
+)
+class WrittenSpec(WrittenPart):
+    codewheel: LanguageVersion = key(
+        "Version of the spec language. 1 is the language of the first release. codewheel migrate updates older specs."
+    )
+    device: Name = key("Name of the family, the same as the file's stem. Generated modules and prefixes use it.")
+    manufacturer: Name = key(
+        "Short name of the manufacturer, as given by the key 'manufacturer' in its own file, for example lika."
+    )
+    title: Prose = key("Name of the family, as used in running text.")
+    movement: Literal["rotary", "linear"] = key("Kind of movement: rotary for an angle, linear for a length.")
+    evidence: Located[Evidence] = key("")
+    manual: WrittenManual = key("")
+    documents: Mapping[Name, WrittenDocument] = key(
+        "Public documents other than the manual, each under a short key. A source that begins with the "
+        "key and a colon cites that document.",
+        least=0,
+        default=NOTHING,
+    )
+    lost_figures: tuple[Located[LostFigure], ...] = key(
+        "Facts that the manual gives only in a figure, if the text used for transcription has no figures.",
+        least=0,
+        default=(),
+    )
+    parameters: Mapping[Name, WrittenParameter] = key(
+        "Quantities that differ between order codes or follow from them. Widths and limits refer to "
+        "them by name. Write {} if no quantity differs.",
+        most=64,
+        least=0,
+    )
+    order_code: WrittenOrderCode = key("")
+    crcs: tuple[Located[Crc], ...] = key("Cyclic redundancy checks that layouts refer to.", least=0, default=())
+    field_groups: tuple[WrittenFieldGroup, ...] = key(
+        "Sequences of fields that several layouts share. A layout includes one with 'use'.", least=0, default=()
+    )
+    interfaces: WrittenInterfaces = key("")
+    registers: tuple[WrittenRegister, ...] = key("Registers, in the order of the manual.", least=0, default=())
+    alarms: tuple[Located[Alarm], ...] = key(
+        "Error and warning flags: their meanings, whether they latch, and how to clear them.", least=0, default=()
+    )
+    procedures: tuple[WrittenProcedure, ...] = key(
+        "Sequences of register writes, requests and waits that the manual prescribes.", least=0, default=()
+    )
+    printed_defaults: tuple[WrittenPrintedDefault, ...] = key(
+        "The manual's own list of defaults, row by row. It is checked against the registers.", least=0, default=()
+    )
+    alternatives: tuple[WrittenAlternative, ...] = key(
+        "Questions that the manual leaves open, or answers differently from other evidence. The user "
+        "must decide. Generated code takes the decision as an argument without a default.",
+        least=0,
+        default=(),
+    )
+    timings: tuple[Located[Timing], ...] = key("Times and rates of the device as a whole.", least=0, default=())
+    measurement: Located[Measurement] | None = key("", default=None)
+    supply: Located[Supply] | None = key("", default=None)
+    inputs: tuple[Located[Input], ...] = key(
+        "Hardware inputs that act on the position, and their interaction with register bits.", least=0, default=()
+    )
+    tables: tuple[Located[Table], ...] = key(
+        "Tables of the manual that are only displayed, never used in computations: speeds, lengths, signals.",
+        least=0,
+        default=(),
+    )
+    connectors: tuple[Located[Connector], ...] = key("Connectors and cables, contact by contact.", least=0, default=())
+    leds: tuple[Located[Led], ...] = key("Diagnostic LEDs and the meaning of each state.", least=0, default=())
+    characteristics: tuple[Located[Characteristic], ...] = key(
+        "Facts of the manual that are only displayed, never used in computations: supply, batteries, "
+        "analogue outputs, cables, mounting.",
+        least=0,
+        default=(),
+    )
+    examples: tuple[WrittenExample, ...] = key(
+        "Worked examples from the manual or a public source. Each becomes a test of every output.", least=0, default=()
+    )
+    errata: tuple[WrittenErratum, ...] = key(
+        "Errors, contradictions and omissions in the manual, and the facts that the spec uses instead.",
+        least=0,
+        default=(),
+    )
+    editions: tuple[WrittenManualEdition, ...] = key(
+        "Changes that each revision of the manual made. They describe the encoders of other editions: "
+        "editions before the one that this file transcribes, and later ones as far as they are public.",
+        least=0,
         default=(),
     )

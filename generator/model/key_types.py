@@ -58,6 +58,15 @@ _WORDS: Mapping[str, WordOfType] = MappingProxyType(
         "NumberOrText": WordOfType({"type": ["string", "integer"], "maxLength": 64}, "string"),
         "Values": WordOfType({"$ref": "#/$defs/values"}, "[value]"),
         "Joins": WordOfType({"$ref": "#/$defs/join"}, "[join]"),
+        "DateOrYear": WordOfType({"type": "string", "pattern": "^[0-9]{4}(-[0-9]{2}-[0-9]{2})?$"}, "string"),
+        "LanguageVersion": WordOfType({"const": 1}, "integer"),
+        "PageOfEntry": WordOfType(
+            {"description": "Page on which the entry begins.", "type": "integer", "minimum": 1, "maximum": 9999},
+            "integer",
+        ),
+        "Anything": WordOfType({}, "scalar"),
+        "Place": WordOfType({"$ref": "#/$defs/place"}, "name"),
+        "Places": WordOfType({"$ref": "#/$defs/places"}, "[name]"),
         "CodePattern": WordOfType({"type": "string", "minLength": 1, "maxLength": 100}, "string"),
         "PrintedWrite": WordOfType(
             {
@@ -105,10 +114,19 @@ _WORDS: Mapping[str, WordOfType] = MappingProxyType(
         ),
     }
 )
+#: JSON Schemas of the keys of maps, by their word.
+_MAP_KEYS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+    {
+        "Name": {"$ref": "#/$defs/name"},
+        "Heading": {"minLength": 1, "maxLength": 200},
+        "Label": {"pattern": "^[A-Za-z0-9]+(/[A-Za-z0-9]+)*$", "maxLength": 20},
+        "CodeNumber": {"type": "string", "pattern": "^(0|[1-9][0-9]{0,9}|0x[0-9A-Fa-f]{1,8})$"},
+    }
+)
 _CONTAINERS: Mapping[str, re.Pattern[str]] = MappingProxyType(
     {
         "list": re.compile(r"tuple\[(?P<inner>.*), \.\.\.\]"),
-        "map": re.compile(r"Mapping\[Name, (?P<inner>.*)\]"),
+        "map": re.compile(r"Mapping\[(?P<key>\w+), (?P<inner>.*)\]"),
         "located": re.compile(r"Located\[(?P<inner>\w+)\]"),
     }
 )
@@ -118,13 +136,14 @@ _CHOICE = re.compile(r"Literal(?P<words>\[.*\])")
 class KeyType(NamedTuple):
     """Type of a key: a word for a type, the name of a class, words to choose from, or a container of an inner type.
 
-    A container is a ``list``, a ``map`` by names, or ``located``: a part with its place.
+    A container is a ``list``, a ``map``, or ``located``: a part with its place.
     """
 
     word: str = ""
     choices: tuple[str, ...] = ()
     container: str = ""
     content: tuple[KeyType, ...] = ()
+    key_word: str = ""
     is_optional: bool = False
 
     @property
@@ -143,6 +162,11 @@ class KeyType(NamedTuple):
     def class_name(self) -> str:
         """Class of a part."""
         return self.inner.word if self.container == "located" else self.word
+
+    @property
+    def key_schema(self) -> JsonSchema:
+        """JSON Schema of the keys of a map."""
+        return dict(_MAP_KEYS[self.key_word])
 
     @property
     def schema(self) -> JsonSchema:
@@ -175,7 +199,8 @@ def key_type(text: str) -> KeyType:
     for container, pattern in _CONTAINERS.items():
         match = pattern.fullmatch(text)
         if match is not None:
-            return KeyType(container=container, content=(key_type(match["inner"]),))
+            key_word = match["key"] if container == "map" else ""
+            return KeyType(container=container, content=(key_type(match["inner"]),), key_word=key_word)
     return KeyType(text)
 
 
@@ -200,6 +225,8 @@ def limits_in_schema(key: Key) -> JsonSchema:
         limits["minimum"] = key.minimum
     if key.maximum is not None:
         limits["maximum"] = key.maximum
+    if key.shortest:
+        limits["minLength"] = key.shortest
     if key.longest:
         limits["maxLength"] = key.longest
     return limits

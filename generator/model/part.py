@@ -85,6 +85,23 @@ VerdictOfAnswer = str
 Cells = tuple[str, ...]
 #: A value of an example.
 Scalar = int | str | bool
+#: Title or number of a section.
+Heading = str
+#: Text on a label.
+Label = str
+#: A code in a register, as a key.
+CodeNumber = str
+#: A date, or only a year.
+DateOrYear = str
+#: Version of the spec language.
+LanguageVersion = int
+#: A value of any type.
+Anything = object
+#: A path into the spec, and one or more of them.
+Place = str
+Places = tuple[str, ...]
+#: Page on which an entry of a section begins.
+PageOfEntry = int
 #: Content of the bits outside all fields.
 OtherBits = str
 #: Bytes in hexadecimal, separated by spaces.
@@ -108,6 +125,7 @@ class Key(NamedTuple):
         pattern: Regular expression of a text.
         minimum: Lowest number.
         maximum: Highest number.
+        shortest: Lowest number of characters of a text.
         longest: Highest number of characters of a text.
         most: Highest number of entries of a list or map.
         least: Lowest number of entries of a list or map.
@@ -124,6 +142,7 @@ class Key(NamedTuple):
     pattern: str = ""
     minimum: int | None = None
     maximum: int | None = None
+    shortest: int = 0
     longest: int = 0
     most: int = 2000
     least: int = 1

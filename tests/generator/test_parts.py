@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import Any
 
 import pytest
 from codewheel.language.part_schema import described_parts, part_schema, schema_with_parts
+from codewheel.language.written_parts import WrittenSpec
 from codewheel.model.key_types import data_notation, key_type
 from codewheel.model.part import NOTHING, STEPS, Count, Name, Prose, fact, key, keys_of, part
 
@@ -82,3 +84,19 @@ def test_a_part_is_created_by_the_names_of_its_keys() -> None:
     brake = Brake(name="main")
     assert (brake.level_mv, brake.kinds, brake.is_wet) == (None, (), False)
     assert dict(NOTHING) == {}
+
+
+def test_the_keys_of_a_spec_are_required_where_they_have_no_default() -> None:
+    schema = json.loads(SCHEMA.read_text(encoding="utf-8"))
+    assert part_schema(WrittenSpec)["required"] == schema["required"]
+
+
+def test_few_keys_have_a_schema_of_their_own() -> None:
+    """Others have a type with a name, and at most a pattern and limits."""
+    literal_keys = [
+        f"{name}.{described.name}"
+        for name, kind in described_parts().items()
+        for described in keys_of(kind)
+        if described.key.schema
+    ]
+    assert literal_keys == ["Clock.used_hz", "LayoutRange.wraps"]
