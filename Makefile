@@ -12,7 +12,7 @@ endif
 AXE = axe-playwright-python==0.1.8
 export CC CXX
 
-.PHONY: generate lint quick quick-outputs quick-tests-1 quick-tests-2 test verify bench bench-python bench-tool mutants check spec-page rules-page site release clean
+.PHONY: generate lint quick quick-outputs quick-tests-1 quick-tests-2 test verify bench bench-python bench-tool mutants check schema spec-page rules-page site release clean
 
 generate: .venv/.installed
 	@$(PY) -m codewheel generate
@@ -106,7 +106,11 @@ site: .venv/.tested
 release: .venv/.tested
 	@sh .ci/release
 
-spec-page: .venv/.installed
+# The parts of the spec language that are described by classes, in the JSON Schema.
+schema: .venv/.installed
+	@$(PY) -m codewheel.language.part_schema
+
+spec-page: schema
 	@$(PY) -m codewheel.language.language_page docs/transcribe/spec-language.md
 
 # CI sets CODEWHEEL_LOCKED. Then the packages of .ci/requirements.txt are present, and no others are installed.

@@ -196,7 +196,7 @@ def _interfaces_of(device: Device, part: Any) -> set[str]:
             return interfaces
         case Connector():
             return set(part.interfaces)
-        case Crc(name):
+        case Crc(name=name):
             return {interface.name for interface in device.interfaces if name in sent_crcs((interface,))}
         case _:
             return {getattr(part, "interface", "")}

@@ -81,7 +81,7 @@ class Record:
 
 
 #: Position whose unit the spec does not give.
-_WITHOUT_UNIT = Measurement("position", None, None, None, None, None, ())
+_WITHOUT_UNIT = Measurement(of="position")
 
 
 @dataclasses.dataclass(frozen=True, slots=True)

@@ -29,22 +29,79 @@ from .kinds import (
     Verdict,
 )
 from .lookup import assert_never, first_of, member_named
+from .part import (
+    CrcNumber,
+    Name,
+    Prose,
+    key,
+    name_key,
+    note_key,
+    part,
+    source_key,
+)
 from .record import dataclass
 
 
-@dataclass(frozen=True, slots=True)
+@part(
+    "A cyclic redundancy check, defined by its standard parameters.",
+    data="A CRC, defined by its standard parameters.",
+    identity="width poly init refin refout xorout",
+)
 class Crc:
     """A CRC, defined by its standard parameters."""
 
-    name: str
-    width: int
-    poly: int
-    init: int
-    refin: bool
-    refout: bool
-    xorout: int
-    note: str
-    source: Sources
+    name: Name = name_key("Name that fields refer to.")
+    width: int = key(
+        "Number of CRC bits.",
+        data="Number of bits.",
+        minimum=1,
+        maximum=64,
+        rule="crc-changed",
+        label="bits",
+        read="crc",
+        noun="width",
+    )
+    poly: CrcNumber = key(
+        "Generator polynomial without its top bit: 0x03 for x^6 + x + 1.",
+        data="Generator polynomial without its top bit.",
+        rule="crc-changed",
+        label="polynomial",
+        read="crc",
+        noun="poly",
+    )
+    init: CrcNumber = key(
+        "Start value of the register.",
+        data="Start value.",
+        rule="crc-changed",
+        label="start value",
+        read="crc",
+        noun="init",
+    )
+    refin: bool = key(
+        "True if each input byte is processed least significant bit first.",
+        writing="It has no effect on frames of bits.",
+        rule="crc-changed",
+        label="input reflected",
+        read="crc",
+        noun="refin",
+    )
+    refout: bool = key(
+        "True if the bits of the result are reversed.",
+        rule="crc-changed",
+        label="output reflected",
+        read="crc",
+        noun="refout",
+    )
+    xorout: CrcNumber = key(
+        "Value XORed with the result: all ones if the CRC is sent inverted.",
+        data="Value XORed with the result.",
+        rule="crc-changed",
+        label="inverted with",
+        read="crc",
+        noun="xorout",
+    )
+    note: Prose = note_key("The manual's own text, with any necessary additions.", default="")
+    source: Sources = source_key()
 
     @property
     def poly_with_top_bit(self) -> int:

@@ -8,13 +8,25 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import field
 from types import MappingProxyType
-from typing import ClassVar, get_args
+from typing import ClassVar, Literal, get_args
 
 from .expressions import Expression
 from .facts import Sources, Timing
 from .kinds import Value
 from .layout import Layout
 from .measurement import Measurement
+from .part import (
+    Count,
+    Hex,
+    Name,
+    Phrase,
+    Prose,
+    key,
+    meaning_key,
+    name_key,
+    part,
+    source_key,
+)
 from .record import dataclass
 
 
@@ -46,7 +58,12 @@ class Common:
     measurement: Measurement | None
 
 
-@dataclass(frozen=True, slots=True)
+@part(
+    "Clock frequencies: the limits of the encoder, and clocks that are known to have been used. "
+    "One of the two is required, unless the source is still TODO. The outputs then say that the "
+    "clock is not known.",
+    data="Clock frequencies. A limit is null if it is not known.",
+)
 class Clock:
     """The master's clock: its limits, inclusive, each None if not known, and clocks with which encoders are read.
 
@@ -54,10 +71,45 @@ class Clock:
     not been stated yet has neither.
     """
 
-    min_hz: int | None
-    max_hz: int | None
-    used_hz: tuple[int, ...]
-    source: Sources
+    min_hz: int | None = key(
+        "Lowest clock frequency in hertz. Leave it out if it is not known.",
+        data="Lowest frequency in hertz.",
+        minimum=1,
+        maximum=1000000000,
+        default=None,
+        rule="clock-narrower",
+        label="lowest clock",
+        read="clock",
+    )
+    max_hz: int | None = key(
+        "Highest clock frequency in hertz. Required, unless 'used_hz' is given.",
+        data="Highest frequency in hertz.",
+        minimum=1,
+        maximum=1000000000,
+        default=None,
+        rule="clock-narrower",
+        label="highest clock",
+        read="clock",
+    )
+    used_hz: tuple[int, ...] = key(
+        "A clock in hertz at which a program or a master reads the encoder, or a list of them in "
+        "ascending order. It is not a limit. Use it if no document of the manufacturer gives the "
+        "limits.",
+        data="Frequencies in hertz that programs or masters use, in ascending order. They are not limits.",
+        schema={
+            "type": ["integer", "array"],
+            "minimum": 1,
+            "maximum": 1000000000,
+            "minItems": 1,
+            "maxItems": 100,
+            "items": {"description": "A clock in hertz.", "type": "integer", "minimum": 1, "maximum": 1000000000},
+        },
+        default=(),
+        rule="clock-used",
+        label="clock in use",
+        read="clock",
+    )
+    source: Sources = source_key()
 
     @property
     def fastest_hz(self) -> int | None:
@@ -93,31 +145,42 @@ class Exchange:
     source: Sources
 
 
-@dataclass(frozen=True, slots=True)
+@part("Permitted connections of the encoder.")
 class Network:
-    topology: str
-    multiple_slaves: bool
-    source: Sources
+    topology: Literal["point_to_point", "bus"] = key("Topology of master and slave.", read="setting", shape="name")
+    multiple_slaves: bool = key("True if more than one slave may be connected.", read="setting")
+    source: Sources = source_key()
 
 
-@dataclass(frozen=True, slots=True)
+@part("One value.", data="A value calculated in the manual.")
 class PrintedTimeout:
     """Time-out given in the manual for one clock frequency."""
 
-    clock_hz: int
-    timeout_ns: int
+    clock_hz: int = key("Clock in hertz.", minimum=1)
+    timeout_ns: Count = key("Time-out in nanoseconds.")
 
 
-@dataclass(frozen=True, slots=True)
+@part("Time-out after a frame.")
 class Timeout:
     """Time-out after a frame. ``rule`` is ``follows_clock`` or ``fixed``."""
 
-    rule: str
-    half_clock_periods: int | None
-    at_most_ns: int | None
-    typical_ns: int | None
-    printed: tuple[PrintedTimeout, ...]
-    source: Sources
+    rule: Literal["follows_clock", "fixed"] = key(
+        "Rule of the time-out: it depends on the clock, or it is fixed.", read="time", shape="name"
+    )
+    half_clock_periods: int | None = key(
+        "Length in half clock periods: 3 is one and a half periods.",
+        data="Length in half clock periods.",
+        minimum=1,
+        maximum=100,
+        default=None,
+        read="time",
+    )
+    at_most_ns: Count | None = key("Upper bound in nanoseconds.", default=None, read="time", noun="upper bound")
+    typical_ns: Count | None = key("Typical value in nanoseconds.", default=None, read="time", noun="typical value")
+    printed: tuple[PrintedTimeout, ...] = key(
+        "Values calculated in the manual.", writing="They are checked against the rule.", least=0, default=()
+    )
+    source: Sources = source_key()
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,40 +259,53 @@ class Biss(Common):
             yield self.timeout
 
 
-@dataclass(frozen=True, slots=True)
+@part("Settings of the serial port.")
 class Port:
     """Settings of the serial port."""
 
-    baud: int
-    data_bits: int
-    parity: str
-    stop_bits: int
-    flow_control: str
-    source: Sources
+    baud: int = key("Bits per second.", minimum=1, rule="port", read="clock", noun="baud rate")
+    data_bits: int = key("Data bits of a character.", minimum=5, maximum=9, rule="port", read="setting")
+    parity: Literal["none", "even", "odd"] = key(
+        "Parity bit of a character.", rule="port", read="setting", shape="name"
+    )
+    stop_bits: int = key("Stop bits of a character.", minimum=1, maximum=2, rule="port", read="setting")
+    flow_control: Literal["", "none", "hardware", "software"] = key(
+        "Flow control.", default="", rule="port", read="setting", shape="name"
+    )
+    source: Sources = source_key()
 
 
-@dataclass(frozen=True, slots=True)
+@part("One data ID.", data="A data ID.", identity="id control")
 class DataId:
     """Data that a request can ask for. ``control`` is the first byte of the request and of the reply."""
 
-    name: str
-    id: int
-    control: int
-    purpose: str
-    meaning: str
-    source: Sources
+    name: Name = name_key("Name of the data ID.")
+    id: Hex = key("Number of the data ID.", minimum=0, maximum=31, rule="data-id-changed", label="number")
+    control: Hex = key(
+        "Byte of the control field as printed. It is checked against sync code, ID and parity.",
+        data="Byte of the control field.",
+        minimum=0,
+        maximum=255,
+        rule="data-id-changed",
+        label="control byte",
+    )
+    purpose: Literal["capture", "write", "read", "reset"] = key(
+        "Effect of the request.", rule="data-id-changed", read="setting", shape="name"
+    )
+    meaning: Prose = meaning_key("Meaning of the request.", default="")
+    source: Sources = source_key()
 
 
-@dataclass(frozen=True, slots=True)
+@part("One row.", data="Reply of the encoder to a memory access.")
 class MemoryAccess:
     """Meaning of the busy flag in a reply to a memory access."""
 
-    access: str
-    busy: int
-    address: str
-    data: str
-    meaning: str
-    source: Sources
+    access: Literal["read", "write"] = key("Kind of access: reading or writing.", shape="name")
+    busy: int = key("The busy flag of the reply.", minimum=0, maximum=1)
+    address: Phrase = key("Content of the address field.")
+    data: Phrase = key("Content of the data field.")
+    meaning: Prose = key("Result of the request that this reply indicates.")
+    source: Sources = source_key(default=())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -305,13 +381,13 @@ class OutputCode:
     source: Sources
 
 
-@dataclass(frozen=True, slots=True)
+@part("One row of the table.", data="Highest clock by cable length.")
 class CableLength:
     """Clock limit in Hz, exclusive, for cables shorter than a length in metres."""
 
-    shorter_than_m: int
-    below_hz: int
-    source: Sources
+    shorter_than_m: int = key("Cable length in metres, exclusive upper bound.", minimum=1)
+    below_hz: int = key("Clock in hertz, exclusive upper bound.", minimum=1)
+    source: Sources = source_key(default=())
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

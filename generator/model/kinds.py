@@ -9,9 +9,19 @@ from collections.abc import Mapping
 from enum import Enum
 from itertools import count
 from math import gcd
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Literal
 
 from .facts import Sources
+from .part import (
+    Name,
+    Prose,
+    fact,
+    key,
+    meaning_key,
+    name_key,
+    part,
+    source_key,
+)
 from .record import dataclass
 
 if TYPE_CHECKING:
@@ -48,15 +58,15 @@ class Value:
     makes_position: Verdict | None = None
 
 
-@dataclass(frozen=True, slots=True)
+@part("A group of decimal digits.", data="Decimal digits inside a number: number // divisor % modulus.")
 class Digits:
     """A run of decimal digits within a number: ``number // divisor % modulus``."""
 
-    name: str
-    digits: int
-    divisor: int
-    modulus: int
-    meaning: str
+    name: Name = name_key("Name of the number that these digits form.")
+    digits: int = key("Number of digits.", minimum=1, maximum=18)
+    divisor: int = fact("Ten to the power of the number of less significant digits.")
+    modulus: int = fact("Ten to the power of the number of these digits.")
+    meaning: Prose = meaning_key("Meaning of the number.", default="")
 
 
 @dataclass(frozen=True, slots=True)
@@ -206,18 +216,53 @@ Kind = Number | Flag | Choice | Constant | Unused | CrcValue | Parity | Decimal 
 WIDEST = 32
 
 
-@dataclass(frozen=True, slots=True)
+@part(
+    "For a number of at most 32 bits: the quantity that it stands for, (number × numerator + "
+    "offset) / denominator. For (number + 152) / 2.776 °C: {numerator: 1000, denominator: 2776, "
+    "offset: 152000, unit: °C}. Decoders return the number itself. Its default, limits and "
+    "documented value are numbers as well.",
+    data="The quantity (number * numerator + offset) / denominator.",
+    kw_only=False,
+)
 class Scale:
     """The quantity ``(number * numerator + offset) / denominator``, in ``unit``.
 
     The offset is added before the division, so that three whole numbers express every linear formula exactly.
     """
 
-    numerator: int
-    denominator: int
-    offset: int
-    unit: str
-    source: Sources = ()
+    numerator: int = key("Factor of the number.", minimum=1, maximum=16777216)
+    denominator: int = key("Divisor of the sum.", minimum=1, maximum=16777216)
+    offset: int = key(
+        "Number that is added to the product before the division, such as -80 for number / 2 - 40 with "
+        "the denominator 2.",
+        data="Number that is added to the product before the division.",
+        minimum=-1000000000000,
+        maximum=1000000000000,
+    )
+    unit: Literal[
+        "%",
+        "A",
+        "Hz",
+        "K",
+        "V",
+        "kHz",
+        "mA",
+        "mT",
+        "mV",
+        "mm",
+        "ms",
+        "nm",
+        "rpm",
+        "s",
+        "°",
+        "°/s",
+        "°C",
+        "°F",
+        "µm",
+        "µs",
+        "Ω",
+    ] = key("Unit of the quantity.", shape="string")
+    source: Sources = source_key(default=())
 
     def quantity(self, number: int) -> Fraction:
         """Return the exact quantity for a number."""

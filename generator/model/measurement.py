@@ -8,24 +8,59 @@ from typing import TYPE_CHECKING
 
 from .expressions import Expression
 from .facts import Sources
-from .record import dataclass
+from .part import (
+    Name,
+    key,
+    part,
+    source_key,
+)
 
 if TYPE_CHECKING:
     from fractions import Fraction
 
 
-@dataclass(frozen=True, slots=True)
+@part(
+    "Range of the position in this layout, if it differs from that of the measurement, such as a "
+    "48-bit reply next to 24-bit replies. Its unit is that of the measurement.",
+    data="Range of the position in one layout. It replaces that of the measurement.",
+    needs_a_key=True,
+)
 class LayoutRange:
     """Range of the position in one layout, if it differs from that of the interface.
 
     A position that never ``wraps`` can be any number that fits its field.
     """
 
-    turns: Expression | None
-    modulus: Expression | None
-    highest: Expression | None
-    source: Sources
-    wraps: bool = True
+    wraps: bool = key(
+        "false if the position never wraps around. It can then be any number that fits its field.",
+        data="False if the position never wraps around.",
+        schema={"const": False},
+        default=True,
+        rule="measurement",
+        read="measurement",
+    )
+    turns: Expression | None = key(
+        "For an angle: number of revolutions after which the position wraps around, 1 for singleturn.",
+        data="Number of distinguishable revolutions.",
+        default=None,
+        rule="measurement",
+        read="measurement",
+    )
+    modulus: Expression | None = key(
+        "For a length: number of counts after which the position wraps around.",
+        data="Number of counts after which the position wraps around.",
+        default=None,
+        rule="measurement",
+        read="measurement",
+    )
+    highest: Expression | None = key(
+        "Highest number that can be sent, as in the measurement.",
+        default=None,
+        rule="measurement",
+        label="highest number",
+        read="measurement",
+    )
+    source: Sources = source_key(default=())
 
     @property
     def numbers(self) -> tuple[Expression, ...]:
@@ -33,7 +68,11 @@ class LayoutRange:
         return tuple(number for number in (self.turns, self.modulus, self.highest) if number is not None)
 
 
-@dataclass(frozen=True, slots=True)
+@part(
+    "Unit and range of the position, used to convert it to turns, degrees or lengths. "
+    "counts_per_turn is the exact number of counts: 2^n, not 2^n - 1.",
+    data="Unit and range of the position.",
+)
 class Measurement:
     """Units of the field ``of``: ``counts_per_turn`` and ``turns``, or for a length its step and ``modulus``.
 
@@ -42,15 +81,75 @@ class Measurement:
     signed.
     """
 
-    of: str
-    counts_per_turn: Expression | None
-    turns: Expression | None
-    step_um: Expression | None
-    modulus: Expression | None
-    highest: Expression | None
-    source: Sources
-    step_nm: Expression | None = None
-    per_counts: Expression | None = None
+    of: Name = key(
+        "Field or join that holds the position, by the name that all layouts use.",
+        data="Field or join that holds the position.",
+        rule="measurement",
+        label="counted",
+        refers_to="any-field",
+    )
+    counts_per_turn: Expression | None = key(
+        "For an angle: counts per revolution.",
+        data="Counts per revolution.",
+        default=None,
+        rule="measurement",
+        read="measurement",
+    )
+    turns: Expression | None = key(
+        "For an angle: number of revolutions after which the position wraps around, 1 for singleturn.",
+        data="Number of distinguishable revolutions.",
+        default=None,
+        rule="measurement",
+        read="measurement",
+    )
+    step_um: Expression | None = key(
+        "For a length: micrometres per count, if that is a whole number. Otherwise write step_nm.",
+        data="Length of one count in micrometres.",
+        default=None,
+        rule="measurement",
+        label="step in µm",
+        read="measurement",
+    )
+    step_nm: Expression | None = key(
+        "For a length, instead of step_um: nanometres per count.",
+        data="Length of per_counts counts in nanometres.",
+        default=None,
+        rule="measurement",
+        label="step in nm",
+        read="measurement",
+    )
+    per_counts: Expression | None = key(
+        "Number of counts to which step_nm applies. With step_nm: 1000000 and per_counts: 4096, one "
+        "count is 244.140625 nm. Default: 1.",
+        data="Number of counts that step_nm refers to. null: one.",
+        default=None,
+        rule="measurement",
+        label="counts per step",
+        read="measurement",
+    )
+    modulus: Expression | None = key(
+        "For a length: number of counts after which the position wraps around.",
+        data="Number of counts after which the position wraps around.",
+        default=None,
+        rule="measurement",
+        read="measurement",
+    )
+    highest: Expression | None = key(
+        "Highest number that can be sent, if an offset shifts the positions up, or if the position is "
+        "signed. With an offset, the number of positions stays the same, and the lowest position is "
+        "the offset. The lowest signed position is highest - modulus + 1, such as -383999 with "
+        "highest: 16000000 and modulus: 16384000. Default: the modulus minus one, or for a signed "
+        "position the highest number in two's complement. A signed position with a modulus that is not "
+        "a power of two has no default.",
+        data="Highest number that can be sent, if an offset shifts the positions up or the position is "
+        "signed. null if it is the total number of counts minus one, or for a signed position the "
+        "highest that fits.",
+        default=None,
+        rule="measurement",
+        label="highest number",
+        read="measurement",
+    )
+    source: Sources = source_key(default=())
 
     @property
     def is_length(self) -> bool:

@@ -244,7 +244,7 @@ def _labelled(device: Device, fact: Fact) -> tuple[str, Part]:
     match fact:
         case Clock():
             return "Clock", clock_words(fact)
-        case CableLength(metres, clock):
+        case CableLength(shorter_than_m=metres, below_hz=clock):
             return "Clock", f"below {hertz(clock)} with a cable shorter than {metres} m"
         case BankSelect(register):
             return "Bank select", named(device, register)

@@ -59,7 +59,7 @@ class ByLevels(ABC):
 #: Number of zeros after which a control frame can start, and that abort one.
 ZEROS = 14
 #: CRC of control data: x^4 + x + 1, inverted.
-_CRC = Crc("control", 4, 0x3, 0, False, False, 0xF, "", ())
+_CRC = Crc(name="control", width=4, poly=0x3, init=0, refin=False, refout=False, xorout=0xF, source=())
 #: Fewest and most clocks by which the start bit is late.
 _LATE = {"late": (1, 8), "busy": (9, 40)}
 

@@ -12,7 +12,16 @@ from codewheel.reference.bits import compute_bits, compute_bytes
 
 
 def crc(width: int, poly: int, init: int = 0, refin: bool = False, refout: bool = False, xorout: int = 0) -> Crc:
-    return Crc("crc", width, poly, init, refin, refout, xorout, "", ())
+    return Crc(
+        name="crc",
+        width=width,
+        poly=poly,
+        init=init,
+        refin=refin,
+        refout=refout,
+        xorout=xorout,
+        source=(),
+    )
 
 
 # Greg Cook, Catalogue of parametrised CRC algorithms, reveng.sourceforge.io/crc-catalogue: check values.

@@ -13,7 +13,16 @@ from codewheel.plan.crcs import residual
 def crc(poly: int) -> Crc:
     """Return a CRC by its polynomial with all its terms."""
     width = poly.bit_length() - 1
-    return Crc("tested", width, poly & (1 << width) - 1, 0, False, False, 0, "", ())
+    return Crc(
+        name="tested",
+        width=width,
+        poly=poly & (1 << width) - 1,
+        init=0,
+        refin=False,
+        refout=False,
+        xorout=0,
+        source=(),
+    )
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from typing import get_args
 
-from ..kinds import Kind
+from ..kinds import Digits, Kind, Scale
+from ..measurement import LayoutRange
+from .described import described_part
 from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part
 
 FRAMES = (
@@ -27,23 +29,8 @@ FRAMES = (
         ),
         identity="value",
     ),
-    Part(
-        "digits",
-        "Decimal digits inside a number: number // divisor % modulus.",
-        NAME,
-        Member("digits", "integer", "Number of digits."),
-        Member("divisor", "integer", "Ten to the power of the number of less significant digits."),
-        Member("modulus", "integer", "Ten to the power of the number of these digits."),
-        MEANING,
-    ),
-    Part(
-        "scale",
-        "The quantity (number * numerator + offset) / denominator.",
-        Member("numerator", "integer", "Factor of the number."),
-        Member("denominator", "integer", "Divisor of the sum."),
-        Member("offset", "integer", "Number that is added to the product before the division."),
-        Member("unit", "string", "Unit of the quantity."),
-    ),
+    described_part(Digits),
+    described_part(Scale),
     Part(
         "join",
         "A number made of several fields, most significant first.",
@@ -391,26 +378,5 @@ FRAMES = (
         Member("widest"),
         identity="sender in_bytes selects channel",
     ),
-    Part(
-        "position_range",
-        "Range of the position in one layout. It replaces that of the measurement.",
-        Member("wraps", "boolean=true", "False if the position never wraps around.", "measurement", read="measurement"),
-        Member("turns", "expression?", "Number of distinguishable revolutions.", "measurement", read="measurement"),
-        Member(
-            "modulus",
-            "expression?",
-            "Number of counts after which the position wraps around.",
-            "measurement",
-            read="measurement",
-        ),
-        Member(
-            "highest",
-            "expression?",
-            "Highest number that can be sent, as in the measurement.",
-            "measurement",
-            "highest number",
-            read="measurement",
-        ),
-        of="LayoutRange",
-    ),
+    described_part(LayoutRange, name="position_range"),
 )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from ..facts import Edition, Evidence, Revision
+from .described import described_part
 from .member import MEANING, NAME, NOTE, Member, Part
 
 IDENTITY = (
@@ -30,17 +32,7 @@ IDENTITY = (
         Member("website"),
         is_sourced=False,
     ),
-    Part(
-        "evidence",
-        "Evidence for the facts of a family.",
-        Member("grade", "string", "Grade of the evidence.", "evidence"),
-        Member("documents", "{string}", "Pages that were read, by document.", "evidence"),
-        Member("implementations", "[name]", "Keys of the implementations that agree.", "evidence"),
-        Member("vectors", "[name]", "Examples from real hardware or from the manufacturer.", "evidence"),
-        Member("left_out", "[text]", "Facts that are left out.", "evidence"),
-        Member("placeholders", "[text]", "Values that are still those of the template, by name.", "evidence"),
-        is_sourced=False,
-    ),
+    described_part(Evidence),
     Part(
         "manual",
         "Manual that was transcribed.",
@@ -53,25 +45,8 @@ IDENTITY = (
         Member("history", "[revision]", "Revision table, oldest first."),
         is_sourced=False,
     ),
-    Part(
-        "edition",
-        "Another language edition.",
-        Member("language", "name", "Language code."),
-        Member("title", "string", "Title as printed."),
-        Member("revision", "string", "Revision as printed."),
-        Member("date", "string", "Release date.", read="history"),
-        is_sourced=False,
-    ),
-    Part(
-        "revision",
-        "A row of the revision table.",
-        Member("revision", "string", "Revision as printed."),
-        Member("date", "string", "Release date.", read="history"),
-        Member("changes", "text", "Summary of the changes."),
-        Member("hardware", "string", "Hardware release.", read="history"),
-        Member("software", "string", "Software release.", read="history"),
-        is_sourced=False,
-    ),
+    described_part(Edition),
+    described_part(Revision),
     Part(
         "document",
         "A public document that sources refer to.",

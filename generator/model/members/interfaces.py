@@ -2,56 +2,18 @@
 
 from __future__ import annotations
 
+from ..facts import Supply
+from ..interfaces import CableLength, Clock, DataId, MemoryAccess, Network, Port, PrintedTimeout, Timeout
+from .described import described_part
 from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part
 
 INTERFACES = (
-    Part(
-        "clock",
-        "Clock frequencies. A limit is null if it is not known.",
-        Member("min_hz", "integer?", "Lowest frequency in hertz.", "clock-narrower", "lowest clock", read="clock"),
-        Member("max_hz", "integer?", "Highest frequency in hertz.", "clock-narrower", "highest clock", read="clock"),
-        Member(
-            "used_hz",
-            "[integer]",
-            "Frequencies in hertz that programs or masters use, in ascending order. They are not limits.",
-            "clock-used",
-            "clock in use",
-            read="clock",
-        ),
-    ),
-    Part(
-        "supply",
-        "Supply voltage, including tolerance.",
-        Member("min_mv", "integer", "Lowest voltage in millivolts.", "supply-narrower", "lowest"),
-        Member("max_mv", "integer", "Highest voltage in millivolts.", "supply-narrower", "highest"),
-    ),
-    Part(
-        "cable_length",
-        "Highest clock by cable length.",
-        Member("shorter_than_m", "integer", "Cable length in metres, exclusive upper bound."),
-        Member("below_hz", "integer", "Clock in hertz, exclusive upper bound."),
-    ),
-    Part(
-        "network",
-        "Permitted connections of the encoder.",
-        Member("topology", "name", "Topology of master and slave.", read="setting"),
-        Member("multiple_slaves", "boolean", "True if more than one slave may be connected.", read="setting"),
-    ),
-    Part(
-        "printed_timeout",
-        "A value calculated in the manual.",
-        Member("clock_hz", "integer", "Clock in hertz."),
-        Member("timeout_ns", "integer", "Time-out in nanoseconds."),
-    ),
-    Part(
-        "timeout",
-        "Time-out after a frame.",
-        Member("rule", "name", "Rule of the time-out: it depends on the clock, or it is fixed.", read="time"),
-        Member("half_clock_periods", "integer?", "Length in half clock periods.", read="time"),
-        Member("at_most_ns", "integer?", "Upper bound in nanoseconds.", read="time", noun="upper bound"),
-        Member("typical_ns", "integer?", "Typical value in nanoseconds.", read="time", noun="typical value"),
-        Member("printed", "[printed_timeout]", "Values calculated in the manual."),
-    ),
+    described_part(Clock),
+    described_part(Supply),
+    described_part(CableLength),
+    described_part(Network),
+    described_part(PrintedTimeout),
+    described_part(Timeout),
     Part(
         "control_field",
         "A field of the BiSS control frame. The manual gives no complete layout of that frame.",
@@ -71,34 +33,9 @@ INTERFACES = (
         MEANING,
         identity="bits crc values",
     ),
-    Part(
-        "port",
-        "Settings of the serial port.",
-        Member("baud", "integer", "Bits per second.", "port", read="clock", noun="baud rate"),
-        Member("data_bits", "integer", "Data bits of a character.", "port", read="setting"),
-        Member("parity", "name", "Parity bit of a character.", "port", read="setting"),
-        Member("stop_bits", "integer", "Stop bits of a character.", "port", read="setting"),
-        Member("flow_control", "name", "Flow control.", "port", read="setting"),
-    ),
-    Part(
-        "data_id",
-        "A data ID.",
-        NAME,
-        Member("id", "hex", "Number of the data ID.", "data-id-changed", "number"),
-        Member("control", "hex", "Byte of the control field.", "data-id-changed", "control byte"),
-        Member("purpose", "name", "Effect of the request.", "data-id-changed", read="setting"),
-        MEANING,
-        identity="id control",
-    ),
-    Part(
-        "memory_access",
-        "Reply of the encoder to a memory access.",
-        Member("access", "name", "Kind of access: reading or writing."),
-        Member("busy", "integer", "The busy flag of the reply."),
-        Member("address", "string", "Content of the address field."),
-        Member("data", "string", "Content of the data field."),
-        Member("meaning", "text", "Result of the request that this reply indicates."),
-    ),
+    described_part(Port),
+    described_part(DataId),
+    described_part(MemoryAccess),
     Part(
         "exchange",
         "A request over SPI or RS-485, and the frame that answers it.",

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from ..facts import Alarm
+from ..fields import Crc
+from .described import described_part
 from .member import MEANING, NAME, NAMES, NOTE, PRINTED_NAME, Member, Part
 
 REGISTERS = (
@@ -153,110 +156,13 @@ REGISTERS = (
         MEANING,
         identity="when value",
     ),
-    Part(
-        "crc",
-        "A CRC, defined by its standard parameters.",
-        NAME,
-        Member("width", "integer", "Number of bits.", "crc-changed", "bits", read="crc", noun="width"),
-        Member(
-            "poly",
-            "hex",
-            "Generator polynomial without its top bit.",
-            "crc-changed",
-            "polynomial",
-            read="crc",
-            noun="poly",
-        ),
+    described_part(
+        Crc,
         Member("poly_with_top_bit", "hex", "Generator polynomial with its top bit."),
         Member("polynomial", "string", "Generator polynomial in powers of x."),
-        Member("init", "hex", "Start value.", "crc-changed", "start value", read="crc", noun="init"),
-        Member(
-            "refin",
-            "boolean",
-            "True if each input byte is processed least significant bit first.",
-            "crc-changed",
-            "input reflected",
-            read="crc",
-            noun="refin",
-        ),
-        Member(
-            "refout",
-            "boolean",
-            "True if the bits of the result are reversed.",
-            "crc-changed",
-            "output reflected",
-            read="crc",
-            noun="refout",
-        ),
-        Member(
-            "xorout", "hex", "Value XORed with the result.", "crc-changed", "inverted with", read="crc", noun="xorout"
-        ),
-        NOTE,
-        identity="width poly init refin refout xorout",
+        after="poly",
     ),
-    Part(
-        "alarm",
-        "An error or a warning.",
-        NAME,
-        PRINTED_NAME,
-        NAMES,
-        Member("group", "name", "Group of fields that contains the flag."),
-        Member("register", "name", "Register that contains the flag.", "alarm-bit", refers_to="register"),
-        Member("field", "name", "Flag in that group or register.", "alarm-bit", "bit", refers_to="any-field"),
-        Member("meaning", "text", "Event that the alarm signals.", "words"),
-        Member("detected", "text", "Time at which the encoder checks for the alarm.", "words"),
-        Member(
-            "below_mv",
-            "integer?",
-            "Voltage in millivolts below which the alarm is raised.",
-            "alarm-rule",
-            "threshold",
-            read="alarm",
-        ),
-        Member(
-            "latch",
-            "boolean?",
-            "True if the alarm remains active until it is reset. null if the manual does not say.",
-            "alarm-rule",
-            "kept until reset",
-            read="alarm",
-            noun="latching",
-        ),
-        Member(
-            "implemented",
-            "boolean=true",
-            "True if this encoder implements the item.",
-            "alarm-rule",
-            read="alarm",
-            noun="presence in this encoder",
-        ),
-        Member("remedy", "text", "Instructions for clearing the alarm.", "words"),
-        Member(
-            "cleared_by",
-            "[name]",
-            "Procedures that clear the alarm.",
-            "alarm-rule",
-            refers_to="procedures",
-            read="alarm",
-            noun="clearing procedures",
-        ),
-        Member(
-            "only",
-            "string",
-            "Order codes that the item applies to. Empty if it applies to all.",
-            "alarm-rule",
-            "order codes",
-        ),
-        Member(
-            "by_hand",
-            "[name]",
-            "Steps carried out by a person: names of characteristics.",
-            "alarm-rule",
-            "manual steps",
-            read="alarm",
-        ),
-        identity="register field",
-    ),
+    described_part(Alarm),
     Part(
         "step",
         "One step of a procedure.",

@@ -1,0 +1,166 @@
+"""The parts of the spec language that are described by classes, as JSON Schema.
+
+``python -m codewheel.language.part_schema`` writes them into ``device.schema.json``. Editors and commands read that
+file. A test compares the two.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from functools import partial
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+from ..model import facts, fields, interfaces, kinds, measurement
+from ..model.key_types import JsonSchema, KeyType, key_type, limits_in_schema, name_of_part
+from ..model.part import DescribedKey, Key, description_of, is_part, keys_of
+from . import written_parts
+
+#: Modules with parts.
+_MODULES = (facts, fields, interfaces, kinds, measurement, written_parts)
+#: Places of parts in the definitions of the schema, if they are not called like the class.
+_PLACES: Mapping[str, str] = MappingProxyType(
+    {
+        "Edition": "manual.editions.items",
+        "LayoutRange": "position_range",
+        "Revision": "manual.history.items",
+        "WrittenValue": "values.additionalProperties",
+    }
+)
+#: Line of the schema after which the definitions begin.
+_DEFINITIONS = '  "$defs": {'
+_SCHEMA = Path(__file__).parent / "device.schema.json"
+
+
+def described_parts() -> dict[str, Any]:
+    """Return the classes of parts that specs contain, by the names of the classes."""
+    classes = {}
+    for module in _MODULES:
+        for value in vars(module).values():
+            if is_part(value) and value.__module__ == module.__name__:
+                classes[value.__name__] = value
+    return classes
+
+
+def part_schema(kind: Any) -> JsonSchema:
+    """Return the JSON Schema of a part."""
+    description = description_of(kind)
+    written_keys = [described for described in keys_of(kind) if described.key.is_written]
+    required_keys = [described.name for described in written_keys if described.is_required]
+    about = f"{description.about} {description.writing}".strip()
+    schema: JsonSchema = {"type": "object", "additionalProperties": False}
+    if required_keys:
+        schema["required"] = required_keys
+    if description.needs_a_key:
+        schema["minProperties"] = 1
+    if about:
+        schema["description"] = about
+    return schema | {"properties": {described.name: _key_schema(described) for described in written_keys}}
+
+
+def _key_schema(described: DescribedKey) -> JsonSchema:
+    key, kind = described.key, key_type(described.notation)
+    about = f"{key.about} {key.writing}".rstrip()
+    schema: JsonSchema = {"description": about} if about else {}
+    if key.schema:
+        return {**schema, **key.schema}
+    return schema | _value_schema(kind, key) | limits_in_schema(key)
+
+
+def _value_schema(kind: KeyType, key: Key) -> JsonSchema:
+    """Return the JSON Schema of a value. Parts without a name in the schema are described inline."""
+    if kind.container == "list":
+        at_least: JsonSchema = {"minItems": key.least} if key.least else {}
+        return {"type": "array"} | at_least | {"maxItems": key.most, "items": _value_schema(kind.inner, Key(""))}
+    if kind.container == "map":
+        at_least = {"minProperties": key.least} if key.least else {}
+        entries = {
+            "propertyNames": kind.key_schema,
+            "additionalProperties": _value_schema(kind.inner, Key("")),
+        }
+        return {"type": "object"} | at_least | {"maxProperties": key.most} | entries
+    if not kind.part:
+        return kind.schema
+    name = _PLACES.get(kind.class_name, kind.part)
+    if name in _definitions():
+        return {"$ref": f"#/$defs/{name}"}
+    return part_schema(described_parts()[kind.class_name])
+
+
+def _definitions() -> Mapping[str, Any]:
+    definitions: Mapping[str, Any] = json.loads(_SCHEMA.read_text(encoding="utf-8"))["$defs"]
+    return definitions
+
+
+def schema_with_parts(text: str) -> str:
+    """Return the text of a schema, with the parts as their classes describe them. The rest remains as it is."""
+    lines = text.splitlines()
+    definitions = json.loads(text)["$defs"]
+    spec_keys = part_schema(written_parts.WrittenSpec)["properties"]
+    lines = _with_block(lines, 0, ["properties"], lambda indent: _value_text("properties", spec_keys, indent))
+    for name, kind in described_parts().items():
+        place = _PLACES.get(name, name_of_part(name))
+        if place.partition(".")[0] in definitions:
+            schema = part_schema(kind)
+            begin = lines.index(_DEFINITIONS)
+            lines = _with_block(lines, begin, place.split("."), partial(_text, schema))
+    return "\n".join(lines) + "\n"
+
+
+def _with_block(lines: Sequence[str], begin: int, keys: Sequence[str], text_of: Callable[[int], str]) -> list[str]:
+    """Return the lines with another schema at the first place of ``keys`` after ``begin``.
+
+    ``text_of`` returns its text for an indentation.
+    """
+    end = len(lines)
+    for key in keys:
+        begin = next(number for number in range(begin + 1, end) if lines[number].strip() == f'"{key}": {{')
+        indent = len(lines[begin]) - len(lines[begin].lstrip())
+        end = next(number for number in range(begin, end) if lines[number].startswith(" " * indent + "}"))
+    comma = "," if lines[end].endswith(",") else ""
+    block = f'{" " * indent}"{keys[-1]}": ' + text_of(indent) + comma
+    return [*lines[:begin], *block.splitlines(), *lines[end + 1 :]]
+
+
+def _text(schema: JsonSchema, indent: int) -> str:
+    """Return the text of a schema. Only objects with properties, and what contains them, take several lines."""
+    if '"properties"' not in json.dumps(schema):
+        return json.dumps(schema, ensure_ascii=False)
+    lines: list[str] = []
+    words: JsonSchema = {}
+    for word, value in schema.items():
+        if word == "description" or isinstance(value, dict):
+            lines += [*_on_one_line(words), f"{json.dumps(word)}: {_value_text(word, value, indent + 2)}"]
+            words = {}
+        else:
+            words[word] = value
+    return _in_braces([*lines, *_on_one_line(words)], indent)
+
+
+def _on_one_line(words: JsonSchema) -> list[str]:
+    """Return the words as one line without braces, or no line if there are none."""
+    return [json.dumps(words, ensure_ascii=False)[1:-1]] if words else []
+
+
+def _value_text(word: str, value: Any, indent: int) -> str:
+    if word == "properties":
+        return _in_braces([f"{json.dumps(name)}: {_text(inner, indent + 2)}" for name, inner in value.items()], indent)
+    return _text(value, indent) if isinstance(value, dict) else json.dumps(value, ensure_ascii=False)
+
+
+def _in_braces(lines: Sequence[str], indent: int) -> str:
+    margin = " " * (indent + 2)
+    return "{\n" + ",\n".join(margin + line for line in lines) + "\n" + " " * indent + "}"
+
+
+def main() -> int:
+    """Write the parts into the schema."""
+    _SCHEMA.write_text(schema_with_parts(_SCHEMA.read_text(encoding="utf-8")), encoding="utf-8")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

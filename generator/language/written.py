@@ -1,0 +1,233 @@
+"""Parts as they are written in a spec, with typed attributes, their places and the keys that were given.
+
+Rules read specs through these classes, so that mypy finds a misspelt key. The data may have any shape: a value of a
+wrong type reads as if it were missing, but its key still counts as given. Values are read when a rule asks for them.
+"""
+
+from __future__ import annotations
+
+import inspect
+import sys
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, Field
+from functools import cache
+from types import MappingProxyType
+from typing import Any, Generic, NamedTuple, TypeVar
+
+from ..model.expressions import Expression, ExpressionError
+from ..model.key_types import KeyType, key_type
+from ..model.part import NOTHING, About, DescribedKey, described_key, keys_of
+from .document import Path
+
+T = TypeVar("T")
+#: Returns the value at a path, or None if it has a wrong type.
+Reader = Callable[[Any, Path], Any]
+
+
+class Located(NamedTuple, Generic[T]):
+    """A part that is the same in specs and in the model, with its place and its data. It has no sources."""
+
+    part: T
+    path: Path
+    data: Mapping[str, Any]
+
+    def has(self, name: str) -> bool:
+        """Return True if a key was given, whatever its value."""
+        return name in self.data
+
+
+class WrittenPart:
+    """A part of a spec. Each key is an attribute. A missing one has its default or, if it is required, is empty."""
+
+    __slots__ = ("_values", "data", "path")
+    #: The keys with their types and descriptions.
+    described_keys: tuple[DescribedKey, ...] = ()
+
+    def __init__(self, data: Any, path: Path = ()) -> None:
+        self.data: Mapping[str, Any] = data if isinstance(data, dict) else NOTHING
+        self.path = path
+        self._values: dict[str, Any] = {}
+
+    def __init_subclass__(cls) -> None:
+        described_keys = []
+        for name, notation in inspect.get_annotations(cls).items():
+            member = cls.__dict__.get(name)
+            if isinstance(member, Field):
+                # A key can be a reserved word of Python, such as "from".
+                described_keys.append(described_key(name.rstrip("_"), notation, member))
+                setattr(cls, name, _Attribute(described_keys[-1], cls.__module__))
+        cls.described_keys = tuple(described_keys)
+
+    def has(self, *names: str) -> bool:
+        """Return True if one of these keys was given, whatever its value."""
+        return any(name in self.data for name in names)
+
+    def place_of(self, name: str) -> Path:
+        """Return the path of a key."""
+        return (*self.path, name)
+
+
+class _Attribute:
+    """A key of a written part, which is read at its first use."""
+
+    def __init__(self, described: DescribedKey, module: str) -> None:
+        self.described, self.module = described, module
+
+    def __get__(self, part: WrittenPart | None, owner: type) -> Any:
+        if part is None:
+            return self
+        name, values = self.described.name, part._values
+        if name not in values:
+            values[name] = self._read(part)
+        return values[name]
+
+    def _read(self, part: WrittenPart) -> Any:
+        kind, name = key_type(self.described.notation), self.described.name
+        value = None
+        if name in part.data:
+            value = _reader(kind, self.module)(part.data[name], (*part.path, name))
+        if value is not None:
+            return value
+        return _empty_value(kind, self.module, (*part.path, name)) if self._is_required else self.described.default
+
+    @property
+    def _is_required(self) -> bool:
+        return self.described.default is MISSING
+
+
+def written(about: str, **options: Any) -> Callable[[type[T]], type[T]]:
+    """Return the decorator of a part as it is written in specs. The options are those of ``About``."""
+
+    def decorate(kind: type[T]) -> type[T]:
+        described: Any = kind
+        described.__part__ = About(about, **options)
+        return kind
+
+    return decorate
+
+
+@cache
+def _reader(kind: KeyType, module: str) -> Reader:
+    """Return the function that reads a value of a type. Classes are those of the module."""
+    if kind.container == "list":
+        return _list_reader(_reader(kind.inner, module))
+    if kind.container == "map":
+        return _map_reader(_reader(kind.inner, module))
+    if kind.container == "located":
+        return _located_reader(_class_of(kind.inner, module))
+    if kind.choices:
+        return lambda value, _: value if isinstance(value, str) and value in kind.choices else None
+    return _word_reader(kind, module)
+
+
+def _word_reader(kind: KeyType, module: str) -> Reader:
+    if kind.part:
+        written_class = _class_of(kind, module)
+        return lambda value, path: written_class(value, path) if isinstance(value, dict) else None
+    if kind.word == "Values":
+        return _map_reader(_reader(key_type("WrittenValue"), module))
+    return _READERS.get(kind.word, _text)
+
+
+def _is_of(*types: type) -> Reader:
+    """Return the reader of values of these types. A boolean is not a number."""
+    return lambda value, _: value if type(value) in types else None
+
+
+def _expression(value: Any, _: Path) -> Expression | None:
+    try:
+        return Expression.parse(value) if type(value) in (int, str) else None
+    except ExpressionError:  # Reported by the rule on expressions.
+        return None
+
+
+def _list_reader(read: Reader) -> Reader:
+    def read_list(value: Any, path: Path) -> Any:
+        if not isinstance(value, list):
+            return None
+        read_values = [read(list_item, (*path, index)) for index, list_item in enumerate(value)]
+        return tuple(read_value for read_value in read_values if read_value is not None)
+
+    return read_list
+
+
+def _map_reader(read: Reader) -> Reader:
+    def read_map(value: Any, path: Path) -> Any:
+        if not isinstance(value, dict):
+            return None
+        read_values = {name: read(entry, (*path, name)) for name, entry in value.items()}
+        return {name: read_value for name, read_value in read_values.items() if read_value is not None}
+
+    return read_map
+
+
+def _one_or_more(value: Any, path: Path) -> Any:
+    return (value,) if isinstance(value, str) else _list_reader(_text)(value, path)
+
+
+def _cells(value: Any, _: Path) -> Any:
+    return tuple(map(str, value)) if isinstance(value, list) else None
+
+
+_text, _number, _number_or_text = _is_of(str), _is_of(int), _is_of(int, str)
+#: The words for types that are not text.
+_READERS: Mapping[str, Reader] = MappingProxyType(
+    {
+        **dict.fromkeys(
+            ("Count", "int", "Hex", "CrcNumber", "ParameterValue", "SignedNumber", "PageOfEntry", "LanguageVersion"),
+            _number,
+        ),
+        **dict.fromkeys(("Formula", "BitRange", "NumberOrText", "AddressRange"), _number_or_text),
+        "Scalar": _is_of(int, str, bool),
+        "bool": _is_of(bool),
+        "float": _is_of(int, float),
+        "Expression": _expression,
+        "Names": _map_reader(_text),
+        "Joins": _map_reader(_list_reader(_text)),
+        **dict.fromkeys(("NameOrNames", "Places"), _one_or_more),
+        "Anything": lambda value, _: value,
+        "Cells": _cells,
+    }
+)
+
+
+def _located_reader(model_class: Any) -> Reader:
+    def read_part(value: Any, path: Path) -> Any:
+        return located(model_class, value, path) if isinstance(value, dict) else None
+
+    return read_part
+
+
+def located(model_class: Any, data: Mapping[str, Any], path: Path) -> Located[Any]:
+    """Return a part of the model as it is written in a spec."""
+    values: dict[str, Any] = {}
+    for described in keys_of(model_class):
+        kind = key_type(described.notation)
+        if kind.word == "Sources":
+            values[described.name] = ()
+            continue
+        value = None
+        if described.name in data:
+            value = _reader(kind, model_class.__module__)(data[described.name], (*path, described.name))
+            value = value.part if isinstance(value, Located) else value
+        if value is None and described.default is MISSING:
+            value = _empty_value(kind, model_class.__module__, path)
+        if value is not None:
+            values[described.name] = value
+    return Located(model_class(**values), path, data)
+
+
+def _empty_value(kind: KeyType, module: str, path: Path) -> Any:
+    """Return the value of a required key that is missing."""
+    if kind.container == "located":
+        return located(_class_of(kind.inner, module), NOTHING, path)
+    if kind.container:
+        return () if kind.container == "list" else NOTHING
+    if kind.part:
+        written_class = _class_of(kind, module)
+        return written_class(NOTHING, path)
+    return {"bool": False, "float": 0.0}.get(kind.word, 0 if _READERS.get(kind.word) is _number else "")
+
+
+def _class_of(kind: KeyType, module: str) -> Any:
+    return vars(sys.modules[module])[kind.word]

@@ -1,0 +1,232 @@
+"""Types of the keys of parts: how each word for a type is written in the JSON Schema of specs and in the data."""
+
+from __future__ import annotations
+
+import ast
+import re
+from collections.abc import Mapping
+from functools import cache
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from .part import DescribedKey, Key
+
+JsonSchema = dict[str, Any]
+
+
+class WordOfType(NamedTuple):
+    """A word for a type: its JSON Schema in the spec language, and its notation in the data (see ``Member``)."""
+
+    schema: Mapping[str, Any]
+    notation: str
+
+
+_INTERFACES = ["ssi", "biss", "rs485", "spi"]
+#: Largest number that JavaScript represents exactly.
+_LARGEST = 2**53 - 1
+_NAME = "^[a-z][a-z0-9]*(_[a-z0-9]+)*$"
+_WORDS: Mapping[str, WordOfType] = MappingProxyType(
+    {
+        "Name": WordOfType({"$ref": "#/$defs/name"}, "name"),
+        "Prose": WordOfType({"$ref": "#/$defs/text"}, "text"),
+        "Phrase": WordOfType({"$ref": "#/$defs/text"}, "string"),
+        "Names": WordOfType({"$ref": "#/$defs/names"}, "names"),
+        "Sources": WordOfType({"$ref": "#/$defs/source"}, ""),
+        "SourceText": WordOfType({"$ref": "#/$defs/source"}, ""),
+        "Count": WordOfType({"$ref": "#/$defs/count"}, "integer"),
+        "Expression": WordOfType({"$ref": "#/$defs/expression"}, "expression"),
+        "Formula": WordOfType({"$ref": "#/$defs/expression"}, "expression"),
+        "int": WordOfType({"type": "integer"}, "integer"),
+        "Hex": WordOfType({"type": "integer"}, "hex"),
+        "float": WordOfType({"type": "number"}, "number"),
+        "bool": WordOfType({"type": "boolean"}, "boolean"),
+        "str": WordOfType({"type": "string"}, "string"),
+        "CrcNumber": WordOfType({"$ref": "#/$defs/crc_number"}, "hex"),
+        "RegisterBit": WordOfType(
+            {"type": "string", "pattern": r"^[a-z][a-z0-9_]*\.[a-z][a-z0-9_]*$", "maxLength": 100}, "name"
+        ),
+        "Date": WordOfType({"type": "string", "pattern": "^[0-9]{4}-[0-9]{2}-[0-9]{2}$"}, "string"),
+        "Language": WordOfType({"type": "string", "pattern": "^[a-z]{2}$"}, "name"),
+        "Url": WordOfType(
+            {"type": "string", "pattern": r"""^https?://[^\s<>"|`^{}\[\]\\]+$""", "maxLength": 300}, "string"
+        ),
+        "Unit": WordOfType({"description": "Unit.", "type": "string", "maxLength": 20}, "text"),
+        "InterfaceName": WordOfType({"enum": _INTERFACES}, "|".join(_INTERFACES)),
+        "OtherBits": WordOfType({"$ref": "#/$defs/other_bits"}, "name"),
+        "HexBytes": WordOfType({"$ref": "#/$defs/hex_bytes"}, "string"),
+        "BitRange": WordOfType({"type": ["integer", "string"]}, "string"),
+        "NumberOrText": WordOfType({"type": ["string", "integer"], "maxLength": 64}, "string"),
+        "Values": WordOfType({"$ref": "#/$defs/values"}, "[value]"),
+        "Joins": WordOfType({"$ref": "#/$defs/join"}, "[join]"),
+        "DateOrYear": WordOfType({"type": "string", "pattern": "^[0-9]{4}(-[0-9]{2}-[0-9]{2})?$"}, "string"),
+        "LanguageVersion": WordOfType({"const": 1}, "integer"),
+        "PageOfEntry": WordOfType(
+            {"description": "Page on which the entry begins.", "type": "integer", "minimum": 1, "maximum": 9999},
+            "integer",
+        ),
+        "Anything": WordOfType({}, "scalar"),
+        "Place": WordOfType({"$ref": "#/$defs/place"}, "name"),
+        "Places": WordOfType({"$ref": "#/$defs/places"}, "[name]"),
+        "CodePattern": WordOfType({"type": "string", "minLength": 1, "maxLength": 100}, "string"),
+        "PrintedWrite": WordOfType(
+            {
+                "type": "string",
+                "pattern": "^0x[0-9A-Fa-f]{1,4}(-0x[0-9A-Fa-f]{1,4})?( bit [0-9]{1,3})?"
+                "( = (0x[0-9A-Fa-f]{1,16}|[0-9]{1,3}))?$",
+                "maxLength": 60,
+            },
+            "string",
+        ),
+        "Headline": WordOfType(
+            {"type": "string", "minLength": 1, "maxLength": 70, "pattern": r"^\S+ .*[^.\s]$"}, "text"
+        ),
+        "FactPath": WordOfType({"type": "string", "pattern": r"^[a-z0-9_]+(\.[a-z0-9_]+)*$", "maxLength": 120}, "name"),
+        "ParameterValue": WordOfType({"type": "integer", "minimum": 0, "maximum": _LARGEST}, "integer"),
+        "SignedNumber": WordOfType({"type": "integer", "minimum": -_LARGEST, "maximum": _LARGEST}, "integer"),
+        "AddressRange": WordOfType(
+            {"type": ["integer", "string"], "pattern": "^0x[0-9A-Fa-f]+-0x[0-9A-Fa-f]+$", "maxLength": 20}, "string"
+        ),
+        "VerdictOfAnswer": WordOfType(
+            {"description": "Verdict on the position with that answer.", "enum": ["not_usable", "usable_with_warning"]},
+            "string",
+        ),
+        "Cells": WordOfType(
+            {
+                "description": "One row.",
+                "type": "array",
+                "minItems": 1,
+                "maxItems": 12,
+                "items": {"description": "One cell.", "type": ["string", "integer"], "maxLength": 300},
+            },
+            "table_row",
+        ),
+        "Scalar": WordOfType({"type": ["integer", "string", "boolean"]}, "scalar"),
+        "NameOrNames": WordOfType(
+            {
+                "type": ["string", "array"],
+                "pattern": _NAME,
+                "maxLength": 40,
+                "minItems": 1,
+                "maxItems": 32,
+                "items": {"$ref": "#/$defs/name"},
+            },
+            "[name]",
+        ),
+    }
+)
+#: JSON Schemas of the keys of maps, by their word.
+_MAP_KEYS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
+    {
+        "Name": {"$ref": "#/$defs/name"},
+        "Heading": {"minLength": 1, "maxLength": 200},
+        "Label": {"pattern": "^[A-Za-z0-9]+(/[A-Za-z0-9]+)*$", "maxLength": 20},
+        "CodeNumber": {"type": "string", "pattern": "^(0|[1-9][0-9]{0,9}|0x[0-9A-Fa-f]{1,8})$"},
+    }
+)
+_CONTAINERS: Mapping[str, re.Pattern[str]] = MappingProxyType(
+    {
+        "list": re.compile(r"tuple\[(?P<inner>.*), \.\.\.\]"),
+        "map": re.compile(r"Mapping\[(?P<key>\w+), (?P<inner>.*)\]"),
+        "located": re.compile(r"Located\[(?P<inner>\w+)\]"),
+    }
+)
+_CHOICE = re.compile(r"Literal(?P<words>\[.*\])")
+
+
+class KeyType(NamedTuple):
+    """Type of a key: a word for a type, the name of a class, words to choose from, or a container of an inner type.
+
+    A container is a ``list``, a ``map``, or ``located``: a part with its place.
+    """
+
+    word: str = ""
+    choices: tuple[str, ...] = ()
+    container: str = ""
+    content: tuple[KeyType, ...] = ()
+    key_word: str = ""
+    is_optional: bool = False
+
+    @property
+    def inner(self) -> KeyType:
+        """Type of what a container contains."""
+        return self.content[0]
+
+    @property
+    def part(self) -> str:
+        """Name in the schema of the part that the class describes. Empty for other types."""
+        if self.container == "located":
+            return self.inner.part
+        return "" if self.choices or self.container or self.word in _WORDS else name_of_part(self.word)
+
+    @property
+    def class_name(self) -> str:
+        """Class of a part."""
+        return self.inner.word if self.container == "located" else self.word
+
+    @property
+    def key_schema(self) -> JsonSchema:
+        """JSON Schema of the keys of a map."""
+        return dict(_MAP_KEYS[self.key_word])
+
+    @property
+    def schema(self) -> JsonSchema:
+        """JSON Schema of a value, apart from containers and parts."""
+        if self.choices:
+            return {"enum": [choice for choice in self.choices if choice]}
+        return dict(_WORDS[self.word].schema)
+
+    @property
+    def notation(self) -> str:
+        """Notation of a value in the data."""
+        if self.container:
+            return f"[{self.inner.notation}]" if self.container == "list" else f"{{{self.inner.notation}}}"
+        return "|".join(self.choices) if self.choices else self.part or _WORDS[self.word].notation
+
+
+def name_of_part(class_name: str) -> str:
+    """Return the name of a part by that of its class. ``WrittenField`` is a field as it is written in a spec."""
+    return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", class_name.removeprefix("Written")).lower()
+
+
+@cache
+def key_type(text: str) -> KeyType:
+    """Return the type of a key as it is written in its class, such as ``tuple[Name, ...]`` or ``Count | None``."""
+    if text.endswith(" | None"):
+        return key_type(text.removesuffix(" | None"))._replace(is_optional=True)
+    choice = _CHOICE.fullmatch(text)
+    if choice is not None:
+        return KeyType(choices=tuple(ast.literal_eval(choice["words"])))
+    for container, pattern in _CONTAINERS.items():
+        match = pattern.fullmatch(text)
+        if match is not None:
+            key_word = match["key"] if container == "map" else ""
+            return KeyType(container=container, content=(key_type(match["inner"]),), key_word=key_word)
+    return KeyType(text)
+
+
+def data_notation(described: DescribedKey) -> str:
+    """Return the notation of a key in the data. Empty if the data do not have it."""
+    if described.key.shape:
+        return described.key.shape
+    kind = key_type(described.notation)
+    if kind.is_optional:
+        return f"{kind.notation}?"
+    if isinstance(described.default, bool):
+        return f"{kind.notation}={str(described.default).lower()}"
+    return kind.notation
+
+
+def limits_in_schema(key: Key) -> JsonSchema:
+    """Return the limits of a value as words of JSON Schema."""
+    limits: JsonSchema = {}
+    if key.pattern:
+        limits["pattern"] = key.pattern
+    if key.minimum is not None:
+        limits["minimum"] = key.minimum
+    if key.maximum is not None:
+        limits["maximum"] = key.maximum
+    if key.shortest:
+        limits["minLength"] = key.shortest
+    if key.longest:
+        limits["maxLength"] = key.longest
+    return limits

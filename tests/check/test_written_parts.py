@@ -1,0 +1,90 @@
+"""Parts of a spec as they are written: typed attributes, places, and the keys that were given."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+import yaml
+from codewheel.language import written_parts
+from codewheel.language.part_schema import described_parts
+from codewheel.language.written import Located, WrittenPart
+from codewheel.language.written_parts import WrittenBiss, WrittenField, WrittenLayout, WrittenRegister
+from codewheel.model.expressions import Expression
+from codewheel.model.part import keys_of
+
+SPEC = Path(__file__).parents[2] / "specs/lika/amm5.yaml"
+
+
+def test_attributes_have_the_values_of_the_spec() -> None:
+    spec = yaml.safe_load(SPEC.read_text(encoding="utf-8"))
+    registers = [WrittenRegister(data) for data in spec["registers"]]
+    assert [register.name for register in registers] == [data["name"] for data in spec["registers"]]
+    biss = WrittenBiss(spec["interfaces"]["biss"], ("interfaces", "biss"))
+    data = spec["interfaces"]["biss"]
+    assert biss.clock.part.max_hz == data["clock"]["max_hz"]
+    assert biss.clock.path == ("interfaces", "biss", "clock")
+    assert [layout.name for layout in biss.layouts] == [layout["name"] for layout in data["layouts"]]
+    assert biss.layouts[0].fields[0].path == ("interfaces", "biss", "layouts", 0, "fields", 0)
+
+
+def test_a_key_can_be_a_reserved_word() -> None:
+    layout = WrittenLayout({"from": "master"}, ("here",))
+    assert layout.from_ == "master"
+    assert layout.has("from")
+    assert layout.place_of("from") == ("here", "from")
+
+
+@pytest.mark.parametrize(
+    ("data", "attribute", "expected"),
+    [
+        ({"name": 3}, "name", ""),
+        ({"bits": [1]}, "bits", None),
+        ({"bits": True}, "bits", None),
+        ({"active": "sideways"}, "active", ""),
+        ({"sums_up": "overflow"}, "sums_up", ()),
+        ({"sums_up": ["overflow", 3]}, "sums_up", ("overflow",)),
+        ({"parity_of": "position"}, "parity_of", ("position",)),
+        ({"implemented": "no"}, "implemented", True),
+        ({"values": {"off": 3}}, "values", {}),
+    ],
+)
+def test_a_value_of_a_wrong_type_is_missing_but_its_key_was_given(
+    data: dict[str, object], attribute: str, expected: object
+) -> None:
+    field = WrittenField(data)
+    assert getattr(field, attribute) == expected
+    assert field.has(attribute)
+    assert not field.has("note")
+
+
+def test_a_part_of_any_shape_can_be_read() -> None:
+    for data in (None, 3, "text", [], {}):
+        field = WrittenField(data)
+        assert (field.name, field.bits, field.scale, dict(field.values)) == ("", None, None, {})
+
+
+def test_a_part_of_the_model_has_its_place_and_its_keys() -> None:
+    biss = WrittenBiss({"measurement": {"of": "position", "turns": "2^turn_bits", "modulus": "2^"}}, ("biss",))
+    measurement = biss.measurement
+    assert measurement is not None
+    assert measurement.part.turns == Expression.parse("2^turn_bits")
+    assert measurement.part.modulus is None
+    assert measurement.has("modulus")
+    assert measurement.path == ("biss", "measurement")
+
+
+def test_every_key_of_every_part_can_be_read_from_an_empty_map() -> None:
+    written_classes = [kind for kind in described_parts().values() if issubclass(kind, WrittenPart)]
+    assert len(written_classes) > 25
+    for kind in written_classes:
+        part = kind({})
+        for described in keys_of(kind):
+            name = described.name if hasattr(kind, described.name) else f"{described.name}_"
+            value = getattr(part, name)
+            is_empty = not value or (isinstance(value, (WrittenPart, Located)) and not value.data)
+            assert is_empty or value is described.default, f"{kind.__name__}.{name}"
+
+
+def test_the_classes_are_in_one_module() -> None:
+    assert written_parts.WrittenSpi({"mode": 2}).mode == 2
