@@ -209,7 +209,7 @@ REGISTERS = (
             "below_mv",
             "integer?",
             "Voltage in millivolts below which the alarm is raised.",
-            "alarm-rule",
+            "alarm-threshold",
             "threshold",
             read="alarm",
         ),
