@@ -315,6 +315,7 @@ _CHANGES = (
     ("crc-changed", "WWWD", "a CRC is computed differently", "Frames that were valid are rejected."),
     ("alarm-bit", "WWWD", "an error or warning is signalled by a different bit", _WIRE),
     ("alarm-rule", "DWWD", "the conditions that set or clear an error or warning have changed", _RESET),
+    ("alarm-threshold", "WWWD", "an alarm is active below a different voltage", "A constant has a different value."),
     ("procedure-steps", "WWWD", "the steps of a procedure have changed", "The same call sends different data."),
     ("procedure-arguments", "BBBD", "a procedure has different arguments", "Calls no longer match."),
     ("procedure-interface", "BBBD", "a procedure uses a different interface", "It is accessed in a different way."),

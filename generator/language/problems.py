@@ -130,6 +130,12 @@ class Report:
         """Add a problem at a place of a file, for errors before a document exists."""
         self._problems.add(Problem(file, line, column, rule, path, message, text, cause))
 
+    def include(self, other: Report) -> None:
+        """Add the problems of another report, and the places that it marks as faulty."""
+        self._problems |= other._problems
+        for key, paths in other._faults.items():
+            self._faults.setdefault(key, set()).update(paths)
+
     def mark(self, document: Document, paths: Iterable[Path]) -> None:
         """Mark places of a document as faulty without a message, such as parts that were cut out with others."""
         faulty_paths = [path for path in paths if path and path[-1] not in WORDS_ONLY]

@@ -81,16 +81,18 @@ def edition_of(family: Family, revision: str, build: Build, report: Report) -> F
         build: Builds the family of a document.
         report: Receives changes that cannot be applied, and problems of the result.
     """
-    laying = LayeredSpec(family.document, report)
-    problems_before = len(report)
+    # A change that fails may already be reported for a later edition, which has it too.
+    report_of_changes = Report()
+    laying = LayeredSpec(family.document, report_of_changes)
     for index, key, name in _change_lists(family, revision):
         laying.apply([Layer(family.document, ("editions", index, key), LayerKind.EDITION, name)])
+    report.include(report_of_changes)
     name = f"{family.device.name}_{re.sub('[^a-z0-9]+', '_', revision.lower()).strip('_')}"
     document = laying.document(name)
     document = replace(document, data={key: value for key, value in document.data.items() if key != "editions"})
     inner_report = Report()
     device = build(document, inner_report)
-    if len(report) == problems_before:
+    if not report_of_changes:
         _report_in_edition(inner_report, revision, report)
     if device is None:
         return None

@@ -233,7 +233,7 @@ class Alarm:
     below_mv: Count | None = key(
         "Voltage in millivolts below which the alarm is raised.",
         default=None,
-        rule="alarm-rule",
+        rule="alarm-threshold",
         label="threshold",
         read="alarm",
     )

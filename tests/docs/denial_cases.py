@@ -200,10 +200,10 @@ def t_format(*ids: DataId, **changes: Any) -> Device:
     return without_parts(interfaces=(*tv62().interfaces, kind), **changes)
 
 
-RESET = DataId("reset_errors", 7, 0xBA, "reset", "Reset all errors", ())
-CAPTURE = DataId("position", 0, 0x02, "capture", "Read the position", ())
-ZERO = DataId("set_zero", 6, 0x32, "write", "Set the present position to zero", ())
-STORE = DataId("store", 6, 0x32, "write", "Store the settings", ())
+RESET = DataId(name="reset_errors", id=7, control=0xBA, purpose="reset", meaning="Reset all errors")
+CAPTURE = DataId(name="position", id=0, control=0x02, purpose="capture", meaning="Read the position")
+ZERO = DataId(name="set_zero", id=6, control=0x32, purpose="write", meaning="Set the present position to zero")
+STORE = DataId(name="store", id=6, control=0x32, purpose="write", meaning="Store the settings")
 
 
 def command_only() -> Device:

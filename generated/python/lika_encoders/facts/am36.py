@@ -54,7 +54,10 @@ MANUAL: Final = Manual(
     revision="1.0",
     date="2014",
     language="en",
-    publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy, www.lika.biz",
+    publisher=(
+        "Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy, www.lika.biz, info@lika.biz (in Italy "
+        "info@lika.it)"
+    ),
     history=(Revision("1.0", "First issue."),),
 )
 

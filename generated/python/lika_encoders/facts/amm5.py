@@ -60,7 +60,7 @@ MANUAL: Final = Manual(
     revision="1.9",
     date="2021-12-09",
     language="en",
-    publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy, www.lika.biz",
+    publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy, www.lika.biz, info@lika.biz",
     editions=(Edition("it", "AMM5A AMM5B", "1.9", date="2021-12-09"),),
     history=(
         Revision("1.0", "First issue.", date="2018-08-10"),

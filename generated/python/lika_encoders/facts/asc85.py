@@ -54,7 +54,7 @@ MANUAL: Final = Manual(
     revision="1.0",
     date="2017-05-19",
     language="en",
-    publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy, www.lika.biz",
+    publisher="Lika Electronic s.r.l., Via S. Lorenzo 25, 36010 Carrè (VI), Italy, www.lika.biz, info@lika.biz",
     history=(Revision("1.0", "First issue.", date="2017-05-19", hardware="0", software="1"),),
 )
 
