@@ -117,8 +117,8 @@ static inline uint64_t cw_received_bits(const uint8_t *rx, size_t first, uint32_
 }
 
 /**
- * Load 64 bits of a buffer in two halves. The bit at first becomes the most significant one, and the
- * 56 bits after it follow. Bits after the end of the buffer are 0.
+ * Load 64 bits of a buffer in two halves. The bit at first becomes the most significant one, and
+ * the 56 bits after it follow. Bits after the end of the buffer are 0.
  *
  * @param rx  the buffer
  * @param size  number of bytes in it, at least 8
