@@ -76,7 +76,7 @@ def test_words() -> None:
     assert [quoted(value) for value in values] == ["true", "nothing", "3", "a map", "a list"]
     assert suggestion("adress", ["address", "access"]) == "; did you mean 'address'?"
     assert suggestion("zzz", ["a", "b"], "use one of") == "; use one of: a, b"
-    assert suggestion("zzz", [f"name_{index}" for index in range(11)]) == ""
+    assert suggestion("zzz", [f"name_{index}" for index in range(12)]) == ""
 
 
 @pytest.mark.parametrize(
