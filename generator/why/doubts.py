@@ -20,26 +20,34 @@ READINGS = (
     "if it is not sent in Gray code",
     "if the bytes are swapped",
 )
+#: Name of the position of an encoder whose counts are not known.
+_POSITION = "position"
+
+
+def position_name(device: Device, variant: Variant) -> str:
+    """Return the name of the position, which an encoder in one line has even if it does not state its counts."""
+    measurement = device.measurement_of(variant.interface)
+    return measurement.of if measurement is not None else _POSITION
 
 
 def other_positions(device: Device, variant: Variant, decoded: codec.Decoded) -> list[tuple[str, int]]:
     """Return other readings of the position with their texts, or nothing if a CRC or an error contradicts them."""
     placed = decoded.layout
-    measurement = device.measurement_of(variant.interface)
-    if placed is None or placed.layout.in_bytes or placed.layout.sender != "encoder" or measurement is None:
+    if placed is None or placed.layout.in_bytes or placed.layout.sender != "encoder":
         return []
     if decoded.problems or decoded.crc is not None:
         return []
-    position = decoded.values.get(measurement.of)
+    name = position_name(device, variant)
+    position = decoded.values.get(name)
     # Only a count has other readings, not a text or a flag.
     if not isinstance(position, int) or isinstance(position, bool):
         return []
     readings: list[tuple[str, int]] = []
-    frames = _frames_without_mistake(placed, measurement.of, decoded.number)
+    frames = _frames_without_mistake(placed, name, decoded.number)
     for text, frame in zip(READINGS, frames, strict=True):
         if frame is None:
             continue
-        other_position = codec.decode(device, placed, frame).values[measurement.of]
+        other_position = codec.decode(device, placed, frame).values[name]
         if isinstance(other_position, int) and other_position != position:
             readings.append((text, other_position))
     return readings

@@ -4,13 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from math import prod
 
 from ..model import Answer, Crc, Device, Flag, Kind, Number, PlacedLayout, Unused, Variant, choices
 from ..model.known_crcs import KNOWN_CRCS
 from ..reference.bits import binary_to_gray, gray_to_binary, reflect
 from .recordings import LINES, FrameOffset, line_name, recorded_bits, recording_tries, window_tries
 from .texts import START_BITS, TEXTS
-from .tries import NOT_INVERTED, BitText, Try, covered_number, fixed_bits, likelihood, other_codes, read_as
+from .tries import (
+    ACTIVE,
+    IDLE,
+    NOT_INVERTED,
+    BitText,
+    Try,
+    covered_number,
+    fixed_bits,
+    likelihood,
+    other_codes,
+    read_as,
+)
 
 #: Polynomials, including their top bit, that BiSS masters offer.
 POLYNOMIALS = tuple(known.polynomial for known in KNOWN_CRCS if known.in_masters)
@@ -92,7 +104,8 @@ def _offset_try(placed: PlacedLayout, crc: Crc | None, offset: FrameOffset, numb
     received_length = length - front_length - offset.behind
     front_and_received = number >> offset.behind
     received_part = front_and_received & ((1 << received_length) - 1)
-    start_bits = _start_bits(offset.front, front_and_received >> received_length)
+    front_bits = front_and_received >> received_length
+    start_bits = _bits_at(offset.front, "1", front_bits)
     missing_first_bits = int(offset.missing or "0", 2)
     # The missing last bits are 0 here. ``read_as`` knows from ``lost`` that they were not received.
     frame = (missing_first_bits << received_length | received_part) << offset.lost
@@ -106,16 +119,14 @@ def _offset_try(placed: PlacedLayout, crc: Crc | None, offset: FrameOffset, numb
         demanded=len(start_bits),
         holds=all(start_bits),
     )
-    return replace(attempt, template=offset.text)
+    front_likelihood = prod(ACTIVE if bit else IDLE for bit in _bits_at(offset.front, "~", front_bits))
+    return replace(attempt, template=offset.text, likelihood=attempt.likelihood * front_likelihood)
 
 
-def _start_bits(pattern: str, front: int) -> list[int]:
-    """Return the bits before the frame that must be 1 if the mistake is the right one.
-
-    In the pattern, first bit first, ``1`` is such a start bit and ``?`` is any bit.
-    """
+def _bits_at(pattern: str, mark: str, front: int) -> list[int]:
+    """Return the bits before the frame that have a mark in the pattern, whose first bit is the first one received."""
     last_to_first = enumerate(reversed(pattern))
-    return [front >> position & 1 for position, expected in last_to_first if expected == "1"]
+    return [front >> position & 1 for position, expected in last_to_first if expected == mark]
 
 
 def _other_crc_tries(placed: PlacedLayout, crc: Crc, number: int) -> Iterator[Try]:

@@ -36,9 +36,9 @@ class Recording:
 class FrameOffset:
     """Bits that do not begin and end with the frame.
 
-    ``front`` are extra bits before the frame (``?`` is any bit), ``missing`` are missing first bits of the frame,
-    ``lost`` is the number of missing last bits, and ``behind`` is the number of extra bits after it. ``{0}`` in the
-    text stands for ``missing``.
+    ``front`` are extra bits before the frame (``?`` is any bit, ``~`` is mostly 0, like CDS), ``missing`` are missing
+    first bits of the frame, ``lost`` is the number of missing last bits, and ``behind`` is the number of extra bits
+    after it. ``{0}`` in the text stands for ``missing``.
     """
 
     kind: str
@@ -98,22 +98,22 @@ _BISS_SLIPS = (
     FrameOffset(
         "bits_in_front",
         "started one clock early: an extra bit such as CDS is in front, and the last bit is missing",
-        front="?",
+        front="~",
         lost=1,
     ),
     FrameOffset(
         "bits_in_front",
         "started two clocks early: start bit and CDS are in front, and the last two bits are missing",
-        front="1?",
+        front="1~",
         lost=2,
     ),
-    FrameOffset("bits_in_front", "an extra bit in front, such as CDS", front="?"),
+    FrameOffset("bits_in_front", "an extra bit in front, such as CDS", front="~"),
     FrameOffset("bits_behind", "an extra bit at the end, such as the stop bit", behind=1),
-    FrameOffset("bits_in_front", "two extra bits in front: start bit and CDS", front="1?"),
+    FrameOffset("bits_in_front", "two extra bits in front: start bit and CDS", front="1~"),
     FrameOffset(
         "bits_in_front",
         "an extra bit in front, such as CDS, and one at the end, such as the stop bit",
-        front="?",
+        front="~",
         behind=1,
     ),
     FrameOffset("bits_behind", "two extra bits at the end", behind=2),
@@ -168,7 +168,8 @@ _WORD_FIRST = Recording(
 _WORD_TWICE = Recording(
     "word_twice",
     "the word is repeated after its last bit",
-    f"^{_FRAME}(?P<gap>0?)(?P<again>[01]+)$",
+    # Fewer repeated bits prove too little. The position is the same as with any other bits behind the word.
+    f"^{_FRAME}(?P<gap>0?)(?P<again>[01]{{4,}})$",
     proof=("gap", "again"),
 )
 _BIT_IN_FRONT = Recording(

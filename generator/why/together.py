@@ -7,6 +7,7 @@ from math import log2, prod
 
 from ..model.record import dataclass
 from .mistakes import Explanation, Why
+from .tries import MISTAKES
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,10 +37,16 @@ def judge_together(whys: Sequence[Why]) -> list[CommonMistake]:
                 text=_common_text(explanations),
                 frames=most_frames,
                 one_in=prod(explanation.one_in for explanation in explanations),
-                score=sum(log2(explanation.score) for explanation in explanations),
+                score=_common_score(explanations),
             )
             common_mistakes.append(common_mistake)
     return sorted(common_mistakes, key=lambda mistake: -mistake.score)
+
+
+def _common_score(explanations: Sequence[Explanation]) -> float:
+    """Return the logarithm of the likelihood. A mistake is made once, so its frequency counts once."""
+    frequency = log2(MISTAKES[explanations[0].kind])
+    return frequency + sum(log2(explanation.score) - frequency for explanation in explanations)
 
 
 def _common_text(explanations: Sequence[Explanation]) -> str:

@@ -181,7 +181,7 @@ function othersOf(found, others) {
 function doubtsOf(found, measure) {
   const readings = otherPositions(found, measure).map(([text, one]) => `${one} ${text}`).join(", ");
   if (!readings) return [];
-  const [question, ...rest] = said("looks_wrong", measure.of, readings).split("? ");
+  const [question, ...rest] = said("looks_wrong", positionName(measure), readings).split("? ");
   return [element("details", {}, element("summary", {}, `${question}?`), element("p", {}, sentence(rest.join("? "))))];
 }
 

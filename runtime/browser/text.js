@@ -67,8 +67,12 @@ function numberIn(text, size, exact) {
   if (/^0x[0-9a-f]+$/i.test(compact)) {
     return { ...numberWith(compact, bitLength(BigInt(compact)), false), written: 4 * (compact.length - 2) };
   }
-  const meanings = pieces.length === 1 ? readings(compact, size).join(", ") : "";
-  const remedy = meanings ? said("write_one_of", meanings) : said("write_number", size);
+  const meanings = pieces.length === 1 ? readings(compact, size) : [];
+  // As a decimal or hexadecimal number, so many digits would not fit.
+  if (meanings.length === 1 && compact.length === size && /^[01]+$/.test(compact)) {
+    return numberWith(`0b${compact}`, size, true);
+  }
+  const remedy = meanings.length ? said("write_one_of", meanings.join(", ")) : said("write_number", size);
   throw new FrameText(said("no_bits", quoted(text), size, remedy));
 }
 

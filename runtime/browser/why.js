@@ -82,6 +82,12 @@ function judgedTogether(frames) {
   return common(found.map(({ frame }) => explanationsOf(frame, true).all));
 }
 
+/** The logarithm of the likelihood. A mistake is made once, so its frequency counts once. */
+function commonScore(group) {
+  const frequency = Math.log2(TABLE.likely.kinds[group[0].kind]);
+  return group.reduce((sum, one) => sum + (Math.log2(one.score) - frequency), 0) + frequency;
+}
+
 function common(lists) {
   const groups = new Map();
   for (const found of lists) {
@@ -94,7 +100,7 @@ function common(lists) {
       : filled(group[0].template.replace("({0}) ", ""), "some"),
     frames: most,
     oneIn: group.reduce((product, one) => product * one.oneIn, ONE),
-    score: group.reduce((sum, one) => sum + Math.log2(one.score), 0),
+    score: commonScore(group),
   })).sort((one, other) => other.score - one.score);
 }
 
@@ -404,7 +410,11 @@ function slipped(at, crc, given, length, [kind, template, front, missing, lost, 
   const holds = starts.every((place) => bits(body, place, 1));
   const number = ((BigInt(`0b0${missing}`) << BigInt(there)) | bits(body, 0, there)) << BigInt(lost);
   const members = { template, lost, demanded: starts.length, holds };
-  return [readAs(at, crc, kind, filled(template, missing), number, members)];
+  const one = readAs(at, crc, kind, filled(template, missing), number, members);
+  const { idle, active } = TABLE.likely;
+  const mostlyZero = [...front].flatMap((mark, place) => (mark === "~" ? [bits(body, last - place, 1)] : []));
+  const frontLikelihood = mostlyZero.reduce((product, bit) => product * (bit ? active : idle), 1);
+  return [{ ...one, likelihood: one.likelihood * frontLikelihood }];
 }
 
 /** The frame in a recording with these parts. */
@@ -551,12 +561,16 @@ function numbersRead(at, number) {
   return decode(at, number).fields.filter((item) => names.includes(item.name)).map((item) => [item.name, item.value]);
 }
 
+/** The name of the position, which an encoder in one line has even if it does not state its counts. */
+const positionName = (measure) => measure?.of ?? "position";
+
 /** Other readings of a position that nothing in the frame can contradict. They do not explain an error. */
 function otherPositions({ at, number, problems, crc, fields }, measure) {
   const isOfBits = at && !at.layout.order && at.layout.sender === "encoder";
-  const position = fields.find((item) => item.name === measure?.of);
+  const name = positionName(measure);
+  const position = fields.find((item) => item.name === name);
   if (!isOfBits || problems.length || crc || typeof position?.value !== "bigint") return [];
-  const parts = position.high < 0 ? at.joins.find((one) => one.name === measure.of).parts.map(({ item }) => item)
+  const parts = position.high < 0 ? at.joins.find((one) => one.name === name).parts.map(({ item }) => item)
     .filter(Boolean) : [position];
   const low = Math.min(...parts.map((item) => item.low));
   const width = parts.reduce((sum, item) => sum + (item.width ?? item.high - item.low + 1), 0);
@@ -571,7 +585,7 @@ function otherPositions({ at, number, problems, crc, fields }, measure) {
     at.bits % 8 ? null : numberOf("big", bytesOf("little", number, at.bits / 8)),
   ];
   return frames.flatMap((frame, place) => {
-    const read = frame === null ? position : decode(at, frame).fields.find((item) => item.name === measure.of);
+    const read = frame === null ? position : decode(at, frame).fields.find((item) => item.name === name);
     return read.value === position.value ? [] : [[TABLE.doubts[place], read.value]];
   });
 }

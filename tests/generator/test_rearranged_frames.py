@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import json
 from typing import Any
 
@@ -97,3 +98,46 @@ def test_a_request_is_in_front_of_a_reply_of_the_same_form(capsys: pytest.Captur
     explanation = why(capsys, "TS5700N8401", *request, *request)[0]
     names = [part["name"] for part in explanation["parts"]]
     assert names == ["request eeprom_write_request", "reply eeprom_write_reply"]
+
+
+def test_bits_without_a_prefix_that_can_only_be_bits(capsys: pytest.CaptureFixture[str]) -> None:
+    """As a decimal or hexadecimal number, 32 digits would not fit into 32 bits."""
+    assert main(["decode", WHOLE, frame_of(0x123456, 24), "--json"]) == 0
+    data = json.loads(capsys.readouterr().out)
+    values = {field["name"]: field["value"] for field in data["fields"]}
+    assert values["position"] == 0x123456
+    # One digit fewer, and digits that are also a number, are still refused.
+    assert main(["decode", WHOLE, frame_of(0x123456, 24)[1:]]) == 2
+    assert main(["decode", "ssi:position=24", "0101"]) == 2
+
+
+def test_other_readings_of_a_position_without_counts(capsys: pytest.CaptureFixture[str]) -> None:
+    """A word of an SC60228 that was read with an extra bit in front: 2000 counts look like 1000."""
+    assert main(["decode", "spi:position=12,error=high,df=2,parity=even", "0x3E80"]) == 0
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "2000 if it was read one clock early" in printed
+
+
+def test_one_repeated_bit_does_not_prove_a_repeated_word(capsys: pytest.CaptureFixture[str]) -> None:
+    """The first clock carries no data, and the next bit equals the first by chance: an AS5045 read with 19 clocks."""
+    word = f"{1000:012b}10000"
+    word += str(word.count("1") % 2)
+    explanations = why(capsys, "ssi:position=12,value=5,parity=even", f"0b1{word}")
+    assert [explanation["kind"] for explanation in explanations][:1] == ["bits_in_front"]
+    assert explanations[0]["reads"]["position"] == 1000
+
+
+def test_a_mistake_is_made_once(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> None:
+    """A CDS bit of 0 in front also fits a wider order code, read a bit too short, whose highest bit is 0.
+
+    In three frames that bit would be 0 by chance only one time in eight. CDS is almost always 0.
+    """
+    frames = []
+    for position in (0x5A5A5, 0x12345, 0x7FFFF):
+        data = f"{position:019b}" + "11"
+        frames.append(f"0b0{(data + crc(data))[:-1]}\n")
+    monkeypatch.setattr("sys.stdin", io.StringIO("".join(frames)))
+    assert main(["decode", "iC-MU-19-0", "-"]) == 1
+    printed = " ".join(capsys.readouterr().out.split())
+    together = printed[printed.index("3 of 3 frames with an error") :]
+    assert together.index("started one clock early") < together.index("read 1 bit too short")

@@ -310,8 +310,9 @@ def test_several_frames_decide_what_one_cannot(
 
 def test_a_coincidence_in_one_frame_does_not_count() -> None:
     """Two mistakes explain both frames, with 2 x 8 and 2 x 6 bits of evidence. One explains only the first frame."""
-    likely, unlikely = (Explanation(name, name, 64, 2.0**bits, {}) for name, bits in (("likely", 8), ("unlikely", 6)))
-    coincidence = Explanation("coincidence", "coincidence", 64, 2.0**40, {})
+    evidence = {"likely": 8, "unlikely": 6, "coincidence": 40}
+    explanations = [Explanation("start_value", text, 64, 2.0**bits, {}) for text, bits in evidence.items()]
+    likely, unlikely, coincidence = explanations
     whys = [Why((coincidence, likely, unlikely), 3, 0.1, ()), Why((unlikely, likely), 2, 0.1, ())]
     mistakes = judge_together(whys)
     assert [(mistake.text, mistake.frames, mistake.one_in) for mistake in mistakes] == [

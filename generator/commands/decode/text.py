@@ -77,12 +77,12 @@ def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decod
     """Yield other readings of a position that nothing in the frame can contradict."""
     if decoded.problems or decoded.crc is not None:
         return
-    from ...why.doubts import other_positions
+    from ...why.doubts import other_positions, position_name
 
-    measurement = device.measurement_of(variant.interface)
     readings = [f"{value} {text}" for text, value in other_positions(device, variant, decoded)]
-    if readings and measurement is not None:
-        yield wrapped(sentence(say.looks_wrong(measurement.of, ", ".join(readings))), WIDTH, "  ", "")
+    if readings:
+        name = position_name(device, variant)
+        yield wrapped(sentence(say.looks_wrong(name, ", ".join(readings))), WIDTH, "  ", "")
 
 
 def _line_prefix(line: Line) -> str:
