@@ -12,6 +12,7 @@ from .rules.order_code import is_whole
 from .rules.values import number_base
 from .schema_check import FileKind, SchemaResult, check_schema, place_to_remove, shape_of, without_places
 from .schema_files import family_of, with_stand_ins
+from .written_parts import WrittenSpec
 
 #: Stand-ins for missing keys at the top level, so that the rest can be built and checked.
 _STAND_INS: dict[str, Any] = {
@@ -107,9 +108,10 @@ def _check_device(checked: SchemaResult, document: Document, report: Report) -> 
     removed_places = set(checked.cut)
     completed_data = _with_prose(checked.data, checked.kind)
     recording_report = _RecordingReport(report, document)
+    spec, raw = WrittenSpec(completed_data), WrittenSpec(document.data)
     for rule in RULES:
         recording_report.noted = []
-        rule(completed_data, document.data, recording_report)
+        rule(spec, raw, recording_report)
         reported_paths = recording_report.noted
         if rule in FOUNDATIONS and any(path[0] in _NO_CODES for path in reported_paths):
             are_codes_whole = False

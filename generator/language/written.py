@@ -44,7 +44,7 @@ class WrittenPart:
     described_keys: tuple[DescribedKey, ...] = ()
 
     def __init__(self, data: Any, path: Path = ()) -> None:
-        self.data: Mapping[str, Any] = data if isinstance(data, dict) else NOTHING
+        self.data: dict[str, Any] = data if isinstance(data, dict) else {}
         self.path = path
         self._values: dict[str, Any] = {}
 

@@ -3,15 +3,34 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
-from ...model import Rs485, Spi
-from ..document import Path
+from ...model import Spi
 from ..problems import DocumentReport, quoted, suggestion
 from ..schema_files import is_second
-from .values import constant_width
-from .walk import Fields, Has, Spec, by_name, expanded, field_names, interface_of, items, mapping
+from ..written_parts import (
+    WrittenField,
+    WrittenLayout,
+    WrittenRs485,
+    WrittenRs485Exchange,
+    WrittenSpec,
+    WrittenSpi,
+    WrittenSpiExchange,
+)
+from .parts import (
+    FieldList,
+    Groups,
+    Has,
+    by_name,
+    constant_width,
+    expanded,
+    field_names,
+    interface_of,
+)
 
+#: Requests with their replies, over SPI or RS-485.
+Exchanges = Sequence[WrittenRs485Exchange] | Sequence[WrittenSpiExchange]
+Layouts = Mapping[str, WrittenLayout]
 #: Senders with the key of their frames in an exchange.
 KEYS: Mapping[str, str] = {"master": "request", "encoder": "reply"}
 #: Bits of the longest SPI word. Another rule reports a longer one.
@@ -19,296 +38,299 @@ _WIDEST_WORD = 64
 
 
 def check_exchanges(
-    spec: Spec, raw: Spec, interface: str, rule: str, report: DocumentReport
-) -> list[tuple[Path, Spec]]:
-    """Check that the frames of exchanges exist, and that no two have the same request. Return the exchanges.
+    interface: WrittenRs485 | WrittenSpi,
+    raw_interface: WrittenRs485 | WrittenSpi,
+    raw: WrittenSpec,
+    rule: str,
+    report: DocumentReport,
+) -> None:
+    """Check that the frames of exchanges exist, and that no two have the same request.
 
     A request for the position needs a measurement, because without one no output has a position.
     """
-    interface_path = ("interfaces", interface)
-    exchanges = list(items(spec, *interface_path, "exchanges"))
-    _check_layouts(exchanges, by_name(raw, *interface_path, "layouts"), report)
-    has_measurement = "measurement" in raw or "measurement" in mapping(raw, *interface_path)
+    _check_layouts(interface.exchanges, by_name(raw_interface.layouts), report)
+    has_measurement = raw.has("measurement") or raw_interface.has("measurement")
     earlier_requests = set()
-    for path, exchange in exchanges:
-        request = exchange["request"]
+    for exchange in interface.exchanges:
+        request = exchange.request
         if request in earlier_requests:
-            report.add(rule, (*path, "request"), f"{quoted(request)} already has a reply; keep one")
+            report.add(rule, exchange.place_of("request"), f"{quoted(request)} already has a reply; keep one")
         earlier_requests.add(request)
-        if exchange["purpose"] == "position" and not has_measurement:
+        if exchange.purpose == "position" and not has_measurement:
             message = f"{quoted(request)} asks for the position, but the spec has no 'measurement'; add one"
-            report.add(rule, (*path, "purpose"), message)
-    return exchanges
+            report.add(rule, exchange.place_of("purpose"), message)
 
 
-def _check_layouts(exchanges: list[tuple[Path, Spec]], layouts: Mapping[str, Spec], report: DocumentReport) -> None:
+def _frame(exchange: WrittenRs485Exchange | WrittenSpiExchange, key: str) -> str:
+    """Return the name of the frame under a key of an exchange: its request or its reply."""
+    return exchange.request if key == "request" else exchange.reply
+
+
+def _check_layouts(exchanges: Exchanges, layouts: Layouts, report: DocumentReport) -> None:
     """Check that the request of each exchange is a layout of the master, and the reply one of the encoder."""
     for sender, key in KEYS.items():
-        names = [name for name, layout in layouts.items() if layout.get("from") == sender]
-        for path, exchange in exchanges:
-            if key in exchange and exchange[key] not in names:
-                message = f"there is no layout {quoted(exchange[key])} from the {sender}"
-                report.add("undefined-reference", (*path, key), message + suggestion(exchange[key], names))
+        names = [name for name, layout in layouts.items() if layout.from_ == sender]
+        for exchange in exchanges:
+            name = _frame(exchange, key)
+            if name and name not in names:
+                message = f"there is no layout {quoted(name)} from the {sender}"
+                report.add("undefined-reference", exchange.place_of(key), message + suggestion(name, names))
 
 
-def report_unused(
-    layout: Spec, path: Path, exchanges: list[tuple[Path, Spec]], rule: str, report: DocumentReport
-) -> None:
+def report_unused(layout: WrittenLayout, exchanges: Exchanges, rule: str, report: DocumentReport) -> None:
     """Report a frame that no exchange contains."""
-    key = KEYS.get(layout.get("from", ""), "")
-    if key and layout["name"] not in [exchange.get(key) for _, exchange in exchanges]:
-        message = f"no exchange has {quoted(layout['name'])} as its {key}; add one under 'exchanges'"
-        report.add(rule, path, message)
+    key = KEYS.get(layout.from_, "")
+    if key and layout.name not in [_frame(exchange, key) for exchange in exchanges]:
+        message = f"no exchange has {quoted(layout.name)} as its {key}; add one under 'exchanges'"
+        report.add(rule, layout.path, message)
 
 
-_RS485_PATH = ("interfaces", Rs485.name)
 _RULE = "rs485-exchange"
 #: Keys that belong to data IDs, in the interface and in its layouts.
 _OF_DATA_IDS = ("data_ids", "memory_access")
 
 
-def requests(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def requests(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each request over RS-485 has a data ID, or is in an exchange with its reply."""
-    interface = mapping(spec, *_RS485_PATH)
-    if not interface:
+    interface, raw_interface = spec.interfaces.rs485, raw.interfaces.rs485
+    if interface is None or raw_interface is None or not interface.data:
         return
-    if mapping(interface, "port").get("data_bits", 8) != 8:
+    port = interface.port
+    if port.has("data_bits") and port.part.data_bits != 8:
         message = "frames over RS-485 consist of bytes, so a character has 8 data bits, and its parity bit is 'parity'"
-        report.add(_RULE, (*_RS485_PATH, "port", "data_bits"), message)
-    if "exchanges" not in interface:
-        if "data_ids" not in mapping(raw, *_RS485_PATH):
+        report.add(_RULE, (*port.path, "data_bits"), message)
+    if not interface.has("exchanges"):
+        if not raw_interface.has("data_ids"):
             message = "no request is described; add 'data_ids' (for frames like those of the T-format) or 'exchanges'"
-            report.add(_RULE, _RS485_PATH, message)
+            report.add(_RULE, interface.path, message)
         return
     for key in _OF_DATA_IDS:
-        if key in interface:
+        if interface.has(key):
             message = f"{quoted(key)} belongs to frames like those of the T-format; keep either it or 'exchanges'"
-            report.add(_RULE, (*_RS485_PATH, key), message, at_key=True)
-    _check_exchanges(spec, raw, report)
+            report.add(_RULE, interface.place_of(key), message, at_key=True)
+    check_exchanges(interface, raw_interface, raw, _RULE, report)
+    _check_frames_of_rs485(interface, report)
 
 
-def _check_exchanges(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def _check_frames_of_rs485(interface: WrittenRs485, report: DocumentReport) -> None:
     """Check that one exchange has the position, and that each frame is in an exchange."""
-    exchanges = check_exchanges(spec, raw, Rs485.name, _RULE, report)
-    positions = [(path, exchange) for path, exchange in exchanges if exchange["purpose"] == "position"]
-    for path, exchange in positions:
-        if "reply" not in exchange:
-            report.add(_RULE, path, f"{quoted(exchange['request'])} asks for the position, so it needs a 'reply'")
-    for path, _ in positions[1:]:
-        report.add(_RULE, (*path, "purpose"), "a second request asks for the position; use 'other'")
-    for path, layout in items(spec, *_RS485_PATH, "layouts"):
-        report_unused(layout, path, exchanges, _RULE, report)
-        if "when" in layout:
+    positions = [exchange for exchange in interface.exchanges if exchange.purpose == "position"]
+    for exchange in positions:
+        if not exchange.reply:
+            message = f"{quoted(exchange.request)} asks for the position, so it needs a 'reply'"
+            report.add(_RULE, exchange.path, message)
+    for exchange in positions[1:]:
+        message = "a second request asks for the position; use 'other'"
+        report.add(_RULE, exchange.place_of("purpose"), message)
+    for layout in interface.layouts:
+        report_unused(layout, interface.exchanges, _RULE, report)
+        if layout.when:
             message = "the request decides which frame is the reply; leave 'when' out"
-            report.add(_RULE, (*path, "when"), message, at_key=True)
-        if layout.get("carried_as") == "bits":
-            message = f"{quoted(layout['name'])} is sent over a serial port, as bytes; use 'carried_as: bytes'"
-            report.add(_RULE, (*path, "carried_as"), message)
+            report.add(_RULE, layout.place_of("when"), message, at_key=True)
+        if layout.carried_as == "bits":
+            message = f"{quoted(layout.name)} is sent over a serial port, as bytes; use 'carried_as: bytes'"
+            report.add(_RULE, layout.place_of("carried_as"), message)
 
 
-_SPI_PATH = ("interfaces", Spi.name)
 #: Fields of the requests, and of the reply, that access a register.
 _NEEDED = {"read": (("address",), ("data",)), "write": (("address", "data"), ())}
 
 
-def exchanges(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def exchanges(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each frame over SPI is a request or its reply, and that accesses have their fields."""
-    layouts = by_name(raw, *_SPI_PATH, "layouts")
-    if not mapping(spec, *_SPI_PATH):
+    interface, raw_interface = spec.interfaces.spi, raw.interfaces.spi
+    if interface is None or raw_interface is None or not interface.data:
         return
-    spi_exchanges = check_exchanges(spec, raw, Spi.name, "spi-exchange", report)
+    check_exchanges(interface, raw_interface, raw, "spi-exchange", report)
     _check_registers(spec, raw, report)
-    _check_lengths(spec, spi_exchanges, report)
-    _check_frames(spec, spi_exchanges, report)
-    _check_parities(spec, report)
-    _check_accesses(raw, layouts, spi_exchanges, report)
+    _check_lengths(interface, report)
+    _check_frames(interface, report)
+    _check_parities(interface, report)
+    _check_accesses(interface, raw_interface, raw, report)
 
 
-def _check_registers(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def _check_registers(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers over SPI have only keys that can be used over SPI, and that no parameter is read there."""
-    for path, register in items(spec, "registers"):
+    for register in spec.registers:
         if interface_of(register) != Spi.name:
             continue
-        if "byte_order" in register:
+        if register.byte_order:
             message = (
-                f"{quoted(register['name'])} is sent as one number over SPI, high byte first; leave 'byte_order' out,"
+                f"{quoted(register.name)} is sent as one number over SPI, high byte first; leave 'byte_order' out,"
                 " or leave the register out if its low byte comes first"
             )
-            report.add("spi-exchange", (*path, "byte_order"), message, at_key=True)
-        for field_path, field in items(register, "fields"):
-            if "equals" in field:
+            report.add("spi-exchange", register.place_of("byte_order"), message, at_key=True)
+        for field in register.fields:
+            if field.equals is not None:
                 message = "an encoder cannot be identified by its registers over SPI; use 'constant' or 'meaning'"
-                report.add("spi-exchange", (*path, *field_path, "equals"), message, at_key=True)
-    registers = by_name(raw, "registers")
-    for name, parameter in mapping(spec, "parameters").items():
-        register_name = str(parameter.get("read_from")).partition(".")[0]
-        if interface_of(registers.get(register_name, {})) == Spi.name:
+                report.add("spi-exchange", field.place_of("equals"), message, at_key=True)
+    registers = by_name(raw.registers)
+    for name, parameter in spec.parameters.items():
+        register_name = parameter.read_from.partition(".")[0]
+        if interface_of(registers.get(register_name)) == Spi.name:
             message = (
                 f"a parameter cannot be read from a register over SPI; leave 'read_from' out of {quoted(name)}"
                 ", and give it a value for each order code"
             )
-            report.add("spi-exchange", ("parameters", name, "read_from"), message, at_key=True)
+            report.add("spi-exchange", parameter.place_of("read_from"), message, at_key=True)
 
 
-def _check_lengths(spec: Spec, exchanges: list[tuple[Path, Spec]], report: DocumentReport) -> None:
+def _check_lengths(interface: WrittenSpi, report: DocumentReport) -> None:
     """Check that only exchanges with another length say so, and that late replies can be read completely."""
-    interface = mapping(spec, *_SPI_PATH)
-    default_bits = interface.get("word_bits")
-    for path, exchange in exchanges:
-        if default_bits is not None and exchange.get("word_bits") == default_bits:
+    default_bits = interface.word_bits if interface.has("word_bits") else None
+    for exchange in interface.exchanges:
+        if default_bits is not None and exchange.word_bits == default_bits:
             message = f"'word_bits' is {default_bits}, as for the interface; remove it from the exchange"
-            report.add("spi-exchange", (*path, "word_bits"), message, at_key=True)
-    writes = [(path, exchange) for path, exchange in exchanges if exchange["purpose"] == "write"]
-    is_reply_late = interface.get("reply") == "next_word"
+            report.add("spi-exchange", exchange.place_of("word_bits"), message, at_key=True)
+    writes = [exchange for exchange in interface.exchanges if exchange.purpose == "write"]
+    is_reply_late = interface.reply == "next_word"
     if not is_reply_late or not writes:
         return
-    _, first_write = writes[0]
-    first_bits = first_write.get("word_bits", default_bits)
-    for path, exchange in writes[1:]:
-        word_bits = exchange.get("word_bits", default_bits)
+    first_write, *other_writes = writes
+    first_bits = default_bits if first_write.word_bits is None else first_write.word_bits
+    for exchange in other_writes:
+        word_bits = default_bits if exchange.word_bits is None else exchange.word_bits
         if word_bits != first_bits:
             message = (
-                f"{quoted(exchange['request'])} has {word_bits} bits and {quoted(first_write['request'])} {first_bits}"
+                f"{quoted(exchange.request)} has {word_bits} bits and {quoted(first_write.request)} {first_bits}"
                 ", so its word cannot hold the reply to the word before; give both the same 'word_bits'"
             )
-            report.add("spi-exchange", path, message)
+            report.add("spi-exchange", exchange.path, message)
 
 
 #: Keys of fields whose values follow from the spec or from other fields.
-_DECIDED = frozenset(("constant", "unused", "parity_of", "crc", "use"))
+_DECIDED = ("constant", "unused", "parity_of", "crc", "use")
 
 
-def _check_frames(spec: Spec, exchanges: list[tuple[Path, Spec]], report: DocumentReport) -> None:
+def _check_frames(interface: WrittenSpi, report: DocumentReport) -> None:
     """Check that each frame has a place in an exchange, or that there is only one frame."""
-    for index, (path, layout) in enumerate(items(spec, *_SPI_PATH, "layouts")):
-        is_request = layout.get("from") == "master"
+    for index, layout in enumerate(interface.layouts):
+        is_request = layout.from_ == "master"
         # Without exchanges, the first frame can be the only one: it is read with any word.
-        if exchanges or is_request or index > 0:
-            report_unused(layout, path, exchanges, "spi-exchange", report)
-        if layout.get("carried_as") == "bytes":
-            message = f"{quoted(layout['name'])} is an SPI word, which is always carried as bits; remove 'carried_as'"
-            report.add("spi-exchange", (*path, "carried_as"), message)
+        if interface.exchanges or is_request or index > 0:
+            report_unused(layout, interface.exchanges, "spi-exchange", report)
+        if layout.carried_as == "bytes":
+            message = f"{quoted(layout.name)} is an SPI word, which is always carried as bits; remove 'carried_as'"
+            report.add("spi-exchange", layout.place_of("carried_as"), message)
 
 
-def _check_parities(spec: Spec, report: DocumentReport) -> None:
+def _check_parities(interface: WrittenSpi, report: DocumentReport) -> None:
     """Check that the parity bits of a word without a CRC cover the other fields, unless a note names those left out."""
-    for path, layout in items(spec, *_SPI_PATH, "layouts"):
-        fields = [field for _, field in items(layout, "fields")]
-        parity_fields = [(field_path, field) for field_path, field in items(layout, "fields") if "parity_of" in field]
-        if not parity_fields or any("crc" in field for field in fields):
+    for layout in interface.layouts:
+        parity_fields = [field for field in layout.fields if field.parity_of]
+        if not parity_fields or any(field.crc for field in layout.fields):
             continue
         covered_names: set[str] = set()
         words_in_notes: set[str] = set()
-        for _, parity_field in parity_fields:
-            covered_names.update(_covered_fields(layout, parity_field["parity_of"]))
-            words_in_notes.update(re.findall(r"\w+", str(parity_field.get("note", ""))))
-        other_names = [field["name"] for field in fields if "parity_of" not in field and "name" in field]
+        for parity_field in parity_fields:
+            covered_names.update(_covered_fields(layout, parity_field.parity_of))
+            words_in_notes.update(re.findall(r"\w+", parity_field.note))
+        other_names = [field.name for field in layout.fields if not field.parity_of and field.name]
         left_out = [name for name in other_names if name not in covered_names and name not in words_in_notes]
         if left_out:
-            field_path, parity_field = parity_fields[0]
+            parity_field = parity_fields[0]
             message = (
-                f"{quoted(parity_field.get('name', ''))} leaves out {quoted(left_out[0])}; "
+                f"{quoted(parity_field.name)} leaves out {quoted(left_out[0])}; "
                 f"add it to 'parity_of', or add a 'note' that the manual leaves out {left_out[0]}"
             )
-            report.add("spi-parity", (*path, *field_path, "parity_of"), message)
+            report.add("spi-parity", parity_field.place_of("parity_of"), message)
 
 
-def _covered_fields(layout: Spec, parity_of: object) -> Iterator[str]:
+def _covered_fields(layout: WrittenLayout, parity_of: Sequence[str]) -> Iterator[str]:
     """Yield the fields that a parity bit covers, with those of joined numbers."""
-    joins = mapping(layout, "join")
-    names = parity_of if isinstance(parity_of, list) else [parity_of]
-    for name in names:
-        yield from joins.get(str(name), [str(name)])
+    for name in parity_of:
+        yield from layout.join.get(name, [name])
 
 
-def _free_fields(layout: Spec) -> Iterator[str]:
+def _free_fields(layout: WrittenLayout | None) -> Iterator[str]:
     """Yield the fields of a request whose values a user chooses."""
-    for _, field in items(layout, "fields"):
-        if _DECIDED.isdisjoint(field) and "name" in field:
-            yield field["name"]
+    for field in layout.fields if layout is not None else ():
+        if field.name and not field.has(*_DECIDED):
+            yield field.name
 
 
-def _check_accesses(
-    raw: Spec, layouts: dict[str, Spec], exchanges: list[tuple[Path, Spec]], report: DocumentReport
-) -> None:
+def _check_accesses(interface: WrittenSpi, raw_interface: WrittenSpi, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers have exchanges for their accesses, and that the frames of these have the needed fields."""
-    groups = by_name(raw, "field_groups")
-    spi_registers = [(path, item) for path, item in items(raw, "registers") if interface_of(item) == Spi.name]
+    groups, layouts = by_name(raw.field_groups), by_name(raw_interface.layouts)
+    spi_registers = [register for register in raw.registers if interface_of(register) == Spi.name]
     for purpose, needed in _NEEDED.items():
-        accesses = [(path, exchange) for path, exchange in exchanges if exchange["purpose"] == purpose]
+        accesses = [exchange for exchange in interface.exchanges if exchange.purpose == purpose]
         needed_in_request, needed_in_reply = needed
         _check_fields(accesses, "request", needed_in_request, layouts, groups, report)
         _check_fields(accesses, "reply", needed_in_reply, layouts, groups, report)
         if purpose == "read" and len(accesses) > 1:
-            report.add("spi-exchange", (*accesses[1][0], "purpose"), "a second request reads registers; keep one")
+            message = "a second request reads registers; keep one"
+            report.add("spi-exchange", accesses[1].place_of("purpose"), message)
         impossible_access = "write_only" if purpose == "read" else "read_only"
-        accessible = [(path, reg) for path, reg in spi_registers if reg.get("access") != impossible_access]
+        accessible = [register for register in spi_registers if register.access != impossible_access]
         if accessible and not accesses:
-            path, register = accessible[0]
+            register = accessible[0]
             message = (
-                f"no exchange has the purpose {purpose!r}, so {quoted(register.get('name', ''))} has no access; "
+                f"no exchange has the purpose {purpose!r}, so {quoted(register.name)} has no access; "
                 "add one under 'exchanges'"
             )
-            report.add("spi-exchange", path, message)
+            report.add("spi-exchange", register.path, message)
 
 
 def _check_fields(
-    accesses: list[tuple[Path, Spec]],
+    accesses: Sequence[WrittenSpiExchange],
     key: str,
     needed: tuple[str, ...],
-    layouts: dict[str, Spec],
-    groups: dict[str, Spec],
+    layouts: Layouts,
+    groups: Groups,
     report: DocumentReport,
 ) -> None:
     """Check that the frames under a key of these exchanges have the needed fields, and requests no undecided ones."""
     if not accesses:
         return
     names: set[str] = set()
-    for _, exchange in accesses:
-        frame = Fields(Has.LAYOUT, layouts.get(exchange[key], {}), (), Spi.name)
-        names |= field_names(frame, groups).keys()
+    for exchange in accesses:
+        layout = layouts.get(_frame(exchange, key))
+        names |= field_names(_as_fields(layout), groups).keys() if layout is not None else set()
     missing_names = [name for name in needed if name not in names]
     if missing_names:
-        path, exchange = accesses[0]
-        message = f"{quoted(exchange[key])} is for a register, so it needs the field {quoted(missing_names[0])}"
-        report.add("spi-exchange", (*path, key), message)
+        name, place = _frame(accesses[0], key), accesses[0].place_of(key)
+        message = f"{quoted(name)} is for a register, so it needs the field {quoted(missing_names[0])}"
+        report.add("spi-exchange", place, message)
     elif key == "request":
-        for path, exchange in accesses:
-            free_names = _free_fields(layouts.get(exchange[key], {}))
+        for exchange in accesses:
+            free_names = _free_fields(layouts.get(exchange.request))
             undecided_names = [name for name in free_names if name not in needed]
             if undecided_names:
                 problem = f"an access to a register gives no value for {quoted(undecided_names[0])}"
-                message = f"{problem} in {quoted(exchange[key])}; use 'constant' or 'unused' there"
-                report.add("spi-exchange", (*path, key), message)
+                message = f"{problem} in {quoted(exchange.request)}; use 'constant' or 'unused' there"
+                report.add("spi-exchange", exchange.place_of(key), message)
 
 
-_SPI_REQUESTS_PATH = ("interfaces", Spi.name)
+def _as_fields(layout: WrittenLayout) -> FieldList:
+    return FieldList(Has.LAYOUT, layout, Spi.name)
 
 
-def requests_that_write(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def requests_that_write(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that constants distinguish each request from those that write, unless a note of its layout explains it.
 
     A second word of a write has no address. The encoder knows it by the word before.
     """
-    if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
+    interface = spec.interfaces.spi
+    # A second reading repeats printed facts, without the notes that may explain them.
+    if interface is None or is_second(report.document.file):
         return
-    groups, layouts = by_name(raw, "field_groups"), by_name(spec, *_SPI_REQUESTS_PATH, "layouts")
-    exchanges = [exchange for _, exchange in items(spec, *_SPI_REQUESTS_PATH, "exchanges")]
+    groups, layouts = by_name(raw.field_groups), by_name(interface.layouts)
     bits = {name: _constant_bits(layout, groups) for name, layout in layouts.items()}
-    write_requests = [exchange["request"] for exchange in exchanges if exchange["purpose"] == "write"]
+    write_requests = [exchange.request for exchange in interface.exchanges if exchange.purpose == "write"]
     distinguishable_writes = []
     for name in write_requests:
         if name in layouts and "address" in _free_names(layouts[name], groups) and _has_constant(bits[name]):
             distinguishable_writes.append(name)
-    for exchange in exchanges:
-        name = exchange["request"]
-        if name not in layouts or name in write_requests or "note" in layouts[name] or not bits[name]:
+    for exchange in interface.exchanges:
+        name = exchange.request
+        if name not in layouts or name in write_requests or layouts[name].note or not bits[name]:
             continue
         equal_writes = [write for write in distinguishable_writes if _may_be_equal(bits[name], bits[write])]
         if equal_writes:
             problem = f"{quoted(name)} can be the same word as {quoted(equal_writes[0])}, so it would write a register"
             remedy = "correct a 'constant' in one of them, or explain it in a 'note' of this layout"
-            report.add("spi-exchange", (*_SPI_REQUESTS_PATH, "layouts", name), f"{problem}; {remedy}")
+            report.add("spi-exchange", (*interface.path, "layouts", name), f"{problem}; {remedy}")
 
 
 def _has_constant(bits: str) -> bool:
@@ -323,21 +345,25 @@ def _may_be_equal(request: str, write: str) -> bool:
     return all(bit == write_bit or "?" in (bit, write_bit) for bit, write_bit in pairs)
 
 
-def _constant_bits(layout: Spec, groups: dict[str, Spec]) -> str:
+def _constant_bits(layout: WrittenLayout, groups: Groups) -> str:
     """Return a word as 0, 1 and ? for bits that are not constant. Empty if a width is not constant or too large."""
     bits = ""
-    for _, field in expanded(Fields(Has.LAYOUT, layout, (), Spi.name), groups):
-        width = 1 if "parity_of" in field else constant_width(field)
+    for _, field in expanded(_as_fields(layout), groups):
+        width = 1 if field.has("parity_of") else constant_width(field)
         if width is None or width > _WIDEST_WORD:
             return ""
-        constant = field.get("constant", field.get("unused"))
-        is_constant = isinstance(constant, int)
-        bits += f"{constant:0{width}b}" if is_constant else "?" * width
+        constant = _fixed_value(field)
+        bits += "?" * width if constant is None else f"{constant:0{width}b}"
     return bits
 
 
-def _free_names(layout: Spec, groups: dict[str, Spec]) -> Iterator[str]:
+def _fixed_value(field: WrittenField) -> int | None:
+    """Return the value that a field always has, or None."""
+    return field.constant if field.has("constant") else field.unused
+
+
+def _free_names(layout: WrittenLayout, groups: Groups) -> Iterator[str]:
     """Yield the names of the fields that have no fixed value."""
-    for _, field in expanded(Fields(Has.LAYOUT, layout, (), Spi.name), groups):
-        if "constant" not in field and "unused" not in field:
-            yield str(field.get("name"))
+    for _, field in expanded(_as_fields(layout), groups):
+        if not field.has("constant", "unused"):
+            yield field.name

@@ -1,0 +1,248 @@
+"""Iterators over the parts of a spec, shared by several rules.
+
+Rules check the pruned data, which follows the schema. Existing names are looked up in the data as read, because a name
+is still defined if something else about its item is wrong.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from itertools import islice
+from types import MappingProxyType
+from typing import Any, Protocol, TypeVar
+
+from ...model import INTERFACES, Biss
+from ...model.measurement import Measurement
+from ..document import Document
+from ..problems import DocumentReport, Path
+from ..schema_files import is_second
+from ..written import Located
+from ..written_parts import (
+    WrittenBiss,
+    WrittenControlData,
+    WrittenField,
+    WrittenFieldGroup,
+    WrittenLayout,
+    WrittenRegister,
+    WrittenRs485,
+    WrittenSpec,
+    WrittenSpi,
+    WrittenSsi,
+)
+
+#: A rule, called with the pruned data, the data as read, and the report.
+Rule = Callable[[WrittenSpec, WrittenSpec, DocumentReport], None]
+WrittenInterface = WrittenSsi | WrittenBiss | WrittenRs485 | WrittenSpi
+#: Owner of a list of fields.
+Owner = WrittenLayout | WrittenRegister | WrittenFieldGroup | WrittenControlData
+Groups = Mapping[str, WrittenFieldGroup]
+
+#: An interface that does not exist has layouts too, so that their names are known.
+_INTERFACE_CLASSES: Mapping[str, type[WrittenInterface]] = MappingProxyType(
+    {"ssi": WrittenSsi, "biss": WrittenBiss, "rs485": WrittenRs485, "spi": WrittenSpi}
+)
+#: Largest number of fields of a layout or register, with those of its groups. Without these, the schema limits it.
+MAX_FIELDS = 512
+_RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
+
+
+class NamedPart(Protocol):
+    """A part with a name."""
+
+    data: dict[str, Any]
+    name: str
+
+
+_Named = TypeVar("_Named", bound=NamedPart)
+
+
+def by_name(parts: Iterable[_Named]) -> dict[str, _Named]:
+    """Return parts by name. If several have the same name, the first one is used."""
+    named_parts: dict[str, _Named] = {}
+    for part in parts:
+        if "name" in part.data and part.name == part.data["name"]:
+            named_parts.setdefault(part.name, part)
+    return named_parts
+
+
+def interfaces(spec: WrittenSpec) -> Iterator[tuple[str, WrittenInterface]]:
+    """Yield the interfaces of a spec by name, in its order."""
+    for name, data in spec.interfaces.data.items():
+        yield name, _INTERFACE_CLASSES.get(name, WrittenSsi)(data, ("interfaces", name))
+
+
+class Has(Enum):
+    """Owners of a list of fields, by their key."""
+
+    LAYOUT = "layouts"
+    REGISTER = "registers"
+    GROUP = "field_groups"
+    CONTROL = "control_data"
+
+
+@dataclass(frozen=True, slots=True)
+class FieldList:
+    """A list of fields with its owner, its kind and its interface, which is empty for groups."""
+
+    kind: Has
+    owner: Owner
+    interface: str
+
+    @property
+    def fields(self) -> tuple[WrittenField, ...]:
+        """The fields as listed, with ``use`` as a separate field."""
+        return self.owner.fields
+
+    @property
+    def name(self) -> str:
+        """Name of the owner. Control data have none."""
+        return "" if isinstance(self.owner, WrittenControlData) else self.owner.name
+
+    @property
+    def layout(self) -> WrittenLayout | None:
+        """The owner, if it is a layout."""
+        return self.owner if isinstance(self.owner, WrittenLayout) else None
+
+    @property
+    def is_from_encoder(self) -> bool:
+        """True for a frame that an encoder sends."""
+        return self.layout is not None and self.layout.from_ == "encoder"
+
+    @property
+    def joins(self) -> Mapping[str, tuple[str, ...]]:
+        """Names of joined fields."""
+        return self.owner.join if isinstance(self.owner, WrittenLayout | WrittenRegister) else MappingProxyType({})
+
+    @property
+    def selectors(self) -> Mapping[str, tuple[int, ...]]:
+        """The field that identifies a frame, with its values."""
+        return self.layout.when if self.layout is not None else MappingProxyType({})
+
+
+def layouts(spec: WrittenSpec) -> Iterator[FieldList]:
+    """Yield the layouts of all interfaces."""
+    for name, interface in interfaces(spec):
+        for layout in interface.layouts:
+            yield FieldList(Has.LAYOUT, layout, name)
+
+
+def field_lists(spec: WrittenSpec) -> Iterator[FieldList]:
+    """Yield every list of fields, in the order of the language."""
+    for group in spec.field_groups:
+        yield FieldList(Has.GROUP, group, "")
+    yield from layouts(spec)
+    for name, interface in interfaces(spec):
+        control_data = interface.control_data if isinstance(interface, WrittenBiss) else None
+        if control_data is not None and control_data.data:
+            yield FieldList(Has.CONTROL, control_data, name)
+    for register in spec.registers:
+        if register.has("fields"):
+            yield FieldList(Has.REGISTER, register, interface_of(register))
+
+
+def interface_of(register: WrittenRegister | None) -> str:
+    """Return the interface of a register. The default is BiSS, the only one that always has registers."""
+    return Biss.name if register is None else str(register.data.get("interface", Biss.name))
+
+
+def last_address(register: WrittenRegister) -> int:
+    """Return the last address of a register. Not every interface has an address for each byte."""
+    interface = INTERFACES.get(interface_of(register))
+    if interface is not None and not interface.byte_addresses:
+        return register.address
+    return register.address + register.length - 1
+
+
+def expanded(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenField]]:
+    """Yield the fields with groups included. The path of a field from a group is the path of its ``use``.
+
+    Another rule reports a list that is longer than its limit. Its other fields are omitted.
+    """
+    return islice(_expanded(fields, groups), MAX_FIELDS)
+
+
+def _expanded(fields: FieldList, groups: Groups) -> Iterator[tuple[Path, WrittenField]]:
+    for field in fields.fields:
+        group = groups.get(field.use)
+        if group is None:
+            yield field.path, field
+        else:
+            yield from ((field.path, inner_field) for inner_field in group.fields)
+
+
+def field_names(fields: FieldList, groups: Groups) -> dict[str, WrittenField]:
+    """Return the fields by name, with groups included."""
+    return {field.name: field for _, field in expanded(fields, groups) if field.name}
+
+
+def readable_names(fields: FieldList, groups: Groups) -> list[str]:
+    """Return the names of all values of a decoder: fields, joins and runs of digits.
+
+    A register without fields is one number.
+    """
+    if fields.kind is Has.REGISTER and not fields.owner.has("fields"):
+        return [fields.name]
+    fields_by_name = field_names(fields, groups)
+    names = [*fields_by_name, *fields.joins]
+    for field in fields_by_name.values():
+        names += [run.part.name for run in field.digits if run.part.name]
+    return names
+
+
+def measurements(spec: WrittenSpec) -> Iterator[Located[Measurement]]:
+    """Yield the measurements of the device and its interfaces."""
+    if spec.measurement is not None and spec.measurement.data:
+        yield spec.measurement
+    for _, interface in interfaces(spec):
+        if interface.measurement is not None and interface.measurement.data:
+            yield interface.measurement
+
+
+def measurement_of(spec: WrittenSpec, interface: str) -> Located[Measurement] | None:
+    """Return the measurement of an interface, which is that of the device unless it has one."""
+    own_measurement = dict(interfaces(spec))[interface].measurement if interface in spec.interfaces.data else None
+    return own_measurement if own_measurement is not None and own_measurement.data else spec.measurement
+
+
+def position_names(spec: WrittenSpec, interface: str) -> set[str]:
+    """Return the fields and joins that form the position: the measured ones, otherwise those named ``position``."""
+    measurement = measurement_of(spec, interface)
+    measured_name = measurement.part.of if measurement is not None and measurement.has("of") else "position"
+    names = {measured_name}
+    for fields in layouts(spec):
+        if fields.interface == interface:
+            names.update(fields.joins.get(measured_name, ()))
+    return names
+
+
+def constant_width(field: WrittenField) -> int | None:
+    """Return the width of a field if it is constant, or None if it depends on others or another rule reports it."""
+    if field.has("bits"):
+        return field.bits if isinstance(field.bits, int) and field.bits > 0 else None
+    bit_range = _RANGE.fullmatch(str(field.at))
+    if bit_range is not None:
+        width = int(bit_range[1]) - int(bit_range[2]) + 1
+        return width if width > 0 else None
+    is_one_bit = field.has("active") or isinstance(field.at, int)
+    return 1 if is_one_bit else None
+
+
+def bits_of(register: WrittenRegister, groups: Groups) -> list[str]:
+    """Return the names allowed after the dot in ``register.field``: the fields, or the register's own name."""
+    if register.has("fields"):
+        return list(field_names(FieldList(Has.REGISTER, register, ""), groups))
+    return [register.name]
+
+
+def explained(document: Document, *keys: str) -> bool:
+    """Return True if an erratum affects exactly this place, given by keys and names.
+
+    A second reading has no errata. It repeats the printed values, and its spec must agree or explain the difference.
+    """
+    if is_second(document.file):
+        return True
+    place = ".".join(keys)
+    return any(place in erratum.affects for erratum in WrittenSpec(document.data).errata)
