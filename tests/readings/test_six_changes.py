@@ -125,3 +125,37 @@ def test_a_word_that_is_no_longer_a_choice_is_asked_for(folder: Path, capsys: py
     # The signal is in two texts of errata.
     assert sheet.count('"?"') == 2
     assert "+10VDC" not in sheet
+
+
+def test_a_change_of_an_edition_that_fails_is_one_problem(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """Edition 1.5 of the AMM5 has no alarms, and the editions before it are made from it."""
+    shutil.copy(SPECS / "amm5.yaml", folder)
+    edit(
+        folder / "amm5.yaml",
+        ("  - name: ps_error\n    printed_name: PS error", "  - name: count_error\n    printed_name: PS error"),
+        ("affects: [alarms.ps_error,", "affects: [alarms.count_error,"),
+    )
+    main(["check", "amm5.yaml"])
+    lines = capsys.readouterr().out.splitlines()
+    problems = [line for line in lines if re.match(r"amm5\.yaml:\d+:\d+: ", line)]
+    assert [line.split(": ")[1] for line in problems] == ["overlay-unused"]
+
+
+def test_the_odd_one_of_parts_that_are_alike_is_named(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    """The start value of a CRC differs in the first of three families by name."""
+    for name in ("amm5.yaml", "asc85.yaml"):
+        shutil.copy(SPECS / name, folder)
+    edit(
+        folder / "am36.yaml",
+        *EDITS[1:2],
+        ("The start value 0, the bit", "The bit"),
+        ("used: The start value is 0.", "used: See above."),
+    )
+    text = (folder / "am36.yaml").read_text(encoding="utf-8")
+    start, end = text.index("  - name: public_biss_crc_6"), text.index("  - name: public_biss_crc_4")
+    (folder / "am36.yaml").write_text(text[:start] + text[end:], encoding="utf-8")
+    main(["check", "."])
+    problems = [line for line in capsys.readouterr().out.splitlines() if ": not-alike: " in line]
+    assert len(problems) == 1
+    assert problems[0].startswith("am36.yaml:")
+    assert "this is 0x3f, but 0x0 in amm5.yaml:" in problems[0]

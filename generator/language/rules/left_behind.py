@@ -136,7 +136,7 @@ def order_codes_in_texts(spec: Spec, raw: Spec, report: DocumentReport) -> None:
 def _starts(spec: Spec, pattern: str) -> list[str]:
     """Return expressions for the start of an order code: the text of the pattern, or the labels of its first part.
 
-    A letter of a label can be an x for several models, as in AMx36 for AM36 and AMC36.
+    A letter of a label can be an x for several models, as in ENx10 for EN10 and ENB10.
     """
     start = pattern.partition("{")[0]
     if start:
