@@ -46,12 +46,12 @@ def encoder_pages(root: Path) -> Iterator[tuple[str, str]]:
             yield f"generated/{path}", text
             continue
         name, header = headers[title[1]]
-        link = f"\nFor C99 and C++11: [`{name}`]({name}) has all that a program needs to read a position.\n"
+        links = f"For C99 and C++11: [`{name}`]({name}) has all that a program needs to read a position."
         if title[1] in codes_with_settings:
             page = posixpath.relpath("settings.md", folder)
-            link += f"\n[Settings for your master]({page}#code={quote(title[1], safe='')})\n"
+            links += f" [Settings for your master]({page}#code={quote(title[1], safe='')})."
         yield f"{folder}/{name}", header
-        yield f"generated/{path}", text[: title.end()] + link + text[title.end() :]
+        yield f"generated/{path}", f"{text[: title.end()]}\n{links}\n{text[title.end() :]}"
 
 
 def _codes_with_settings(devices: tuple[Device, ...]) -> Iterator[str]:

@@ -16,7 +16,7 @@ from ...say.markdown import STYLE, cited, code, joined, link, text
 from ...say.names_and_places import TERMS, Term, Titled, addresses, title, words
 from ...say.order_code import parameter_value, settings
 from ...say.text import volts
-from .order_code_tables import patterns
+from .order_code_tables import order_codes
 from .page_links import interface_page_path, link_to_alarm, link_to_layout, link_to_register, links_to_steps
 
 #: File names of the pages, which no family can have.
@@ -74,7 +74,7 @@ def _family_link(device: Device) -> str:
 def _label_row(device: Device) -> Row:
     titles = joined((interface.title for interface in device.interfaces), ", ")
     supplies = dict.fromkeys(filter(None, map(device.supply_of, device.variants)))
-    labels = joined(patterns(device, [variant.code for variant in device.variants]))
+    labels = order_codes(device, [variant.code for variant in device.variants])
     return _family_link(device), text(titled_in_lists(device)), labels, titles, joined(map(_supply_range, supplies))
 
 

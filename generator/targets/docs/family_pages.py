@@ -15,7 +15,7 @@ from ...say.plain_text import counted
 from ...say.text import Statement, language
 from . import fact_tables, inline_errata, order_code_tables, page_links, verdict_page
 from .order_code_page import ManualProcedure, OrderCodes, manual_procedures
-from .order_code_tables import patterns
+from .order_code_tables import order_codes
 
 _VERSION_RULE = (
     "Versions follow semantic versioning: major for changes that break code or alter its behaviour, minor for "
@@ -137,11 +137,11 @@ def index_values(family: OrderCodes, has_masters: bool) -> FamilyPage:
 
 def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
     """Return a row of interface, order codes, clock or port."""
-    order_codes = [variant.code for variant in device.variants_over(interface.name)]
+    codes = [variant.code for variant in device.variants_over(interface.name)]
     first_settings = list(settings(device, interface))[:1]
     return (
         link(interface.title, page_links.interface_page_path(device, interface)),
-        joined(patterns(device, order_codes)) if order_codes else "",
+        order_codes(device, codes),
         "; ".join(map(STYLE.phrase, first_settings)),
     )
 

@@ -19,7 +19,7 @@ from ...masters.text import (
     standing_mark,
 )
 from ...model import Device, Interface
-from ...say.markdown import code, joined, link_list, text
+from ...say.markdown import code, joined, link, link_list, text
 from .fact_tables import document_rows
 from .order_code_tables import order_codes
 from .page_links import link_to_erratum
@@ -83,6 +83,7 @@ def _interface_section(device: Device, group_sheets: GroupSheets) -> dict[str, A
         "cable_errata": _links_to_errata(device, groups[0].record.cables.errata),
         "notes": list(dict.fromkeys(text(note) for group in groups for note in group.record.notes)),
         "masters": master_sections,
+        "links": [link(section["title"], f"#{interface.name}-{section['name']}") for section in master_sections],
         "silent": unsupporting_masters,
     }
 
