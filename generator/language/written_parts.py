@@ -248,8 +248,8 @@ class WrittenFieldGroup(WrittenPart):
     bits: int = key("Width of the whole group.", minimum=1, maximum=64)
     other_bits: OtherBits = key("", default="")
     note: Prose = key("Additional information for the reader.", default="")
-    fields: tuple[WrittenField, ...] = key("Fields.", most=512)
     source: SourceText = key("")
+    fields: tuple[WrittenField, ...] = key("Fields.", most=512)
 
 
 @written("The number that is sent in Gray code as one word, and the condition under which this applies.")
@@ -682,6 +682,7 @@ class WrittenSpelling(WrittenPart):
 @written("Structure of an order code, and the properties that each part selects.")
 class WrittenOrderCode(WrittenPart):
     pattern: CodePattern = key("Order code with its parts in braces, as in ABC{bits}/{interface}.")
+    source: SourceText = key("")
     special: Prose = key("The manual's warning about codes that end in /Sxxx.", default="")
     not_on_label: Prose = key(
         "For made-up order codes: what the label shows instead, and what the code stands for.", default=""
@@ -694,7 +695,6 @@ class WrittenOrderCode(WrittenPart):
         least=0,
         default=(),
     )
-    source: SourceText = key("")
 
 
 @written("One answer.")
