@@ -55,6 +55,9 @@ READERS = {
     "compares what facts of the same order codes say": {
         "language/rules/connectors.py",
     },
+    "reads facts as they are written, before they belong to order codes": {
+        "language/rules/parts.py",
+    },
     "shows the order codes beside each fact": {
         "changes/families.py",
         "changes/interfaces.py",
@@ -65,6 +68,7 @@ READERS = {
         "say/order_code.py",
         "say/evidence.py",
         "targets/c/device.py",
+        "targets/c/errata_page.py",
         "targets/c/interfaces.py",
         "targets/docs/wiring_tables.py",
         "targets/docs/page_pictures.py",
