@@ -1619,7 +1619,7 @@
       return { ...numberWith(compact, bitLength(BigInt(compact)), false), written: 4 * (compact.length - 2) };
     }
     const meanings = pieces.length === 1 ? readings(compact, size) : [];
-    // As a decimal or hexadecimal number, so many digits would not fit.
+    // As a decimal or hexadecimal number, this many digits would not fit.
     if (meanings.length === 1 && compact.length === size && /^[01]+$/.test(compact)) {
       return numberWith(`0b${compact}`, size, true);
     }
@@ -2342,7 +2342,7 @@
 
   /** The numbers in a frame, by name. */
   function numbersRead(at, number) {
-    // Bytes can be a frame of any layout, so nobody has chosen how to read those that the manual leaves open.
+    // Bytes can be a frame of any layout, and no choice is made where the manual leaves their reading open.
     const open = at.layout.order ? (at.family.alternatives ?? []).flatMap((item) => Object.keys(item.answers[0][2])) : [];
     const isOpen = ({ low }) => Array.isArray(low) && low.slice(1).some((term) => term.slice(1)
       .some((name) => open.includes(name.replace("^", ""))));

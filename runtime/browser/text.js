@@ -68,7 +68,7 @@ function numberIn(text, size, exact) {
     return { ...numberWith(compact, bitLength(BigInt(compact)), false), written: 4 * (compact.length - 2) };
   }
   const meanings = pieces.length === 1 ? readings(compact, size) : [];
-  // As a decimal or hexadecimal number, so many digits would not fit.
+  // As a decimal or hexadecimal number, this many digits would not fit.
   if (meanings.length === 1 && compact.length === size && /^[01]+$/.test(compact)) {
     return numberWith(`0b${compact}`, size, true);
   }

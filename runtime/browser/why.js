@@ -551,7 +551,7 @@ const evidenceOf = (at) => fixedBits(at) + (at.layout.crc ? at.family.crcs[at.la
 
 /** The numbers in a frame, by name. */
 function numbersRead(at, number) {
-  // Bytes can be a frame of any layout, so nobody has chosen how to read those that the manual leaves open.
+  // Bytes can be a frame of any layout, and no choice is made where the manual leaves their reading open.
   const open = at.layout.order ? (at.family.alternatives ?? []).flatMap((item) => Object.keys(item.answers[0][2])) : [];
   const isOpen = ({ low }) => Array.isArray(low) && low.slice(1).some((term) => term.slice(1)
     .some((name) => open.includes(name.replace("^", ""))));

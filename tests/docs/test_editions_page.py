@@ -406,7 +406,7 @@ SLIPS = {
     "a reference is left": (
         "- unknown: [registers.serial_number, examples.serial_number]",
         "- unknown: [registers.serial_number]",
-        "undefined-reference: in edition 1.6: there is no register 'serial_number'",
+        "undefined-reference: in edition 1.0: there is no register 'serial_number'",
     ),
     "a change of nothing": (
         "      - unknown: [registers.serial_number, examples.serial_number]\n        why",

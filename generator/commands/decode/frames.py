@@ -152,7 +152,7 @@ def frame_number(placed: PlacedLayout, text: str, *, exact: bool = False) -> Bit
         return BitText(number, number.bit_length(), exact=False, written=4 * hex_digits)
     readings = list(_readings(compact, placed.bits)) if len(pieces) == 1 else []
     if len(readings) == 1 and len(compact) == placed.bits and set(compact) <= {"0", "1"}:
-        # As a decimal or hexadecimal number, so many digits would not fit.
+        # As a decimal or hexadecimal number, this many digits would not fit.
         return BitText(int(compact, 2), placed.bits, exact=True, written=placed.bits)
     remedy = say.write_one_of(", ".join(readings)) if readings else say.write_number(str(placed.bits))
     raise FrameTextError(say.no_bits(quoted(visible(text)), str(placed.bits), remedy))
