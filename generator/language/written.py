@@ -35,6 +35,10 @@ class Located(NamedTuple, Generic[T]):
         """Return True if a key was given, whatever its value."""
         return name in self.data
 
+    def is_valid(self, name: str) -> bool:
+        """Return True if a key was given with a value of its type."""
+        return name in self.data and getattr(self.part, name) == self.data[name]
+
 
 class WrittenPart:
     """A part of a spec. Each key is an attribute. A missing one has its default or, if it is required, is empty."""

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from ...model import Biss
+from ...model import Biss, Crc
 from ..problems import DocumentReport, Path, quoted
-from .bits import position_names
-from .walk import Spec, bank_select, by_name, expanded, explained, interface_of, items, layouts, mapping
+from ..written import Located
+from ..written_parts import WrittenField, WrittenRegister, WrittenSpec
+from .parts import by_name, by_part_name, expanded, explained, interface_of, layouts, position_names
 
 #: Registers with a fixed place in BiSS, by their usual name: address, length, and the place in words.
 _PLACES = {
@@ -27,98 +28,103 @@ _WIDTHS = {"register_address": 7, "address": 7, "rw": 2, "data": 8}
 _DIRECTIONS = {"write": 0b01, "read": 0b10}
 #: Widths of the usual CRCs of BiSS, by the number that inverts them.
 _INVERTED = {0x3F: 6, 0xFFFF: 16}
-#: The CRC of a control frame: x^4 + x + 1, start 0, sent inverted.
-_CONTROL_CRC = {"width": 4, "poly": 0x3, "init": 0, "refin": False, "refout": False, "xorout": 0xF}
 
 
-def biss_places(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def biss_places(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers with names fixed by BiSS are at their fixed place."""
-    for path, register in items(spec, "registers"):
-        name = register["name"]
-        selects_banks = name == bank_select(spec)
+    for register in spec.registers:
+        name = register.name
+        selects_banks = name == _bank_select(spec)
         fixed_place = _BANK_SELECT if selects_banks else _PLACES.get(name)
-        is_in_bank = "bank" in register
+        is_in_bank = register.bank is not None
         if fixed_place is None or interface_of(register) != Biss.name or (is_in_bank and not selects_banks):
             continue
         address, length, place_text = fixed_place
-        if register["address"] != address or is_in_bank:
-            problem = f"{quoted(name)} is at {register['address']:02X}h, but BiSS has"
+        if register.address != address or is_in_bank:
+            problem = f"{quoted(name)} is at {register.address:02X}h, but BiSS has"
             if selects_banks:
                 message = f"{problem} the register that selects banks {place_text}"
             else:
                 remedy = "correct the address, or rename the register if it is a different one"
                 message = f"{problem} it {place_text}; {remedy}"
-            report.add("biss-protocol", (*path, "address"), message)
-        elif register["length"] != length:
-            message = f"{quoted(name)} has {register['length']} bytes; in BiSS it has {length}, {place_text}"
-            report.add("biss-protocol", (*path, "length"), message)
+            report.add("biss-protocol", register.place_of("address"), message)
+        elif register.length != length:
+            message = f"{quoted(name)} has {register.length} bytes; in BiSS it has {length}, {place_text}"
+            report.add("biss-protocol", register.place_of("length"), message)
 
 
-def biss_taken(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def _bank_select(spec: WrittenSpec) -> str | None:
+    """Return the register that selects banks, or None."""
+    interface = spec.interfaces.biss
+    return (interface.bank_select or None) if interface is not None else None
+
+
+def biss_taken(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no other register is at a place fixed by BiSS, unless an erratum explains it.
 
     A read-only register inside that place is accepted as a part of it under another name. So is any register with the
     name ``profile_id_low``. Manuals use 40h and 41h for other purposes if there are no banks.
     """
-    for path, register in items(spec, "registers"):
-        name = register["name"]
-        has_fixed_name = name in _PLACES or name == bank_select(spec)
-        if interface_of(register) != Biss.name or "bank" in register or has_fixed_name:
+    for register in spec.registers:
+        name = register.name
+        has_fixed_name = name in _PLACES or name == _bank_select(spec)
+        if interface_of(register) != Biss.name or register.bank is not None or has_fixed_name:
             continue
         fixed_name = _taken_place(register)
         if fixed_name is None or explained(report.document, "registers", name, "address"):
             continue
-        first, last = register["address"], register["address"] + register["length"] - 1
+        first, last = register.address, register.address + register.length - 1
         address_text = f"at {first:02X}h" if first == last else f"at {first:02X}h to {last:02X}h"
         problem = f"{quoted(name)} is {address_text}, but BiSS has {quoted(fixed_name)} {_PLACES[fixed_name][2]}"
         remedy = (
             f"correct the address, or rename the register to {quoted(fixed_name)} if that is the one you mean. If"
             f" this is what the manual says, add an erratum that affects registers.{name}.address"
         )
-        report.add("biss-protocol", (*path, "address"), f"{problem}; {remedy}")
+        report.add("biss-protocol", register.place_of("address"), f"{problem}; {remedy}")
 
 
-def _taken_place(register: Spec) -> str | None:
+def _taken_place(register: WrittenRegister) -> str | None:
     """Return the name of the register that BiSS has at these addresses, or None. A part of that register is allowed."""
-    first, end = register["address"], register["address"] + register["length"]
+    first, end = register.address, register.address + register.length
     for fixed_name, (fixed_first, length, _) in _PLACES.items():
         fixed_end = fixed_first + length
         overlaps = first < fixed_end and fixed_first < end
         is_inside = fixed_first <= first and end <= fixed_end
-        is_part = is_inside and (register["access"] == "read_only" or register["name"].startswith(fixed_name))
+        is_part = is_inside and (register.access == "read_only" or register.name.startswith(fixed_name))
         if fixed_name != "eds_bank" and overlaps and not is_part:
             return fixed_name
     return None
 
 
-def biss_byte_order(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def biss_byte_order(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers fixed by BiSS have their most significant byte first, unless an erratum explains it."""
-    for path, register in items(spec, "registers"):
-        name = register["name"]
-        if name not in _PLACES or interface_of(register) != Biss.name or "bank" in register:
+    for register in spec.registers:
+        name = register.name
+        if name not in _PLACES or interface_of(register) != Biss.name or register.bank is not None:
             continue
-        is_low_byte_first = register.get("byte_order") == "low_byte_first"
+        is_low_byte_first = register.byte_order == "low_byte_first"
         if is_low_byte_first and not explained(report.document, "registers", name, "byte_order"):
             message = (
                 f"{quoted(name)} has its low byte first, but in BiSS the most significant byte has the lowest address."
                 f" If this is what the manual says, add an erratum that affects registers.{name}.byte_order"
             )
-            report.add("biss-protocol", (*path, "byte_order"), message)
+            report.add("biss-protocol", register.place_of("byte_order"), message)
 
 
-def biss_frame(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def biss_frame(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that nE and nW are active low, that nE is sent first, and that an inverted CRC ends the frame."""
-    groups, crcs = by_name(raw, "field_groups"), by_name(raw, "crcs")
+    groups, crcs = by_name(raw.field_groups), by_part_name(raw.crcs)
     for fields in layouts(spec):
-        sent_fields = list(expanded(fields, groups))
-        is_encoder_frame = fields.interface == Biss.name and fields.owner.get("from") == "encoder"
-        has_flags = not _FLAGS.isdisjoint(_names(sent_fields))
-        if not is_encoder_frame or not has_flags:
+        layout = fields.layout
+        if layout is None or fields.interface != Biss.name or not fields.is_from_encoder:
             continue
-        frame_path = f"interfaces.{Biss.name}.{fields.owner['name']}"
+        sent_fields = list(expanded(fields, groups))
+        if _FLAGS.isdisjoint(field.name for _, field in sent_fields):
+            continue
+        frame_path = f"interfaces.{Biss.name}.{layout.name}"
         faults = [
             *_field_faults(sent_fields, crcs, frame_path),
-            *_order_faults(sent_fields, (*fields.path, "name"), frame_path),
+            *_order_faults(sent_fields, layout.place_of("name"), frame_path),
             *_late_positions(sent_fields, position_names(spec, Biss.name), frame_path),
         ]
         for fault in faults:
@@ -136,41 +142,43 @@ class _Fault:
     problem: str
 
 
-def _field_faults(sent_fields: list[tuple[Path, Spec]], crcs: Mapping[str, Spec], frame_path: str) -> Iterator[_Fault]:
+SentFields = list[tuple[Path, WrittenField]]
+
+
+def _field_faults(sent_fields: SentFields, crcs: Mapping[str, Located[Crc]], frame_path: str) -> Iterator[_Fault]:
     """Yield the errors of single fields of a frame."""
     for path, field in sent_fields:
-        name = field.get("name")
-        if name in _FLAGS and field.get("active") == "high":
+        name = field.name
+        if name in _FLAGS and field.active == "high":
             problem = f"{quoted(name)} is active high, but in BiSS it is active low; write 'active: low'"
             yield _Fault((*path, "active"), f"{frame_path}.{name}", problem)
-        if "crc_of" in field:
+        if field.has("crc_of"):
             problem = (
                 f"{quoted(name)} has 'crc_of', but in BiSS the CRC covers everything before it; leave 'crc_of' out"
             )
             yield _Fault((*path, "crc_of"), f"{frame_path}.{name}", problem)
-        crc = crcs.get(field["crc"], {}) if "crc" in field else {}
-        for key, problem in _crc_faults(field.get("crc", ""), crc):
-            yield _Fault((*path, "crc"), f"crcs.{field['crc']}.{key}", problem)
+        for key, problem in _crc_faults(crcs[field.crc]) if field.crc in crcs else ():
+            yield _Fault((*path, "crc"), f"crcs.{field.crc}.{key}", problem)
 
 
-def _order_faults(sent_fields: list[tuple[Path, Spec]], frame_name: Path, frame_path: str) -> Iterator[_Fault]:
+def _order_faults(sent_fields: SentFields, frame_name: Path, frame_path: str) -> Iterator[_Fault]:
     """Yield the errors of a frame with nW before nE, or without a CRC. ``frame_name`` is the place of its name."""
-    names = [field.get("name") for _, field in sent_fields]
+    names = [field.name for _, field in sent_fields]
     if "error" in names and "warning" in names and names.index("error") > names.index("warning"):
         path, _ = sent_fields[names.index("warning")]
         problem = "'warning' is before 'error', but BiSS sends nE before nW; swap the two"
         yield _Fault(path, f"{frame_path}.warning", problem)
-    if not any("crc" in field for _, field in sent_fields):
+    if not any(field.has("crc") for _, field in sent_fields):
         correction = "add a last field such as {name: crc, crc: NAME}"
         problem = f"the frame has no CRC, but a BiSS frame ends with one; {correction}"
         yield _Fault(frame_name, f"{frame_path}.fields", problem)
 
 
-def _late_positions(sent_fields: list[tuple[Path, Spec]], positions: set[str], frame_path: str) -> Iterator[_Fault]:
+def _late_positions(sent_fields: SentFields, positions: set[str], frame_path: str) -> Iterator[_Fault]:
     """Yield an error for the first part of the position that is sent after nE or nW."""
     first_flag = None
     for path, field in sent_fields:
-        name = str(field.get("name"))
+        name = field.name
         if first_flag is None:
             first_flag = name if name in _FLAGS else None
         elif name in positions and name not in _FLAGS:
@@ -179,11 +187,11 @@ def _late_positions(sent_fields: list[tuple[Path, Spec]], positions: set[str], f
             return
 
 
-def _inverts_another_width(name: str, crc: Spec) -> str:
+def _inverts_another_width(crc: Crc) -> str:
     """Return the message about a CRC whose width and inversion are those of two CRCs."""
-    inverted_bits, width = _INVERTED[crc["xorout"]], crc["width"]
+    inverted_bits, width = _INVERTED[crc.xorout], crc.width
     problem = (
-        f"the CRC {quoted(name)} has 'width' {width}, but its 'xorout' {crc['xorout']:#x} inverts {inverted_bits} bits"
+        f"the CRC {quoted(crc.name)} has 'width' {width}, but its 'xorout' {crc.xorout:#x} inverts {inverted_bits} bits"
     )
     xorout = f"'xorout: {_all_ones(width):#x}' if the manual has a CRC of {width} bits"
     return f"{problem}; write 'width: {inverted_bits}', or {xorout}"
@@ -193,55 +201,60 @@ def _all_ones(width: int) -> int:
     return (1 << width) - 1
 
 
-def _crc_faults(name: str, crc: Spec) -> Iterator[tuple[str, str]]:
+def _crc_faults(located_crc: Located[Crc]) -> Iterator[tuple[str, str]]:
     """Yield the keys of a CRC that contradict BiSS, each with the message. The data may have any shape."""
-    width, xorout = crc.get("width"), crc.get("xorout")
-    is_valid = isinstance(width, int) and 0 < width <= 64 and isinstance(xorout, int)
-    if is_valid and crc["xorout"] < _all_ones(crc["width"]):
-        if xorout in _INVERTED:
-            yield "xorout", _inverts_another_width(name, crc)
+    crc = located_crc.part
+    is_valid = 0 < crc.width <= 64 and located_crc.is_valid("xorout")
+    if is_valid and crc.xorout < _all_ones(crc.width):
+        if crc.xorout in _INVERTED:
+            yield "xorout", _inverts_another_width(crc)
         else:
-            value = f"{xorout:#x}" if xorout else "0"
-            problem = f"the CRC {quoted(name)} has 'xorout' {value}, but BiSS sends the CRC inverted"
-            yield "xorout", f"{problem}; write 'xorout: {_all_ones(crc['width']):#x}'"
-    for key in ("refin", "refout"):
-        if crc.get(key) is True:
+            value = f"{crc.xorout:#x}" if crc.xorout else "0"
+            problem = f"the CRC {quoted(crc.name)} has 'xorout' {value}, but BiSS sends the CRC inverted"
+            yield "xorout", f"{problem}; write 'xorout: {_all_ones(crc.width):#x}'"
+    for key, is_reflected in (("refin", crc.refin), ("refout", crc.refout)):
+        if is_reflected:
             problem = (
-                f"the CRC {quoted(name)} has {quoted(key)} true, but BiSS sends the CRC most significant bit first"
+                f"the CRC {quoted(crc.name)} has {quoted(key)} true, but BiSS sends the CRC most significant bit first"
             )
             yield key, f"{problem}; write '{key}: false'"
 
 
-def _names(sent_fields: list[tuple[Path, Spec]]) -> set[str]:
-    return {field["name"] for _, field in sent_fields if isinstance(field.get("name"), str)}
-
-
-def biss_control(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def biss_control(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the control frame has the widths, the directions and the CRC of BiSS.
 
     Every master relies on them, so a spec has these numbers. An erratum records others that the manual prints.
     """
-    crcs = by_name(raw, "crcs")
-    for field_path, field in items(spec, "interfaces", Biss.name, "control_data", "fields"):
-        name = field.get("name")
-        width = _WIDTHS.get(str(name))
-        if width is not None and isinstance(field.get("bits"), int) and field["bits"] != width:
-            message = f"{quoted(name)} has {field['bits']} bits; in the BiSS control frame it has {width}"
-            report.add("biss-protocol", (*field_path, "bits"), message)
-        if name == "rw":
-            _check_directions(field_path, field, report)
-        crc = crcs.get(field.get("crc", ""))
-        if crc is not None and any(crc.get(key) != value for key, value in _CONTROL_CRC.items()):
+    crcs = by_part_name(raw.crcs)
+    interface = spec.interfaces.biss
+    control_data = interface.control_data if interface is not None else None
+    for field in control_data.fields if control_data is not None else ():
+        width = _WIDTHS.get(field.name)
+        if width is not None and isinstance(field.bits, int) and field.bits != width:
+            message = f"{quoted(field.name)} has {field.bits} bits; in the BiSS control frame it has {width}"
+            report.add("biss-protocol", field.place_of("bits"), message)
+        if field.name == "rw":
+            _check_directions(field, report)
+        crc = crcs.get(field.crc)
+        if crc is not None and not _is_control_crc(crc):
             problem = (
-                f"{quoted(field['crc'])} is not the CRC of the BiSS control frame: 4 bits, poly 0x3, init 0, not"
+                f"{quoted(field.crc)} is not the CRC of the BiSS control frame: 4 bits, poly 0x3, init 0, not"
                 " reflected, xorout 0xF; write these numbers. If the manual prints others, add an erratum with both"
             )
-            report.add("biss-protocol", (*field_path, "crc"), problem)
+            report.add("biss-protocol", field.place_of("crc"), problem)
 
 
-def _check_directions(field_path: Path, field: Spec, report: DocumentReport) -> None:
+def _is_control_crc(crc: Located[Crc]) -> bool:
+    """Return True for x^4 + x + 1, start 0, sent inverted."""
+    part = crc.part
+    parameters = (part.width, part.poly, part.init, part.refin, part.refout, part.xorout)
+    is_complete = all(map(crc.is_valid, ("init", "refin", "refout")))
+    return is_complete and parameters == (4, 0x3, 0, False, False, 0xF)
+
+
+def _check_directions(field: WrittenField, report: DocumentReport) -> None:
     """Check the bits of the names read and write in the field of a control frame that selects one of them."""
-    for name, value in mapping(field, "values").items():
-        if name in _DIRECTIONS and value["value"] != _DIRECTIONS[name]:
-            problem = f"{quoted(name)} is {value['value']:02b}; in the BiSS control frame, 01 means write and 10"
-            report.add("biss-protocol", (*field_path, "values", name, "value"), f"{problem} means read")
+    for name, value in field.values.items():
+        if name in _DIRECTIONS and value.value != _DIRECTIONS[name]:
+            problem = f"{quoted(name)} is {value.value:02b}; in the BiSS control frame, 01 means write and 10"
+            report.add("biss-protocol", value.place_of("value"), f"{problem} means read")

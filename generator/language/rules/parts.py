@@ -56,7 +56,15 @@ class NamedPart(Protocol):
     name: str
 
 
+class NamedModelPart(Protocol):
+    """A part of the model with a name."""
+
+    @property
+    def name(self) -> str: ...
+
+
 _Named = TypeVar("_Named", bound=NamedPart)
+_NamedModelPart = TypeVar("_NamedModelPart", bound=NamedModelPart)
 
 
 def by_name(parts: Iterable[_Named]) -> dict[str, _Named]:
@@ -65,6 +73,15 @@ def by_name(parts: Iterable[_Named]) -> dict[str, _Named]:
     for part in parts:
         if "name" in part.data and part.name == part.data["name"]:
             named_parts.setdefault(part.name, part)
+    return named_parts
+
+
+def by_part_name(parts: Iterable[Located[_NamedModelPart]]) -> dict[str, Located[_NamedModelPart]]:
+    """Return parts of the model by name. If several have the same name, the first one is used."""
+    named_parts: dict[str, Located[_NamedModelPart]] = {}
+    for located_part in parts:
+        if located_part.is_valid("name"):
+            named_parts.setdefault(located_part.part.name, located_part)
     return named_parts
 
 
