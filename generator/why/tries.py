@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import ChainMap
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from itertools import islice, product
 from types import MappingProxyType
 from typing import NamedTuple
@@ -309,13 +310,15 @@ def other_codes(device: Device, variant: Variant, placed: PlacedLayout, crc: Crc
             shape = _possible_shape(shapes, number)
             words = f"{bits} bits, {_sender(variant, shape.codes)}, read {counted(extra_bits, 'bit')} too long"
             kind = _kind(shape.codes)
-            yield read_as(kind, words, shape.placed, crc, number, demanded=zeros, holds=are_zero, codes=shape.codes)
+            attempt = read_as(kind, words, shape.placed, crc, number, demanded=zeros, holds=are_zero, codes=shape.codes)
+            yield _of_any_code(attempt, f"{bits} bits", f", read {counted(extra_bits, 'bit')} too long")
         elif -_CUT <= extra_bits < 0 and text.bits == placed.bits:
             lost_bits = -extra_bits
             number = text.number << lost_bits
             shape = _possible_shape(shapes, number)
             words = f"{bits} bits, {_sender(variant, shape.codes)}, read {counted(lost_bits, 'bit')} too short"
-            yield read_as(_kind(shape.codes), words, shape.placed, crc, number, lost=lost_bits, codes=shape.codes)
+            attempt = read_as(_kind(shape.codes), words, shape.placed, crc, number, lost=lost_bits, codes=shape.codes)
+            yield _of_any_code(attempt, f"{bits} bits", f", read {counted(lost_bits, 'bit')} too short")
 
 
 def _complete_frame_tries(
@@ -337,7 +340,14 @@ def _complete_frame_tries(
     if len(possible_shapes) > 1:
         length_text += " or more"
     words = f"{length_text}, {_sender(variant, codes)}"
-    yield read_as(_kind(codes), words, likely_placed, crc, text.number, codes=codes)
+    yield _of_any_code(read_as(_kind(codes), words, likely_placed, crc, text.number, codes=codes), length_text)
+
+
+def _of_any_code(attempt: Try, length_text: str, cut: str = "") -> Try:
+    """Return the try with a template without the order codes, which can differ between frames of one encoder."""
+    if not attempt.codes:
+        return attempt
+    return replace(attempt, template=f"{length_text}, the frame of another order code{cut}")
 
 
 def _possible_shape(shapes: Sequence[Shape], number: int) -> Shape:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import random
+import shlex
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -11,6 +12,7 @@ from typing import Any
 import pytest
 from browser_harness import Asker, program
 from chromium import Browser
+from codewheel.commands.cli import main
 from codewheel.one_line.encoder import device_of_line
 from codewheel.one_line.line import LineError
 from codewheel.targets import Library
@@ -222,3 +224,26 @@ def test_by_keyboard_on_a_phone(browser: Browser) -> None:
         ".filter((one) => !one.labels[0]?.innerText.trim()).length"
     )
     assert browser.run(unnamed) == 0
+
+
+def test_the_note_of_the_page_writes_a_spec(
+    browser: Browser, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Run the command that the page names for a line by clicking. ``check`` accepts the spec, with its gaps named."""
+    browser.run(OPEN)
+    browser.run("new Promise((done) => setTimeout(done, 50))")
+    browser.run('press("+ Life counter")')
+    note = "[...document.querySelectorAll('.codewheel-decode-note')].map((one) => one.innerText)[0]"
+    words = shlex.split(browser.run(note).partition(": ")[2])
+    assert words[:4] == ["codewheel", "new", "my_encoder", "--line"]
+    assert words[4:] == [browser.run(CODE)]
+    folder = tmp_path / "specs"
+    folder.mkdir()
+    assert main([*words[1:], "-o", str(folder)]) == 0
+    capsys.readouterr()
+    assert main(["check", str(folder)]) == 0
+    assert "no problems" in capsys.readouterr().out
+    spec = (folder / "my_encoder.yaml").read_text(encoding="utf-8")
+    assert "grade: uncorroborated" in spec
+    assert '- "The clock."' in spec
+    assert '- "The counts per revolution."' in spec

@@ -141,3 +141,18 @@ def test_a_mistake_is_made_once(capsys: pytest.CaptureFixture[str], monkeypatch:
     printed = " ".join(capsys.readouterr().out.split())
     together = printed[printed.index("3 of 3 frames with an error") :]
     assert together.index("started one clock early") < together.index("read 1 bit too short")
+
+
+def test_frames_of_one_other_order_code_have_one_explanation(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Zeros above the position differ between order codes, so some frames fit more of them than others."""
+    frames = []
+    for position in (0x00005, 0x0A5A5, 0x7FFFF):
+        data = f"{position:019b}" + "11"
+        frames.append(f"0b{data}{crc(data)}\n")
+    monkeypatch.setattr("sys.stdin", io.StringIO("".join(frames)))
+    assert main(["decode", "iC-MU-24-0", "-"]) == 1
+    printed = " ".join(capsys.readouterr().out.split())
+    assert "3 of 3 frames with an error" in printed
+    assert "27 bits, the frame of" in printed[printed.index("3 of 3 frames with an error") :]
