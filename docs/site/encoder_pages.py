@@ -51,7 +51,8 @@ def encoder_pages(root: Path) -> Iterator[tuple[str, str]]:
             page = posixpath.relpath("settings.md", folder)
             links += f" [Settings for your master]({page}#code={quote(title[1], safe='')})."
         yield f"{folder}/{name}", header
-        yield f"generated/{path}", f"{text[: title.end()]}\n{links}\n{text[title.end() :]}"
+        before = text[: title.start()]
+        yield f"generated/{path}", f"{before}{title[0].rstrip()} {links}\n{text[title.end() :]}"
 
 
 def _codes_with_settings(devices: tuple[Device, ...]) -> Iterator[str]:
