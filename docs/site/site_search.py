@@ -144,6 +144,9 @@ class Index:
         name = page.rpartition("/")[2]
         if name.startswith("questions-"):
             return ["question", "", ""]
+        if name.startswith(("ERRATA-", "ASSUMPTIONS-")):
+            # They repeat what the pages of families have.
+            return ["aside", "", ""]
         if family and re.search(r"(errata|masters|manual)$", name):
             return ["masters" if name.endswith("masters") else "aside", family, ""]
         if family and name in encoders.interfaces_of(family):
