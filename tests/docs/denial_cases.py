@@ -163,16 +163,16 @@ def generated_text_of(target: str, device: Callable[[], Device]) -> str:
 
 
 def input_pin(**changes: Any) -> Input:
-    pin = Input("mode", "", MappingProxyType({}), "Selects the filter", "", "", None, "", "", "", "", ())
+    pin = Input(name="mode", meaning="Selects the filter", source=())
     return replace(pin, **changes)
 
 
 def a_timing(meaning: str, only_codes: str = "") -> Timing:
-    return Timing("delay", "", meaning, 5, None, None, (), only_codes)
+    return Timing(name="delay", meaning=meaning, at_least_us=5, source=(), only=only_codes)
 
 
 def a_text(name: str, value: str) -> Characteristic:
-    return Characteristic(name, value, (), "", ())
+    return Characteristic(name=name, value=value, source=())
 
 
 def a_field(kind: Any, **changes: Any) -> Field:
@@ -194,16 +194,16 @@ def settings_register() -> Register:
 
 
 def t_format(*ids: DataId, **changes: Any) -> Device:
-    port = Port(2500000, 8, "none", 1, "none", ())
+    port = Port(baud=2500000, data_bits=8, parity="none", stop_bits=1, flow_control="none", source=())
     parts: dict[str, Any] = {"layouts": (), "timings": (), "note": "", "source": (), "measurement": None}
     kind = Rs485(port=port, data_ids=ids, memory_access=(), exchanges=(), **parts)
     return without_parts(interfaces=(*tv62().interfaces, kind), **changes)
 
 
-RESET = DataId("reset_errors", 7, 0xBA, "reset", "Reset all errors", ())
-CAPTURE = DataId("position", 0, 0x02, "capture", "Read the position", ())
-ZERO = DataId("set_zero", 6, 0x32, "write", "Set the present position to zero", ())
-STORE = DataId("store", 6, 0x32, "write", "Store the settings", ())
+RESET = DataId(name="reset_errors", id=7, control=0xBA, purpose="reset", meaning="Reset all errors", source=())
+CAPTURE = DataId(name="position", id=0, control=0x02, purpose="capture", meaning="Read the position", source=())
+ZERO = DataId(name="set_zero", id=6, control=0x32, purpose="write", meaning="Set it to zero", source=())
+STORE = DataId(name="store", id=6, control=0x32, purpose="write", meaning="Store the settings", source=())
 
 
 def command_only() -> Device:
@@ -355,7 +355,7 @@ case(
     lambda: cable_table(tv62(), biss()).about(1_000_000),
 )
 
-ONE_LED = Led("power", "Power", (LedState("on", "Supply is on"),), ())
+ONE_LED = Led(name="power", title="Power", states=(LedState(state="on", meaning="Supply is on"),), source=())
 case(
     "leds",
     lambda: wiring_tables.no_leds(without_parts(), without_parts(), interface_of("biss")),
@@ -546,7 +546,7 @@ def alarm_row(implemented: bool) -> str:
 
 
 def network_text(several: bool) -> str:
-    kind = replace(biss(), network=Network("point_to_point", several, ()))
+    kind = replace(biss(), network=Network(topology="point_to_point", multiple_slaves=several, source=()))
     return printed(interface.settings(tv62(), kind))
 
 
@@ -586,7 +586,7 @@ def grade_text(word: str) -> str:
 
 
 def contact_text(codes: str) -> str:
-    connector = replace(tv62().connectors[0], contacts=(Contact("1", "0 V", codes),))
+    connector = replace(tv62().connectors[0], contacts=(Contact(contact="1", signal="0 V", only=codes),))
     return page_pictures.connector_text(connector) + page_pictures.connector_picture(connector)
 
 
@@ -865,7 +865,7 @@ case(
 
 def clock_text(min_hz: int | None, max_hz: int | None) -> str:
     """Return the words for a clock at which encoders are read at 1 MHz."""
-    return interface.clock_words(Clock(min_hz, max_hz, (1_000_000,), ()))
+    return interface.clock_words(Clock(min_hz=min_hz, max_hz=max_hz, used_hz=(1_000_000,), source=()))
 
 
 case("clock_limits", lambda: clock_text(None, None), lambda: clock_text(100_000, 2_000_000))
@@ -873,15 +873,15 @@ case("lowest_clock", lambda: clock_text(None, 2_000_000), lambda: clock_text(100
 case("highest_clock", lambda: clock_text(100_000, None), lambda: clock_text(100_000, 2_000_000))
 case(
     "clock_not_stated",
-    lambda: interface.clock_words(Clock(None, None, (), ())),
-    lambda: interface.clock_words(Clock(None, 2_000_000, (), ())),
+    lambda: interface.clock_words(Clock(source=())),
+    lambda: interface.clock_words(Clock(max_hz=2_000_000, source=())),
 )
 
 
 def range_text(wraps: bool) -> str:
     """Return the sentence about the range of the position in a layout."""
     modulus = Expression.parse(1 << 24) if wraps else None
-    return BY_NAME.phrase(measurement.position_range(LayoutRange(None, modulus, None, (), wraps=wraps)))
+    return BY_NAME.phrase(measurement.position_range(LayoutRange(modulus=modulus, wraps=wraps)))
 
 
 case("never_wraps", lambda: range_text(wraps=False), lambda: range_text(wraps=True))
