@@ -17,7 +17,7 @@ from codewheel.targets.c.files import generate
 
 HERE = Path(__file__).resolve().parent
 REPOSITORY = HERE.parent
-BISS_6 = Crc("biss_6", 6, 0x03, 0, False, False, 0x3F, "", ())
+BISS_6 = Crc(name="biss_6", width=6, poly=0x03, init=0, refin=False, refout=False, xorout=0x3F, source=())
 
 
 @dataclass(frozen=True)

@@ -66,6 +66,10 @@ class WrittenPart:
         """Return True if one of these keys was given, whatever its value."""
         return any(name in self.data for name in names)
 
+    def is_valid(self, name: str) -> bool:
+        """Return True if a key was given with a value of its type."""
+        return name in self.data and getattr(self, name) == self.data[name]
+
     def place_of(self, name: str) -> Path:
         """Return the path of a key."""
         return (*self.path, name)

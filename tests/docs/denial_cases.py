@@ -163,7 +163,7 @@ def generated_text_of(target: str, device: Callable[[], Device]) -> str:
 
 
 def input_pin(**changes: Any) -> Input:
-    pin = Input(name="mode", names=MappingProxyType({}), meaning="Selects the filter", source=())
+    pin = Input(name="mode", meaning="Selects the filter", source=())
     return replace(pin, **changes)
 
 
@@ -202,9 +202,7 @@ def t_format(*ids: DataId, **changes: Any) -> Device:
 
 RESET = DataId(name="reset_errors", id=7, control=0xBA, purpose="reset", meaning="Reset all errors", source=())
 CAPTURE = DataId(name="position", id=0, control=0x02, purpose="capture", meaning="Read the position", source=())
-ZERO = DataId(
-    name="set_zero", id=6, control=0x32, purpose="write", meaning="Set the present position to zero", source=()
-)
+ZERO = DataId(name="set_zero", id=6, control=0x32, purpose="write", meaning="Set it to zero", source=())
 STORE = DataId(name="store", id=6, control=0x32, purpose="write", meaning="Store the settings", source=())
 
 
@@ -883,7 +881,7 @@ case(
 def range_text(wraps: bool) -> str:
     """Return the sentence about the range of the position in a layout."""
     modulus = Expression.parse(1 << 24) if wraps else None
-    return BY_NAME.phrase(measurement.position_range(LayoutRange(modulus=modulus, source=(), wraps=wraps)))
+    return BY_NAME.phrase(measurement.position_range(LayoutRange(modulus=modulus, wraps=wraps)))
 
 
 case("never_wraps", lambda: range_text(wraps=False), lambda: range_text(wraps=True))

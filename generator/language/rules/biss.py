@@ -9,7 +9,7 @@ from ...model import Biss, Crc
 from ..problems import DocumentReport, Path, quoted
 from ..written import Located
 from ..written_parts import WrittenField, WrittenRegister, WrittenSpec
-from .parts import by_name, by_part_name, expanded, explained, interface_of, layouts, position_names
+from .parts import bank_select, by_name, by_part_name, expanded, explained, interface_of, layouts, position_names
 
 #: Registers with a fixed place in BiSS, by their usual name: address, length, and the place in words.
 _PLACES = {
@@ -34,7 +34,7 @@ def biss_places(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
     """Check that registers with names fixed by BiSS are at their fixed place."""
     for register in spec.registers:
         name = register.name
-        selects_banks = name == _bank_select(spec)
+        selects_banks = name == bank_select(spec)
         fixed_place = _BANK_SELECT if selects_banks else _PLACES.get(name)
         is_in_bank = register.bank is not None
         if fixed_place is None or interface_of(register) != Biss.name or (is_in_bank and not selects_banks):
@@ -53,12 +53,6 @@ def biss_places(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> 
             report.add("biss-protocol", register.place_of("length"), message)
 
 
-def _bank_select(spec: WrittenSpec) -> str | None:
-    """Return the register that selects banks, or None."""
-    interface = spec.interfaces.biss
-    return (interface.bank_select or None) if interface is not None else None
-
-
 def biss_taken(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no other register is at a place fixed by BiSS, unless an erratum explains it.
 
@@ -67,7 +61,7 @@ def biss_taken(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> N
     """
     for register in spec.registers:
         name = register.name
-        has_fixed_name = name in _PLACES or name == _bank_select(spec)
+        has_fixed_name = name in _PLACES or name == bank_select(spec)
         if interface_of(register) != Biss.name or register.bank is not None or has_fixed_name:
             continue
         fixed_name = _taken_place(register)

@@ -254,6 +254,37 @@ def bits_of(register: WrittenRegister, groups: Groups) -> list[str]:
     return [register.name]
 
 
+def has_other_bits(register: WrittenRegister, groups: Groups) -> bool:
+    """Return True if a register has more bits than those of one field."""
+    return len(bits_of(register, groups)) > 1 or register.has("other_bits")
+
+
+def value_names(field: WrittenField) -> list[str]:
+    """Return the names of the values of a field, even of those with a wrong shape."""
+    values = field.data.get("values")
+    return list(values) if isinstance(values, dict) else []
+
+
+def fields_of(register: WrittenRegister, groups: Groups) -> Iterator[WrittenField]:
+    """Yield the fields of a register, with groups included."""
+    for _, field in expanded(FieldList(Has.REGISTER, register, ""), groups):
+        yield field
+
+
+def named_values(register: WrittenRegister, groups: Groups, field_name: str = "") -> list[str]:
+    """Return the names of values of all fields of a register, or of the field of this name."""
+    names: list[str] = []
+    for field in fields_of(register, groups):
+        if not field_name or field.name == field_name:
+            names += value_names(field)
+    return names
+
+
+def bank_select(spec: WrittenSpec) -> str:
+    """Return the name of the register that selects banks. Empty if there is none."""
+    return spec.interfaces.biss.bank_select if spec.interfaces.biss is not None else ""
+
+
 def explained(document: Document, *keys: str) -> bool:
     """Return True if an erratum affects exactly this place, given by keys and names.
 

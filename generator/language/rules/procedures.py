@@ -3,28 +3,28 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import takewhile
 
 from ...model import INTERFACES, Biss
 from ..document import Path
 from ..problems import DocumentReport, quoted
 from ..schema_files import is_second
-from .shapes import KeysOfKind, check_keys
-from .walk import (
-    Fields,
-    Has,
-    Spec,
+from ..written_parts import WrittenOpenedBy, WrittenRegister, WrittenSpec, WrittenStep
+from .parts import (
     bank_select,
     by_name,
-    expanded,
+    fields_of,
     has_other_bits,
     interface_of,
-    items,
-    mapping,
     named_values,
+    value_names,
 )
+from .shapes import KeysOfKind, check_keys
 
+#: Stands for a register that does not exist.
+_NO_REGISTER = WrittenRegister({})
+Registers = Mapping[str, WrittenRegister]
 #: Access of a register that makes a kind of step impossible.
 _REFUSED = {"write": "read_only", "read": "write_only", "poll": "write_only"}
 #: Keys of each kind of step, and those of all kinds.
@@ -38,266 +38,255 @@ _STEPS: dict[str, KeysOfKind] = {
 _ALL_STEPS = frozenset(("do", "meaning", "source"))
 
 
-def step_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def step_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each step has the keys of its kind."""
-    for path, procedure in items(spec, "procedures"):
-        for below, step in items(procedure, "steps"):
-            kind: str = step["do"]
-            check_keys("step-shape", f"a {kind} step", (*path, *below), step, _STEPS[kind], _ALL_STEPS, report)
-            _check_repeated((*path, *below), step, report)
+    for procedure in spec.procedures:
+        for step in procedure.steps:
+            check_keys("step-shape", f"a {step.do} step", step.path, step.data, _STEPS[step.do], _ALL_STEPS, report)
+            _check_repeated(step, report)
 
 
-def _check_repeated(path: Path, step: Spec, report: DocumentReport) -> None:
+def _check_repeated(step: WrittenStep, report: DocumentReport) -> None:
     """Check that conditions between the requests of a step are only given for several requests."""
-    conditions = [key for key in ("in_succession", "every_at_least_us") if step.get(key)]
-    if step["do"] == "send" and conditions and step.get("times", 1) == 1:
-        request_count = "sends one" if "times" in step else "has no 'times'"
+    conditions = ["in_succession"] if step.in_succession else []
+    conditions += ["every_at_least_us"] if step.every_at_least_us else []
+    times = 1 if step.times is None else step.times
+    if step.do == "send" and conditions and times == 1:
+        request_count = "has no 'times'" if step.times is None else "sends one"
         key = quoted(conditions[0])
         problem = f"{key} applies to several requests, but the step {request_count}; add 'times', or remove {key}"
-        report.add("step-shape", (*path, conditions[0]), problem, at_key=True)
+        report.add("step-shape", step.place_of(conditions[0]), problem, at_key=True)
 
 
-def step_access(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def step_access(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers that are written are writable, and that those that are read are readable."""
-    registers, groups = by_name(raw, "registers"), by_name(raw, "field_groups")
-    accesses: dict[str, object] = {name: register.get("access") for name, register in registers.items()}
-    for path, procedure in items(spec, "procedures"):
-        for step_path, step in items(procedure, "steps"):
-            register = registers.get(step.get("register", ""), {})
-            access = register.get("access")
-            writes_field = step["do"] == "write" and "field" in step
-            if writes_field and access == "write_only" and has_other_bits(register, groups):
+    registers, groups = by_name(raw.registers), by_name(raw.field_groups)
+    for procedure in spec.procedures:
+        for step in procedure.steps:
+            register = registers.get(step.register, _NO_REGISTER)
+            writes_field = step.do == "write" and step.field
+            if writes_field and register.access == "write_only" and has_other_bits(register, groups):
                 message = (
-                    f"{quoted(step['register'])} is write_only, so a step cannot keep its other bits; "
+                    f"{quoted(step.register)} is write_only, so a step cannot keep its other bits; "
                     "describe it as one field with all its bits, and leave 'field' out"
                 )
-                report.add("access-mismatch", (*path, *step_path, "field"), message)
-            if access is not None and _REFUSED.get(step["do"]) == access:
-                message = f"{quoted(step['register'])} is {access}, so a step cannot {step['do']} it"
-                report.add("access-mismatch", (*path, *step_path, "register"), message)
+                report.add("access-mismatch", step.place_of("field"), message)
+            if register.access and _REFUSED.get(step.do) == register.access:
+                message = f"{quoted(step.register)} is {register.access}, so a step cannot {step.do} it"
+                report.add("access-mismatch", step.place_of("register"), message)
+    accesses: dict[str, str] = {name: register.access for name, register in registers.items()}
     _check_written_registers(spec, accesses, report)
     _check_read_registers(spec, accesses, report)
 
 
-def _check_written_registers(spec: Spec, accesses: Mapping[str, object], report: DocumentReport) -> None:
+def _check_written_registers(spec: WrittenSpec, accesses: Mapping[str, str], report: DocumentReport) -> None:
     """Check that registers that open others or select a bank are writable."""
-    for path, register in items(spec, "registers"):
-        opener = mapping(register, "opened_by").get("register")
-        if accesses.get(str(opener)) == "read_only":
-            message = f"{quoted(opener)} is read_only, so it cannot open {quoted(register['name'])}"
-            report.add("access-mismatch", (*path, "opened_by", "register"), message)
+    for register in spec.registers:
+        opener = register.opened_by.register if register.opened_by is not None else ""
+        if accesses.get(opener) == "read_only":
+            message = f"{quoted(opener)} is read_only, so it cannot open {quoted(register.name)}"
+            report.add("access-mismatch", (*register.place_of("opened_by"), "register"), message)
     select = bank_select(spec)
-    if accesses.get(str(select)) == "read_only":
+    if accesses.get(select) == "read_only":
         message = f"{quoted(select)} is read_only, so it cannot select a bank"
         report.add("access-mismatch", ("interfaces", Biss.name, "bank_select"), message)
 
 
-def _check_read_registers(spec: Spec, accesses: Mapping[str, object], report: DocumentReport) -> None:
+def _check_read_registers(spec: WrittenSpec, accesses: Mapping[str, str], report: DocumentReport) -> None:
     """Check that registers that contain parameters or alarms are readable."""
-    for name, parameter in mapping(spec, "parameters").items():
-        register_name = str(parameter.get("read_from", "")).partition(".")[0]
+    for name, parameter in spec.parameters.items():
+        register_name = parameter.read_from.partition(".")[0]
         if accesses.get(register_name) == "write_only":
             message = f"{quoted(register_name)} is write_only, so {quoted(name)} cannot be read from it"
-            report.add("access-mismatch", ("parameters", name, "read_from"), message)
-    for path, alarm in items(spec, "alarms"):
-        register_name = str(alarm.get("register", ""))
+            report.add("access-mismatch", parameter.place_of("read_from"), message)
+    for alarm in spec.alarms:
+        register_name = alarm.part.register
         if accesses.get(register_name) == "write_only":
-            message = f"{quoted(register_name)} is write_only, so it cannot signal {quoted(alarm['name'])}"
-            report.add("access-mismatch", (*path, "register"), message)
+            message = f"{quoted(register_name)} is write_only, so it cannot signal {quoted(alarm.part.name)}"
+            report.add("access-mismatch", (*alarm.path, "register"), message)
 
 
-def step_waits(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def step_waits(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure waits long enough after a write that takes time, at least before the next write."""
-    registers = by_name(spec, "registers")
-    for path, procedure in items(spec, "procedures"):
-        steps = list(items(procedure, "steps"))
-        for index, (step_path, step) in enumerate(steps):
-            needed_ms = registers.get(step.get("register", ""), {}).get("wait_at_least_ms")
-            if step["do"] == "write" and needed_ms is not None:
-                short_wait = _find_short_wait(step_path, steps[index + 1 :], needed_ms)
+    registers = by_name(spec.registers)
+    for procedure in spec.procedures:
+        for index, step in enumerate(procedure.steps):
+            needed_ms = registers.get(step.register, _NO_REGISTER).wait_at_least_ms
+            if step.do == "write" and needed_ms is not None:
+                short_wait = _find_short_wait(step, procedure.steps[index + 1 :], needed_ms)
                 if short_wait is not None:
                     place, wait_text = short_wait
-                    problem = f"{quoted(step['register'])} needs a wait of {needed_ms} ms after a write"
-                    report.add("wait-too-short", (*path, *place), f"{problem}, but {wait_text}", cause=step["register"])
+                    problem = f"{quoted(step.register)} needs a wait of {needed_ms} ms after a write"
+                    report.add("wait-too-short", place, f"{problem}, but {wait_text}", cause=step.register)
 
 
-def _find_short_wait(write_path: Path, later_steps: list[tuple[Path, Spec]], needed_ms: int) -> tuple[Path, str] | None:
+def _find_short_wait(write: WrittenStep, later_steps: Sequence[WrittenStep], needed_ms: int) -> tuple[Path, str] | None:
     """Return the place of a wait that is too short or missing after a write, and what is there. None if it is enough.
 
     After the last write, a procedure need not wait at all.
     """
-    until_write = list(takewhile(lambda path_and_step: path_and_step[1]["do"] != "write", later_steps))
-    waits = [(path, step) for path, step in until_write if step["do"] == "wait"]
-    waits_ms = [wait["at_least_ms"] for _, wait in waits if "at_least_ms" in wait]
-    is_polled = any(step["do"] == "poll" for _, step in until_write)
+    until_write = list(takewhile(lambda step: step.do != "write", later_steps))
+    waits = [step for step in until_write if step.do == "wait"]
+    waits_ms = [wait.at_least_ms for wait in waits if wait.at_least_ms is not None]
+    is_polled = any(step.do == "poll" for step in until_write)
     is_last_write = len(until_write) == len(later_steps)
     if is_polled or sum(waits_ms) >= needed_ms or (is_last_write and not waits_ms):
         return None
     if not waits_ms:
-        return write_path, "there is no wait here"
-    first_wait_path, _ = waits[0]
-    return (*first_wait_path, "at_least_ms"), f"the wait here is {sum(waits_ms)} ms"
+        return write.path, "there is no wait here"
+    return waits[0].place_of("at_least_ms"), f"the wait here is {sum(waits_ms)} ms"
 
 
-def step_opens(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def step_opens(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure that writes to the opener of a register writes the value that opens it."""
-    registers = by_name(spec, "registers")
-    for path, procedure in items(spec, "procedures"):
-        steps = list(items(procedure, "steps"))
-        arguments = [argument["name"] for _, argument in items(procedure, "arguments")]
-        for index, (step_path, step) in enumerate(steps):
-            opener = mapping(registers.get(step.get("register", ""), {}), "opened_by")
-            values_before = [earlier["value"] for _, earlier in steps[:index] if _writes(earlier, opener)]
-            if step["do"] != "write" or not values_before:
+    registers = by_name(spec.registers)
+    for procedure in spec.procedures:
+        arguments = [argument.name for argument in procedure.arguments]
+        for index, step in enumerate(procedure.steps):
+            opener = registers.get(step.register, _NO_REGISTER).opened_by
+            if step.do != "write" or opener is None:
                 continue
+            values_before = [earlier.value for earlier in procedure.steps[:index] if _writes(earlier, opener)]
             # An argument may be the value that opens the register.
-            last_value = values_before[-1]
-            if last_value != opener.get("value") and last_value not in arguments:
+            if values_before and values_before[-1] != opener.value and values_before[-1] not in arguments:
                 message = (
-                    f"{quoted(step['register'])} must be opened by writing {quoted(opener['value'])} to"
-                    f" {quoted(opener['register'])}, but {quoted(last_value)} was written there"
+                    f"{quoted(step.register)} must be opened by writing {quoted(opener.value)} to"
+                    f" {quoted(opener.register)}, but {quoted(values_before[-1])} was written there"
                 )
-                report.add("not-opened", (*path, *step_path, "register"), message)
+                report.add("not-opened", step.place_of("register"), message)
 
 
-def _writes(step: Spec, opener: Spec) -> bool:
+def _writes(step: WrittenStep, opener: WrittenOpenedBy) -> bool:
     """Return True if a step writes the register, or the field of it, that opens another register."""
-    if step["do"] != "write" or "value" not in step or "value" not in opener:
+    if step.do != "write" or not step.value or not opener.value:
         return False
-    writes_opening_register = "register" in step and step["register"] == opener.get("register")
+    writes_opening_register = bool(step.register) and step.register == opener.register
     # A step without a field writes all of them.
-    writes_opening_field = "field" not in step or step["field"] == opener.get("field")
+    writes_opening_field = not step.field or step.field == opener.field
     return writes_opening_register and writes_opening_field
 
 
-def argument_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def argument_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure writes each of its arguments."""
-    procedures = by_name(raw, "procedures")
-    for path, procedure in items(spec, "procedures"):
+    procedures = by_name(raw.procedures)
+    for procedure in spec.procedures:
         # A step rejected by the schema may be the one that writes it.
-        steps = [step for _, step in items(procedures.get(procedure["name"], {}), "steps")]
-        written_values = [step.get("value") for step in steps]  # of any type, as the schema may have rejected the step
-        for argument_path, argument in items(procedure, "arguments"):
-            if argument["name"] not in written_values:
+        raw_procedure = procedures.get(procedure.name, procedure)
+        written_values = [step.value for step in raw_procedure.steps]
+        for argument in procedure.arguments:
+            if argument.name not in written_values:
                 message = (
-                    f"no step writes the argument {quoted(argument['name'])}; write it with"
-                    f" 'value: {argument['name']}', or remove the argument"
+                    f"no step writes the argument {quoted(argument.name)}; write it with"
+                    f" 'value: {argument.name}', or remove the argument"
                 )
-                report.add("argument-not-written", (*path, *argument_path, "name"), message)
+                report.add("argument-not-written", argument.place_of("name"), message)
 
 
-def procedure_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def procedure_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure with the name of a command writes the value of that command to the register."""
-    registers, groups = by_name(raw, "registers"), by_name(raw, "field_groups")
-    for path, procedure in items(spec, "procedures"):
-        name = procedure["name"]
-        writes_by_register: dict[str, list[tuple[Path, object]]] = {}
-        for step_path, step in items(procedure, "steps"):
-            register = registers.get(step.get("register", ""), {})
-            value_names = named_values(register, groups, step.get("field"))
-            if step["do"] == "write" and name in value_names and step.get("value") in value_names:
-                value_path = (*path, *step_path, "value")
-                writes_by_register.setdefault(step["register"], []).append((value_path, step["value"]))
+    registers, groups = by_name(raw.registers), by_name(raw.field_groups)
+    for procedure in spec.procedures:
+        name = procedure.name
+        writes_by_register: dict[str, list[WrittenStep]] = {}
+        for step in procedure.steps:
+            names_of_values = named_values(registers.get(step.register, _NO_REGISTER), groups, step.field)
+            if step.do == "write" and name in names_of_values and step.value in names_of_values:
+                writes_by_register.setdefault(step.register, []).append(step)
         for register_name, writes in writes_by_register.items():
-            written_values = [value for _, value in writes]
-            if name not in written_values:
-                last_path, last_value = writes[-1]
+            if name not in [write.value for write in writes]:
                 message = (
                     f"the procedure {quoted(name)} has the same name as a value of {quoted(register_name)}, but writes"
-                    f" {quoted(last_value)}; write that value, or rename the procedure"
+                    f" {quoted(writes[-1].value)}; write that value, or rename the procedure"
                 )
-                report.add("procedure-name", last_path, message)
+                report.add("procedure-name", writes[-1].place_of("value"), message)
 
 
 _SAVE = re.compile(r"(?:save|store|burn)(?:_.*)?")
 _ANY_BANK = "any"
 
 
-def saved_before_written(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def saved_before_written(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure writes its arguments before it saves, unless a note of the procedure explains it."""
     if is_second(report.document.file):  # It repeats printed facts, without the notes that may explain them.
         return
-    registers = by_name(raw, "registers")
-    for path, procedure in items(spec, "procedures"):
-        if "note" in procedure:
+    registers = by_name(raw.registers)
+    for procedure in spec.procedures:
+        if procedure.note:
             continue
-        arguments = {argument["name"] for _, argument in items(procedure, "arguments")}
-        writes = [(step_path, step) for step_path, step in items(procedure, "steps") if step["do"] == "write"]
-        saves = [
-            index for index, (_, step) in enumerate(writes) if step.get("register") in registers and _is_save(step)
-        ]
+        arguments = {argument.name for argument in procedure.arguments}
+        writes = [step for step in procedure.steps if step.do == "write"]
+        saves = [index for index, step in enumerate(writes) if step.register in registers and _is_save(step)]
         if not saves:
             continue
-        last_save = saves[-1]
-        save_path, save = writes[last_save]
-        later_steps = [step for _, step in writes[last_save + 1 :] if step.get("register") != save.get("register")]
+        save, later_writes = writes[saves[-1]], writes[saves[-1] + 1 :]
+        later_steps = [step for step in later_writes if step.register != save.register]
         unsaved_register = _first_unsaved(later_steps, arguments, registers)
         if unsaved_register:
             problem = f"this step saves before {quoted(unsaved_register)} is written"
             remedy = "move this step behind the write, or explain the order in a 'note' of the procedure"
             message = f"{problem}, so that value is lost at power-off; {remedy}"
-            report.add("saved-too-early", (*path, *save_path), message)
+            report.add("saved-too-early", save.path, message)
 
 
-def _is_save(step: Spec) -> bool:
+def _is_save(step: WrittenStep) -> bool:
     """Return whether a step writes a value that is called save, store or burn."""
-    return _SAVE.fullmatch(str(step.get("value", ""))) is not None
+    return _SAVE.fullmatch(step.value) is not None
 
 
-def _first_unsaved(later_steps: Iterable[Spec], arguments: set[str], registers: dict[str, Spec]) -> str:
+def _first_unsaved(later_steps: Iterable[WrittenStep], arguments: set[str], registers: Registers) -> str:
     """Return the first register that later steps write with an argument, or an empty text. Not a volatile one."""
     for step in later_steps:
-        name = str(step.get("register", ""))
-        if step.get("value") in arguments and name in registers and not registers[name].get("volatile"):
-            return name
+        if step.value in arguments and step.register in registers and not registers[step.register].volatile:
+            return step.register
     return ""
 
 
-def bank_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def bank_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the interface of a register in a bank has banks and names the register that selects them."""
-    select = bank_select(raw)
-    for path, register in items(spec, "registers"):
-        interface = interface_of(register)
-        if "bank" not in register:
+    biss = raw.interfaces.biss
+    is_select_named = biss is not None and biss.has("bank_select")
+    for register in spec.registers:
+        if register.bank is None:
             continue
-        if INTERFACES[interface].highest_in_bank is None:
+        if INTERFACES[interface_of(register)].highest_in_bank is None:
             message = (
-                f"{quoted(register['name'])} is in a bank, but only BiSS has a register that selects banks; leave"
+                f"{quoted(register.name)} is in a bank, but only BiSS has a register that selects banks; leave"
                 " 'bank' out, and describe in 'note' how the bank is selected"
             )
-            report.add("bank-not-selected", (*path, "bank"), message, at_key=True)
-        elif select is None:
+            report.add("bank-not-selected", register.place_of("bank"), message, at_key=True)
+        elif not is_select_named:
             message = (
-                f"{quoted(register['name'])} is in bank {register['bank']}; name the register that selects banks with"
+                f"{quoted(register.name)} is in bank {register.bank}; name the register that selects banks with"
                 " 'bank_select' under 'biss'"
             )
-            report.add("bank-not-selected", (*path, "bank"), message)
+            report.add("bank-not-selected", register.place_of("bank"), message)
 
 
-def bank_selected(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def bank_selected(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a procedure selects the bank before it accesses a register in it."""
-    registers, select = by_name(raw, "registers"), bank_select(raw)
-    if not isinstance(select, str):
+    registers, select = by_name(raw.registers), bank_select(raw)
+    if not select:
         return
-    bank_numbers = _numbers(registers.get(select, {}), raw)
-    for path, procedure in items(spec, "procedures"):
+    bank_numbers = _numbers(registers.get(select, _NO_REGISTER), raw)
+    for procedure in spec.procedures:
         selected_bank: object = None
-        for step_path, step in items(procedure, "steps"):
-            bank = registers.get(step.get("register", ""), {}).get("bank")
-            if step["do"] == "write" and step.get("register") == select:
+        for step in procedure.steps:
+            bank = registers.get(step.register, _NO_REGISTER).bank
+            if step.do == "write" and step.register == select:
                 # An argument may select any bank.
-                selected_bank = bank_numbers.get(step.get("value", ""), _ANY_BANK)
-            elif isinstance(bank, int) and selected_bank not in (bank, _ANY_BANK):
+                selected_bank = bank_numbers.get(step.value, _ANY_BANK)
+            elif bank is not None and selected_bank not in (bank, _ANY_BANK):
                 message = (
-                    f"{quoted(step['register'])} is in bank {bank}; write {bank} to {quoted(select)} before this step"
+                    f"{quoted(step.register)} is in bank {bank}; write {bank} to {quoted(select)} before this step"
                 )
-                report.add("bank-not-selected", (*path, *step_path, "register"), message)
+                report.add("bank-not-selected", step.place_of("register"), message)
 
 
-def _numbers(register: Spec, raw: Spec) -> dict[str, object]:
-    """Return the numbers of all named values of a register."""
-    numbers: dict[str, object] = {}
-    for _, field in expanded(Fields(Has.REGISTER, register, (), ""), by_name(raw, "field_groups")):
-        for name, value in mapping(field, "values").items():
-            numbers[name] = mapping(value).get("value")
+def _numbers(register: WrittenRegister, raw: WrittenSpec) -> dict[str, int | None]:
+    """Return the numbers of all named values of a register. Invalid ones are None."""
+    numbers: dict[str, int | None] = {}
+    for field in fields_of(register, by_name(raw.field_groups)):
+        numbers |= dict.fromkeys(value_names(field))
+        for name, value in field.values.items():
+            numbers[name] = value.value if value.is_valid("value") else None
     return numbers

@@ -316,7 +316,7 @@ def example_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
     """Check that each example has the keys of its kind, and that an incorrect one is explained."""
     for path, example in items(spec, "examples"):
         kind: str = example["kind"]
-        check_keys("example-shape", f"a {kind} example", path, example, _EXAMPLES[kind], _ALL_EXAMPLES, report)
+        check_keys("example-shape", f"a {kind} example", path, example.keys(), _EXAMPLES[kind], _ALL_EXAMPLES, report)
         if kind == "frame":
             _check_frame(path, example, report)
 
@@ -431,16 +431,16 @@ def check_keys(
     rule: str,
     subject: str,
     path: Path,
-    spec: Spec,
+    given_keys: Collection[str],
     keys_of_kind: KeysOfKind,
     keys_of_all: Collection[str],
     report: DocumentReport,
 ) -> None:
     """Check that a step or example has the keys that its kind requires, and no keys of other kinds."""
     required_keys, optional_keys = keys_of_kind
-    missing_keys = [key for key in required_keys if key not in spec]
+    missing_keys = [key for key in required_keys if key not in given_keys]
     if missing_keys:
         report.add(rule, path, missing(missing_keys, subject))
-    for key in spec:
+    for key in given_keys:
         if key not in (*required_keys, *optional_keys, *keys_of_all):
             report.add(rule, (*path, key), f"{quoted(key)} does not apply to {subject}", at_key=True)
