@@ -1200,7 +1200,7 @@
   function lineRequestFrame(options) {
     const request = options.request && BigInt(`0x${options.request}`);
     const width = options.request ? 4 * options.request.length : 8;
-    const content = options.request ? { fixed: inTable(request) } : { meaning: "Request" };
+    const content = options.request ? { colour: "fixed", fixed: inTable(request) } : { meaning: "Request", colour: "data" };
     const check = { width, fault: "constant", values: [inTable(request || 0n)], field: "request", says: "constant", always: 1 };
     return {
       name: "position_request", bits: width, order: "big", fields: [{ name: "request", width, ...content }],

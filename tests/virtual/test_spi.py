@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from codewheel.commands.cli import main
 from codewheel.virtual import SpiLine, VirtualEncoder
+from python_path import new_packages
 from working_tools import require
 
 pytestmark = pytest.mark.slow
@@ -46,7 +47,8 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture(scope="module")
 def package(outputs: Path) -> Iterator[Any]:
     sys.path.insert(0, str(outputs / "python"))
-    yield importlib.import_module("ams_encoders")
+    with new_packages():
+        yield importlib.import_module("ams_encoders")
     sys.path.remove(str(outputs / "python"))
 
 

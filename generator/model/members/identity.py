@@ -29,7 +29,7 @@ IDENTITY = (
         Member("version", "name", "Version of the generated packages."),
         Member("trademarks", "[text]", "Notes on trademarks.", "words"),
         Member("main"),
-        Member("website"),
+        Member("website", "string", "Web address of the manufacturer, or empty.", "words"),
         is_sourced=False,
     ),
     described_part(Evidence),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping, Sequence
+from itertools import count
 from typing import Any
 
 from ...model import (
@@ -183,8 +184,8 @@ def _measurement_row(position: Measurement, over_interface: str = "") -> tuple[s
 
 #: Lowest number of order codes that are shown as patterns. Fewer codes are listed one by one.
 _FEWEST_FOR_PATTERNS = 12
-#: Letters that stand for parts of an order code, as manuals write them.
-_LETTERS = "xyzuvw"
+#: Letters that stand for parts of an order code, those that manuals prefer first.
+_LETTERS = "xyzuvwabcdefghijklmnopqrst"
 #: Texts of the parts of an order code, in order.
 PartTexts = tuple[str, ...]
 
@@ -209,7 +210,7 @@ def _texts_of_parts(variant: Variant, part_names: Sequence[str]) -> PartTexts:
 def _pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_parts: Sequence[Sequence[str]]) -> str:
     """Return the order code with a letter for each part that has several texts, and the texts of these letters."""
     fixed_letters = set(re.sub(r"\{\w+\}", "", order_code.pattern)).union(*map("".join, texts_of_parts))
-    letters = iter(letter for letter in _LETTERS if letter not in fixed_letters)
+    letters = _letters_without(fixed_letters)
     texts_by_part: dict[str, str] = {}
     letter_texts: list[str] = []
     for name, texts in zip(part_names, texts_of_parts, strict=True):
@@ -221,6 +222,12 @@ def _pattern(order_code: OrderCode, part_names: Sequence[str], texts_of_parts: S
         letter_texts.append(f"{texts_by_part[name]} = {choice}")
     pattern = code(filled(order_code.pattern, texts_by_part))
     return f"{pattern} with {', '.join(letter_texts)}" if letter_texts else pattern
+
+
+def _letters_without(fixed_letters: Collection[str]) -> Iterator[str]:
+    """Yield letters that are not in an order code, and numbered ones when these are used up."""
+    yield from (letter for letter in _LETTERS if letter not in fixed_letters)
+    yield from (f"x{number}" for number in count(1))
 
 
 def _products(rows: Sequence[PartTexts]) -> Iterator[list[list[str]]]:

@@ -110,7 +110,7 @@ def _row_of_match(placed: PlacedLayout, match: Match, effect: str) -> Row:
 
 def _place(placed: PlacedLayout, name: str) -> str:
     """Return the bit of a field, or its byte and bit in a frame of bytes."""
-    field = next(candidate for candidate in placed.fields if candidate.name == name)
+    field = placed.field(name)
     if placed.layout.in_bytes:
         return frame_bytes(placed.layout, placed.bits, field.high, field.low)
     return bits(field.high, field.low)
