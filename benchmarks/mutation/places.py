@@ -23,7 +23,10 @@ _CLASSES = (
     ("LED", r"leds\b.*"),
     ("document", r"(lost_figures|documents)\b.*"),
     ("contents", r"manual\.contents\b.*"),
-    ("manual", r"(codewheel|device|manufacturer|title|(evidence|manual)\b.*|python_package|version|trademarks|vendor|website)"),
+    (
+        "manual",
+        r"(codewheel|device|manufacturer|title|(evidence|manual)\b.*|python_package|version|trademarks|vendor|website)",
+    ),
     ("BiSS manufacturer ID", r"biss_id"),
     ("edition", r"editions\b.*"),
     ("movement", r"movement"),
