@@ -14,7 +14,7 @@ from itertools import islice
 from types import MappingProxyType
 from typing import Any, Protocol, TypeVar
 
-from ...model import INTERFACES, Biss
+from ...model import INTERFACES, Alarm, Biss
 from ...model.measurement import Measurement
 from ..document import Document
 from ..problems import DocumentReport, Path
@@ -252,6 +252,13 @@ def bits_of(register: WrittenRegister, groups: Groups) -> list[str]:
     if register.has("fields"):
         return list(field_names(FieldList(Has.REGISTER, register, ""), groups))
     return [register.name]
+
+
+def owner_of_alarm(spec: WrittenSpec, alarm: Located[Alarm]) -> WrittenFieldGroup | WrittenRegister | None:
+    """Return the field group or register that contains the flag of an alarm, or None if it does not exist."""
+    if alarm.has("group"):
+        return by_name(spec.field_groups).get(alarm.part.group)
+    return by_name(spec.registers).get(alarm.part.register)
 
 
 def has_other_bits(register: WrittenRegister, groups: Groups) -> bool:
