@@ -268,8 +268,7 @@ def has_other_bits(register: WrittenRegister, groups: Groups) -> bool:
 
 def value_names(field: WrittenField) -> list[str]:
     """Return the names of the values of a field, even of those with a wrong shape."""
-    values = field.data.get("values")
-    return list(values) if isinstance(values, dict) else []
+    return field.names_in("values")
 
 
 def fields_of(register: WrittenRegister, groups: Groups) -> Iterator[WrittenField]:
