@@ -49,6 +49,16 @@ MAX_FIELDS = 512
 _RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
 
 
+class PlacedPart(Protocol):
+    """A part with its place and its data."""
+
+    @property
+    def path(self) -> Path: ...
+
+    @property
+    def data(self) -> Mapping[str, Any]: ...
+
+
 class NamedPart(Protocol):
     """A part with a name."""
 
