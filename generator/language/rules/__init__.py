@@ -71,7 +71,7 @@ FOUNDATIONS: tuple[Rule, ...] = (
 
 #: Rules on layouts, registers, groups and CRCs. One with an error cannot be built.
 SHAPES: tuple[Rule, ...] = (
-    _on_data(shapes.layout_keys),
+    shapes.layout_keys,
     position_verdicts.combinations,
     values.crc_impossible,
     values.field_count,
@@ -157,12 +157,12 @@ RULES: tuple[Rule, ...] = (
     values.supply_range,
     values.timeout_mismatch,
     values.bad_source,
-    _on_data(shapes.byte_order_missing),
+    shapes.byte_order_missing,
     procedures.step_shape,
-    _on_data(shapes.example_shape),
-    _on_data(shapes.example_arguments),
-    _on_data(shapes.measurement_shape),
-    _on_data(shapes.position_range_shape),
+    shapes.example_shape,
+    shapes.example_arguments,
+    shapes.measurement_shape,
+    shapes.position_range_shape,
     _on_data(quantities.table_shape),
     _on_data(quantities.quantity_text),
     _on_data(quantities.quantity_repeated),

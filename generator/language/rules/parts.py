@@ -139,6 +139,13 @@ class FieldList:
         return self.layout is not None and self.layout.from_ == "encoder"
 
     @property
+    def is_written_by_master(self) -> bool:
+        """True for a frame that a master sends, and for a register that it can write."""
+        if isinstance(self.owner, WrittenRegister):
+            return self.owner.has("access") and self.owner.access != "read_only"
+        return self.layout is not None and self.layout.from_ == "master"
+
+    @property
     def joins(self) -> Mapping[str, tuple[str, ...]]:
         """Names of joined fields."""
         return self.owner.join if isinstance(self.owner, WrittenLayout | WrittenRegister) else MappingProxyType({})
