@@ -104,7 +104,7 @@ def build(hint: Any, value: Any) -> Any:
         return build(options[0], value) if len(options) == 1 else value
     if origin is tuple:
         return tuple(build(inside[0], member) for member in value)
-    if origin is not None and issubclass(origin, Mapping):
+    if isinstance(origin, type) and issubclass(origin, Mapping):
         return {key: build(inside[1], member) for key, member in value.items()}
     if hint is Expression:
         return Expression.parse(value)
@@ -127,7 +127,7 @@ def build_class(kind: Any, dump: Dump) -> Any:
     """Return an object of the model, built from its part of the description."""
     name = kind.__name__
     dump = ADAPT.get(name, lambda plain: plain)(dump)
-    names = vars(model) | vars(model.facts) | vars(model.kinds) | vars(model.layout)
+    names = vars(model.part) | vars(model) | vars(model.facts) | vars(model.kinds) | vars(model.layout)
     hints = typing.get_type_hints(kind, names, {})
     arguments = {}
     for field in dataclasses.fields(kind):
