@@ -40,7 +40,7 @@ def check_document(document: Document, report: Report) -> dict[str, Any] | None:
     problems_before = len(report)
     if checked.kind is FileKind.MASTER:
         check_master(checked.data, report.for_document(document))
-    number_base(checked.data, document.data, report.for_document(document))
+    number_base(WrittenSpec(checked.data), WrittenSpec(document.data), report.for_document(document))
     return checked.data if checked.complete and len(report) == problems_before else None
 
 

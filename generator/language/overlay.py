@@ -30,6 +30,7 @@ from .document import (
 )
 from .problems import Report, quoted, suggestion
 from .rules.values import bad_source
+from .written_parts import WrittenSpec
 
 #: Suffix of overlays found next to their spec: ``FAMILY.overlay.yaml``, ``FAMILY.x.overlay.yaml``.
 SUFFIX = ".overlay"
@@ -161,7 +162,7 @@ class LayeredSpec:
             path = ("documents", key)
             mark = from_file(mark_at(overlay.marks, path), overlay.file)
             self._data, self._marks = with_value(self._data, self._marks, path, cited_document, mark)
-        bad_source(overlay.data, self._data, self._report.for_document(overlay))
+        bad_source(WrittenSpec(overlay.data), WrittenSpec(self._data), self._report.for_document(overlay))
 
     def _apply_change(self, layer: Layer, number: int, kind: str, change: Mapping[str, Any]) -> None:
         if kind == "also":

@@ -31,6 +31,11 @@ class Located(NamedTuple, Generic[T]):
     path: Path
     data: Mapping[str, Any]
 
+    @property
+    def source(self) -> object:
+        """The text with the sources."""
+        return self.data.get("source")
+
     def has(self, name: str) -> bool:
         """Return True if a key was given, whatever its value."""
         return name in self.data
@@ -69,6 +74,11 @@ class WrittenPart:
     def is_valid(self, name: str) -> bool:
         """Return True if a key was given with a value of its type."""
         return name in self.data and getattr(self, name) == self.data[name]
+
+    def names_in(self, name: str) -> list[str]:
+        """Return the names in a map, even of values with a wrong type."""
+        entries = self.data.get(name)
+        return list(entries) if isinstance(entries, dict) else []
 
     def place_of(self, name: str) -> Path:
         """Return the path of a key."""
@@ -130,11 +140,22 @@ def _reader(kind: KeyType, module: str) -> Reader:
 
 def _word_reader(kind: KeyType, module: str) -> Reader:
     if kind.part:
-        written_class = _class_of(kind, module)
-        return lambda value, path: written_class(value, path) if isinstance(value, dict) else None
+        return _part_reader(_class_of(kind, module))
     if kind.word == "Values":
         return _map_reader(_reader(key_type("WrittenValue"), module))
     return _READERS.get(kind.word, _text)
+
+
+def _part_reader(part_class: Any) -> Reader:
+    """Return the reader of a part. One of the model is inside another one, and has no place of its own."""
+
+    def read_part(value: Any, path: Path) -> Any:
+        if not isinstance(value, dict):
+            return None
+        is_written = issubclass(part_class, WrittenPart)
+        return part_class(value, path) if is_written else located(part_class, value, path).part
+
+    return read_part
 
 
 def _is_of(*types: type) -> Reader:
@@ -173,6 +194,10 @@ def _one_or_more(value: Any, path: Path) -> Any:
     return (value,) if isinstance(value, str) else _list_reader(_text)(value, path)
 
 
+def _one_or_more_numbers(value: Any, path: Path) -> Any:
+    return (value,) if type(value) is int else _list_reader(_number)(value, path)
+
+
 def _cells(value: Any, _: Path) -> Any:
     return tuple(map(str, value)) if isinstance(value, list) else None
 
@@ -194,6 +219,7 @@ _READERS: Mapping[str, Reader] = MappingProxyType(
         "Joins": _map_reader(_list_reader(_text)),
         **dict.fromkeys(("NameOrNames", "Places"), _one_or_more),
         "Anything": lambda value, _: value,
+        "ClocksInUse": _one_or_more_numbers,
         "Cells": _cells,
     }
 )

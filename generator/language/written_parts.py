@@ -872,10 +872,10 @@ class WrittenSection(WrittenPart):
 class WrittenManual(WrittenPart):
     title: Prose = key("Title as printed.")
     revision: Prose = key("Revision as printed. Put it in quotes so that it remains text.")
-    date: DateOrYear | None = key(
+    date: DateOrYear = key(
         "Release date of that revision, as year-month-day. If the manual gives only a year, for "
         "example as its copyright year, give only the year.",
-        default=None,
+        default="",
     )
     language: Language = key("Language code of the edition that sources without a key cite.")
     publisher: Prose = key("Publisher of the manual.", default="")
@@ -898,14 +898,14 @@ class WrittenDocument(WrittenPart):
 
 @written("One difference from the spec. It has exactly one of the keys set, add, remove, unknown and also.")
 class WrittenChange(WrittenPart):
-    set: Places | None = key("Place or places whose value changes.", default=None)
+    set: Places = key("Place or places whose value changes.", default=())
     to: Anything | None = key("With set: new value.", default=None)
-    add: Place | None = key("A list to which an item is added, or a new key.", default=None)
+    add: Place = key("A list to which an item is added, or a new key.", default="")
     value: Anything | None = key("With add: new item or value.", default=None)
-    remove: Places | None = key("Place or places to remove.", default=None)
-    unknown: Places | None = key(
+    remove: Places = key("Place or places to remove.", default=())
+    unknown: Places = key(
         "Place or places whose content is unknown. They are removed, and outputs state that they are unknown.",
-        default=None,
+        default=(),
     )
     also: str = key("Description of an additional, undocumented item.", shortest=1, longest=500, default="")
     why: str = key("The reason.", shortest=1, longest=2000)

@@ -16,6 +16,7 @@ from .kinds import Value
 from .layout import Layout
 from .measurement import Measurement
 from .part import (
+    ClocksInUse,
     Count,
     Hex,
     Name,
@@ -91,19 +92,11 @@ class Clock:
         label="highest clock",
         read="clock",
     )
-    used_hz: tuple[int, ...] = key(
+    used_hz: ClocksInUse = key(
         "A clock in hertz at which a program or a master reads the encoder, or a list of them in "
         "ascending order. It is not a limit. Use it if no document of the manufacturer gives the "
         "limits.",
         data="Frequencies in hertz that programs or masters use, in ascending order. They are not limits.",
-        schema={
-            "type": ["integer", "array"],
-            "minimum": 1,
-            "maximum": 1000000000,
-            "minItems": 1,
-            "maxItems": 100,
-            "items": {"description": "A clock in hertz.", "type": "integer", "minimum": 1, "maximum": 1000000000},
-        },
         default=(),
         rule="clock-used",
         label="clock in use",

@@ -24,6 +24,7 @@ class WordOfType(NamedTuple):
 _INTERFACES = ["ssi", "biss", "rs485", "spi"]
 #: Largest number that JavaScript represents exactly.
 _LARGEST = 2**53 - 1
+_CLOCK = {"minimum": 1, "maximum": 1_000_000_000}
 _NAME = "^[a-z][a-z0-9]*(_[a-z0-9]+)*$"
 _WORDS: Mapping[str, WordOfType] = MappingProxyType(
     {
@@ -89,6 +90,16 @@ _WORDS: Mapping[str, WordOfType] = MappingProxyType(
         "VerdictOfAnswer": WordOfType(
             {"description": "Verdict on the position with that answer.", "enum": ["not_usable", "usable_with_warning"]},
             "string",
+        ),
+        "ClocksInUse": WordOfType(
+            {
+                "type": ["integer", "array"],
+                **_CLOCK,
+                "minItems": 1,
+                "maxItems": 100,
+                "items": {"description": "A clock in hertz.", "type": "integer", **_CLOCK},
+            },
+            "[integer]",
         ),
         "Cells": WordOfType(
             {

@@ -81,6 +81,8 @@ SignedNumber = int
 AddressRange = int | str
 #: A verdict on the position for one answer of the user.
 VerdictOfAnswer = str
+#: One clock in hertz, or several in ascending order. It reads as a list.
+ClocksInUse = tuple[int, ...]
 #: The cells of a row.
 Cells = tuple[str, ...]
 #: A value of an example.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 from pathlib import Path
 
 import pytest
@@ -13,6 +14,8 @@ from codewheel.language.written_parts import WrittenBiss, WrittenField, WrittenL
 from codewheel.model.expressions import Expression
 from codewheel.model.part import keys_of
 
+#: Methods of written parts whose argument is a key.
+_ASKING = ("has", "is_valid", "names_in", "place_of")
 SPEC = Path(__file__).parents[2] / "specs/lika/amm5.yaml"
 
 
@@ -88,3 +91,15 @@ def test_every_key_of_every_part_can_be_read_from_an_empty_map() -> None:
 
 def test_the_classes_are_in_one_module() -> None:
     assert written_parts.WrittenSpi({"mode": 2}).mode == 2
+
+
+def test_rules_ask_only_for_keys_that_exist() -> None:
+    """mypy sees misspelt attributes, but not keys in texts."""
+    known_keys = {described.name for kind in described_parts().values() for described in keys_of(kind)}
+    asked_keys = set()
+    for path in (Path(written_parts.__file__).parent / "rules").glob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in _ASKING:
+                asked_keys |= {argument.value for argument in node.args if isinstance(argument, ast.Constant)}
+    assert "crc_of" in asked_keys
+    assert asked_keys - known_keys == set()

@@ -6,10 +6,12 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from ...model import Connector
 from ..document import Path
 from ..problems import DocumentReport, listed, quoted
 from ..schema_files import is_second
-from .walk import Spec, items
+from ..written import Located
+from ..written_parts import WrittenSpec
 
 #: Contacts without a signal.
 _FREE = re.compile(
@@ -55,25 +57,29 @@ class _Contact:
 class _Connector:
     """A connector or cable with its contacts that have a signal."""
 
-    path: Path
-    spec: Spec
+    located: Located[Connector]
     contacts: tuple[_Contact, ...]
 
     @property
+    def part(self) -> Connector:
+        return self.located.part
+
+    @property
     def label(self) -> str:
-        return quoted(self.spec["name"])
+        return quoted(self.part.name)
 
     def names_in_note(self, signal: str) -> bool:
         """Return True if the note names a signal, which explains that it is missing."""
-        note, words = _plain(self.spec.get("note", "")), re.escape(_plain(signal))
+        note, words = _plain(self.part.note), re.escape(_plain(signal))
         return re.search(rf"(?<![\w/]){words}(?![\w+-])", note) is not None
 
     def shares_interface(self, other: _Connector) -> bool:
-        interfaces, other_interfaces = self.spec.get("interfaces"), other.spec.get("interfaces")
-        return interfaces is None or other_interfaces is None or not {*interfaces}.isdisjoint(other_interfaces)
+        if not self.located.has("interfaces") or not other.located.has("interfaces"):
+            return True
+        return not {*self.part.interfaces}.isdisjoint(other.part.interfaces)
 
 
-def signal_twice(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def signal_twice(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two contacts of a connector have the same signal, except supplies, grounds and shields."""
     for connector in _connectors(spec):
         earlier_contacts: list[_Contact] = []
@@ -98,7 +104,7 @@ def _has_signal_of(contact: _Contact, earlier: _Contact) -> bool:
     return not names.isdisjoint(earlier_names)
 
 
-def incomplete_pair(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def incomplete_pair(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that both lines of a differential pair are on a connector: ``MA +`` and ``MA -``, ``A`` and ``/A``."""
     if is_second(report.document.file):
         return
@@ -116,13 +122,13 @@ def incomplete_pair(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                     report.add("incomplete-pair", (*contact.path, "signal"), message)
 
 
-def connector_and_cable(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def connector_and_cable(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a connector and a cable for the same interface have the same signals, or a note on missing ones."""
     if is_second(report.document.file):
         return
     connectors = _connectors(spec)
-    for cable in (candidate for candidate in connectors if candidate.spec["kind"] == "cable"):
-        for connector in (candidate for candidate in connectors if candidate.spec["kind"] == "connector"):
+    for cable in (candidate for candidate in connectors if candidate.part.kind == "cable"):
+        for connector in (candidate for candidate in connectors if candidate.part.kind == "connector"):
             if cable.shares_interface(connector):
                 _report_missing_signals(cable, connector, report)
                 _report_missing_signals(connector, cable, report)
@@ -136,19 +142,19 @@ def _report_missing_signals(incomplete: _Connector, complete: _Connector, report
     if unexplained:
         lacking = f"{incomplete.label} lacks {listed(map(quoted, unexplained))}, which {complete.label} has"
         message = f"{lacking}; correct one of the two, or name what is missing in the 'note' of {incomplete.label}"
-        report.add("missing-signal", (*incomplete.path, "contacts"), message, at_key=True)
+        report.add("missing-signal", (*incomplete.located.path, "contacts"), message, at_key=True)
 
 
-def _connectors(spec: Spec) -> list[_Connector]:
+def _connectors(spec: WrittenSpec) -> list[_Connector]:
     """Return the connectors and cables, without the contacts that have no signal."""
     connectors = []
-    for path, connector in items(spec, "connectors"):
+    for located in spec.connectors:
         contacts = [
-            _Contact((*path, *contact_path), contact["contact"], contact["signal"], contact.get("only", ""))
-            for contact_path, contact in items(connector, "contacts")
-            if not _FREE.fullmatch(contact["signal"].strip())
+            _Contact((*located.path, "contacts", index), contact.contact, contact.signal, contact.only)
+            for index, contact in enumerate(located.part.contacts)
+            if not _FREE.fullmatch(contact.signal.strip())
         ]
-        connectors.append(_Connector(path, connector, tuple(contacts)))
+        connectors.append(_Connector(located, tuple(contacts)))
     return connectors
 
 

@@ -2,36 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 from ..problems import MISSING_PROSE, DocumentReport, Path, quoted
 from ..schema_files import family_of
-from .walk import Spec, by_name, expanded, field_lists, interface_of, items, last_address, layouts, mapping
-
-#: Top-level lists with unique items, with the word for an item and the key that must be unique.
-_LISTS = (
-    ("crcs", "a CRC", "name"),
-    ("field_groups", "a field group", "name"),
-    ("registers", "a register", "name"),
-    ("alarms", "an alarm", "name"),
-    ("procedures", "a procedure", "name"),
-    ("timings", "a timing", "name"),
-    ("inputs", "an input", "name"),
-    ("tables", "a table", "name"),
-    ("connectors", "a connector", "name"),
-    ("leds", "an LED", "name"),
-    ("characteristics", "a characteristic", "name"),
-    ("examples", "an example", "name"),
-    ("errata", "an erratum", "name"),
-)
-
-#: The same for lists in these items.
-_INNER_LISTS = (
-    ("registers", "meanings", "name", "a meaning"),
-    ("procedures", "arguments", "name", "an argument"),
-    ("connectors", "contacts", "contact", "a contact"),
-    ("leds", "states", "state", "a state"),
-)
+from ..written_parts import WrittenRegister, WrittenRs485, WrittenSpec
+from .parts import PlacedPart, by_name, expanded, field_lists, interface_of, interfaces, last_address, layouts
 
 #: Keys of a data ID that must be unique, each with the word for such a data ID.
 _DATA_ID_LABELS = (
@@ -59,80 +35,98 @@ TAKEN = {
 Named = tuple[Path, object]
 
 
-def device_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def device_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a family and its file have the same name."""
-    stem = report.document.family or family_of(report.document.file)
-    if "device" in spec and spec["device"] != stem:
-        report.add(
-            "device-name",
-            ("device",),
-            f"the device is called {quoted(spec['device'])}, but the file is called {quoted(stem)}; use the same name"
-            " for both",
-        )
-    if spec.get("device") in TAKEN:
-        report.add(
-            "device-name",
-            ("device",),
-            f"{quoted(spec['device'])} is the name of {TAKEN[spec['device']]}; rename the family",
-        )
+    stem, name = report.document.family or family_of(report.document.file), spec.device
+    if name and name != stem:
+        message = f"the device is called {quoted(name)}, but the file is called {quoted(stem)}"
+        report.add("device-name", ("device",), f"{message}; use the same name for both")
+    if name in TAKEN:
+        report.add("device-name", ("device",), f"{quoted(name)} is the name of {TAKEN[name]}; rename the family")
 
 
-def duplicate_name(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def duplicate_name(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that names are unique among items of one kind."""
-    for key, word, label in _LISTS:
-        _check_unique(_labels(items(spec, key), label), word, report)
-    named_layouts = [(layout.path, layout.owner) for layout in layouts(spec)]
-    _check_unique(_labels(named_layouts, "name"), "a layout", report)
-    for interface in mapping(spec, "interfaces"):
-        _check_unique(_labels(items(spec, "interfaces", interface, "timings"), "name"), "a timing", report)
+    for word, parts in _named_parts(spec).items():
+        _check_unique(_labels(parts, "name"), word, report)
+    for _, interface in interfaces(spec):
+        _check_unique(_labels(interface.timings, "name"), "a timing", report)
+        data_ids = interface.data_ids if isinstance(interface, WrittenRs485) else ()
         for label, word in _DATA_ID_LABELS:
-            _check_unique(_labels(items(spec, "interfaces", interface, "data_ids"), label), word, report)
-    _check_unique(_labels(items(spec, "manual", "editions"), "language"), "a language", report)
-    _check_unique(_labels(items(spec, "manual", "history"), "revision"), "a revision", report)
-    _check_unique(_labels(items(spec, "order_code", "parts"), "name"), "a part", report)
-    for key, inner_key, label, word in _INNER_LISTS:
-        for path, owner in items(spec, key):
-            inner_items = [((*path, *inner_path), inner) for inner_path, inner in items(owner, inner_key)]
-            _check_unique(_labels(inner_items, label), word, report)
+            _check_unique(_labels(data_ids, label), word, report)
+    _check_unique(_labels(spec.manual.editions, "language"), "a language", report)
+    _check_unique(_labels(spec.manual.history, "revision"), "a revision", report)
+    for register in spec.registers:
+        _check_unique(_labels(register.meanings, "name"), "a meaning", report)
+    for procedure in spec.procedures:
+        _check_unique(_labels(procedure.arguments, "name"), "an argument", report)
+    for connector in spec.connectors:
+        contacts = [contact.contact for contact in connector.part.contacts]
+        _check_unique(_labels_in(connector.path, "contacts", "contact", contacts), "a contact", report)
+    for led in spec.leds:
+        states = [state.state for state in led.part.states]
+        _check_unique(_labels_in(led.path, "states", "state", states), "a state", report)
 
 
-def duplicate_title(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def _named_parts(spec: WrittenSpec) -> dict[str, Sequence[PlacedPart]]:
+    """Return the lists of parts with unique names, by the word for such a part."""
+    return {
+        "a CRC": spec.crcs,
+        "a field group": spec.field_groups,
+        "a register": spec.registers,
+        "an alarm": spec.alarms,
+        "a procedure": spec.procedures,
+        "a timing": spec.timings,
+        "an input": spec.inputs,
+        "a table": spec.tables,
+        "a connector": spec.connectors,
+        "an LED": spec.leds,
+        "a characteristic": spec.characteristics,
+        "an example": spec.examples,
+        "an erratum": spec.errata,
+        "a layout": [fields.owner for fields in layouts(spec)],
+        "a part": spec.order_code.parts,
+    }
+
+
+def duplicate_title(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two errata have the same title, because readers see only the title."""
-    first_paths: dict[object, Path] = {}
-    for path, erratum in items(spec, "errata"):
-        if erratum["title"] == MISSING_PROSE:
+    first_paths: dict[str, Path] = {}
+    for erratum in spec.errata:
+        if erratum.title == MISSING_PROSE:
             continue
-        first_path = first_paths.setdefault(erratum["title"], path)
-        if first_path != path:
+        first_path = first_paths.setdefault(erratum.title, erratum.path)
+        if first_path != erratum.path:
             line = report.document.position((*first_path, "title"))[0]
             message = f"the erratum on line {line} has the same title; say what differs in this one"
-            report.add("duplicate-name", (*path, "title"), message)
+            report.add("duplicate-name", erratum.place_of("title"), message)
 
 
-def duplicate_field(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def duplicate_field(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that fields, joins and runs of digits of a layout have unique names, as a decoder returns all of them."""
-    groups = by_name(spec, "field_groups")
+    groups = by_name(spec.field_groups)
     for fields in field_lists(spec):
         named_values: list[Named] = []
-        use_paths = {path for path, field in fields if "use" in field}
+        use_paths = {field.path for field in fields.fields if field.use}
         for path, field in expanded(fields, groups):
             # A name in a group is reported at its use, because that is what makes it occur twice.
             name_path = path if path in use_paths else (*path, "name")
-            named_values.append((name_path, field.get("name")))
-            named_values += [((*path, *run_path, "name"), run["name"]) for run_path, run in items(field, "digits")]
-        named_values += [((*fields.path, "join", name), name) for name in mapping(fields.owner, "join")]
+            named_values.append((name_path, field.name or None))
+            for index, run in enumerate(field.digits):
+                named_values.append(((*path, "digits", index, "name"), run.part.name))
+        named_values += [((*fields.owner.path, "join", name), name) for name in fields.joins]
         _check_unique(named_values, "a field", report)
 
 
-def duplicate_selection(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def duplicate_selection(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each value of the selecting field identifies one frame of its sender."""
-    first_names: dict[tuple[str, object, object], object] = {}
-    for layout in layouts(spec):
-        name, sender = layout.owner["name"], layout.owner.get("from")
-        for selector, values in mapping(layout.owner, "when").items():
+    first_names: dict[tuple[str, str, int], str] = {}
+    for fields in layouts(spec):
+        sender = fields.layout.from_ if fields.layout is not None else ""
+        for selector, values in fields.selectors.items():
             for index, value in enumerate(values):
-                first_name = first_names.setdefault((layout.interface, sender, value), name)
-                if first_name != name:
+                first_name = first_names.setdefault((fields.interface, sender, value), fields.name)
+                if first_name != fields.name:
                     fault = f"used by {quoted(first_name)}"
                 elif value in values[:index]:
                     fault = "listed"
@@ -141,69 +135,73 @@ def duplicate_selection(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 message = (
                     f"{quoted(selector)} {value} is already {fault}; use each value for only one frame of the {sender}"
                 )
-                report.add("duplicate-name", (*layout.path, "when", selector, index), message)
+                report.add("duplicate-name", (*fields.owner.path, "when", selector, index), message)
 
 
-def duplicate_address(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def duplicate_address(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two registers of an interface and bank share a byte.
 
     A read-only and a write-only register may have the same address.
     """
-    by_address = sorted(items(spec, "registers"), key=lambda path_and_register: path_and_register[1]["address"])
-    for index, (path, register) in enumerate(by_address):
+    by_address = sorted(spec.registers, key=lambda register: register.address)
+    for index, register in enumerate(by_address):
         # Registers are short, so only the nearest ones can overlap. The limit bounds the time for long lists.
-        for lower_path, lower_register in reversed(by_address[max(0, index - 128) : index]):
+        for lower_register in reversed(by_address[max(0, index - 128) : index]):
             if not _share_a_byte(lower_register, register):
                 continue
             # The one that comes later in the file is reported.
-            if path < lower_path:
-                _report_overlap(lower_path, lower_register, path, register, report)
+            if register.path < lower_register.path:
+                _report_overlap(lower_register, register, report)
             else:
-                _report_overlap(path, register, lower_path, lower_register, report)
+                _report_overlap(register, lower_register, report)
             break
 
 
-def _share_a_byte(lower_register: Spec, register: Spec) -> bool:
+def _share_a_byte(lower_register: WrittenRegister, register: WrittenRegister) -> bool:
     """Return True if a register has an address of one that begins at the same address or below, and must not."""
     if _address_space(lower_register) != _address_space(register):
         return False
-    if last_address(lower_register) < register["address"]:
+    if last_address(lower_register) < register.address:
         return False
-    accesses = {register["access"], lower_register["access"]}
+    accesses = {register.access, lower_register.access}
     is_read_write_pair = accesses == {"read_only", "write_only"}
-    return not (is_read_write_pair and register["address"] == lower_register["address"])
+    return not (is_read_write_pair and register.address == lower_register.address)
 
 
-def _report_overlap(
-    path: Path, register: Spec, earlier_path: Path, earlier_register: Spec, report: DocumentReport
-) -> None:
+def _report_overlap(register: WrittenRegister, earlier_register: WrittenRegister, report: DocumentReport) -> None:
     """Report a register that overlaps one that comes earlier in the file."""
-    line, _ = report.document.position(earlier_path)
-    has_one_address = register["address"] == last_address(register)
+    line, _ = report.document.position(earlier_register.path)
+    has_one_address = register.address == last_address(register)
     verb = "overlaps" if has_one_address else "overlap"
     message = (
-        f"{_address_range(register)} {verb} {quoted(earlier_register['name'])} on line {line}, "
+        f"{_address_range(register)} {verb} {quoted(earlier_register.name)} on line {line}, "
         f"which has {_address_range(earlier_register)}"
     )
-    report.add("duplicate-address", (*path, "address"), message)
+    report.add("duplicate-address", register.place_of("address"), message)
 
 
-def value_clash(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def value_clash(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that no two names have the same number, because a decoder could not choose."""
     for fields in field_lists(spec):
-        for path, field in fields:
+        for field in fields.fields:
             first_names: dict[int, str] = {}
-            for name, value in mapping(field, "values").items():
-                first_name = first_names.setdefault(value["value"], name)
+            for name, value in field.values.items():
+                first_name = first_names.setdefault(value.value, name)
                 if first_name != name:
-                    message = f"{value['value']:#x} is already {quoted(first_name)}; a number can have only one name"
-                    report.add("value-clash", (*path, "values", name, "value"), message)
+                    message = f"{value.value:#x} is already {quoted(first_name)}; a number can have only one name"
+                    report.add("value-clash", value.place_of("value"), message)
 
 
-def _labels(owners: Iterable[tuple[Path, Spec]], label: str) -> Iterator[Named]:
-    """Yield the value under the key ``label`` of each item, with its path."""
-    for path, owner in owners:
-        yield (*path, label), owner[label]
+def _labels(parts: Sequence[PlacedPart], label: str) -> Iterator[Named]:
+    """Yield the value under the key ``label`` of each part, with its path."""
+    for part in parts:
+        yield (*part.path, label), part.data[label]
+
+
+def _labels_in(path: Path, key: str, label: str, values: Iterable[str]) -> Iterator[Named]:
+    """Yield the value under the key ``label`` of each part in a list, with its path."""
+    for index, value in enumerate(values):
+        yield (*path, key, index, label), value
 
 
 def _check_unique(named_values: Iterable[Named], word: str, report: DocumentReport) -> None:
@@ -222,11 +220,11 @@ def _check_unique(named_values: Iterable[Named], word: str, report: DocumentRepo
         report.add("duplicate-name", path, message, at_key=is_key_of_join)
 
 
-def _address_space(register: Spec) -> tuple[str, object]:
+def _address_space(register: WrittenRegister) -> tuple[str, int | None]:
     """Return the address space of a register. Each bank is a space, and the area without banks is another."""
-    return interface_of(register), register.get("bank")
+    return interface_of(register), register.bank
 
 
-def _address_range(register: Spec) -> str:
-    first, last = register["address"], last_address(register)
+def _address_range(register: WrittenRegister) -> str:
+    first, last = register.address, last_address(register)
     return f"address {first:#04x}" if first == last else f"addresses {first:#04x} to {last:#04x}"

@@ -14,7 +14,7 @@ from itertools import islice
 from types import MappingProxyType
 from typing import Any, Protocol, TypeVar
 
-from ...model import INTERFACES, Biss
+from ...model import INTERFACES, Alarm, Biss
 from ...model.measurement import Measurement
 from ..document import Document
 from ..problems import DocumentReport, Path
@@ -47,6 +47,16 @@ _INTERFACE_CLASSES: Mapping[str, type[WrittenInterface]] = MappingProxyType(
 #: Largest number of fields of a layout or register, with those of its groups. Without these, the schema limits it.
 MAX_FIELDS = 512
 _RANGE = re.compile(r"([0-9]{1,4}):([0-9]{1,4})")
+
+
+class PlacedPart(Protocol):
+    """A part with its place and its data."""
+
+    @property
+    def path(self) -> Path: ...
+
+    @property
+    def data(self) -> Mapping[str, Any]: ...
 
 
 class NamedPart(Protocol):
@@ -127,6 +137,13 @@ class FieldList:
     def is_from_encoder(self) -> bool:
         """True for a frame that an encoder sends."""
         return self.layout is not None and self.layout.from_ == "encoder"
+
+    @property
+    def is_written_by_master(self) -> bool:
+        """True for a frame that a master sends, and for a register that it can write."""
+        if isinstance(self.owner, WrittenRegister):
+            return self.owner.has("access") and self.owner.access != "read_only"
+        return self.layout is not None and self.layout.from_ == "master"
 
     @property
     def joins(self) -> Mapping[str, tuple[str, ...]]:
@@ -254,6 +271,13 @@ def bits_of(register: WrittenRegister, groups: Groups) -> list[str]:
     return [register.name]
 
 
+def owner_of_alarm(spec: WrittenSpec, alarm: Located[Alarm]) -> WrittenFieldGroup | WrittenRegister | None:
+    """Return the field group or register that contains the flag of an alarm, or None if it does not exist."""
+    if alarm.has("group"):
+        return by_name(spec.field_groups).get(alarm.part.group)
+    return by_name(spec.registers).get(alarm.part.register)
+
+
 def has_other_bits(register: WrittenRegister, groups: Groups) -> bool:
     """Return True if a register has more bits than those of one field."""
     return len(bits_of(register, groups)) > 1 or register.has("other_bits")
@@ -261,8 +285,7 @@ def has_other_bits(register: WrittenRegister, groups: Groups) -> bool:
 
 def value_names(field: WrittenField) -> list[str]:
     """Return the names of the values of a field, even of those with a wrong shape."""
-    values = field.data.get("values")
-    return list(values) if isinstance(values, dict) else []
+    return field.names_in("values")
 
 
 def fields_of(register: WrittenRegister, groups: Groups) -> Iterator[WrittenField]:

@@ -4,22 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Collection
 
-from ...model import INTERFACES, Spi
+from ...model import INTERFACES, LayoutRange, Measurement, Spi
 from ...model.expressions import Expression, ExpressionError
 from ..problems import DocumentReport, Path, listed, missing, quoted
-from .values import constant_width
-from .walk import (
-    Fields,
+from ..written import Located
+from ..written_parts import WrittenExample, WrittenField, WrittenLayout, WrittenSpec
+from .parts import (
+    FieldList,
     Has,
-    Spec,
     by_name,
+    by_part_name,
+    constant_width,
     field_lists,
     interface_of,
-    items,
+    interfaces,
     layouts,
-    mapping,
     measurements,
-    position_ranges,
     readable_names,
 )
 
@@ -67,123 +67,124 @@ _EXAMPLES: dict[str, KeysOfKind] = {
 _ALL_EXAMPLES = frozenset(("name", "kind", "source", "erratum", "note"))
 
 
-def layout_keys(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def layout_keys(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that fields and layouts have valid combinations of keys."""
     for fields in field_lists(spec):
-        for path, field in fields:
-            if "use" in field:
-                _check_use(fields, path, field, report)
+        for field in fields.fields:
+            if field.use:
+                _check_use(fields, field, report)
             else:
-                _check_field(path, field, report)
-                _check_others(fields, path, field, report)
+                _check_field(field, report)
+                _check_others(fields, field, report)
         _check_placing(fields, report)
-        if fields.kind is Has.LAYOUT:
-            _check_carriage(fields, raw, report)
+        if fields.layout is not None:
+            _check_carriage(fields, fields.layout, raw, report)
 
 
-def _check_use(fields: Fields, path: Path, field: Spec, report: DocumentReport) -> None:
+def _check_use(fields: FieldList, field: WrittenField, report: DocumentReport) -> None:
     """Check that a field that includes a group is in a layout or register, and has no keys of a field."""
     if fields.kind is Has.GROUP:
-        report.add("layout-keys", (*path, "use"), "a field group cannot include another group; list the fields here")
+        message = "a field group cannot include another group; list the fields here"
+        report.add("layout-keys", field.place_of("use"), message)
     elif fields.kind is Has.CONTROL:
-        report.add("layout-keys", (*path, "use"), "the control data cannot include field groups; list the fields here")
-    keys_of_fields = [key for key in field if key not in _BESIDE_USE]
+        message = "the control data cannot include field groups; list the fields here"
+        report.add("layout-keys", field.place_of("use"), message)
+    keys_of_fields = [key for key in field.data if key not in _BESIDE_USE]
     if keys_of_fields:
         key = keys_of_fields[0]
         message = f"{quoted(key)} is not allowed with 'use'; it belongs to a field of the group"
-        report.add("layout-keys", (*path, key), message, at_key=True)
+        report.add("layout-keys", field.place_of(key), message, at_key=True)
 
 
-def _check_field(path: Path, field: Spec, report: DocumentReport) -> None:
-    if "name" not in field:
-        report.add("layout-keys", path, "a field needs 'name', or 'use' to include a group")
+def _check_field(field: WrittenField, report: DocumentReport) -> None:
+    if not field.name:
+        report.add("layout-keys", field.path, "a field needs 'name', or 'use' to include a group")
         return
-    _check_kind(path, field, report)
-    _check_width(path, field, report)
+    _check_kind(field, report)
+    _check_width(field, report)
 
 
-def _check_kind(path: Path, field: Spec, report: DocumentReport) -> None:
+def _check_kind(field: WrittenField, report: DocumentReport) -> None:
     """Check that a field is of one kind, and has only keys of that kind."""
-    name = quoted(field["name"])
-    kinds = [key for key in KINDS if key in field]
+    name = quoted(field.name)
+    kinds = [key for key in KINDS if field.has(key)]
     if len(kinds) > 1:
         problem = f"{listed(map(quoted, kinds))} exclude each other; keep one of them"
-        report.add("layout-keys", (*path, kinds[1]), problem, at_key=True)
+        report.add("layout-keys", field.place_of(kinds[1]), problem, at_key=True)
     for key in _OF_NUMBERS:
-        if key in field and kinds:
+        if field.has(key) and kinds:
             problem = f"{quoted(key)} is only for numbers; {name} has {quoted(kinds[0])}, so it is not a number"
-            report.add("layout-keys", (*path, key), problem, at_key=True)
+            report.add("layout-keys", field.place_of(key), problem, at_key=True)
     for key in _NOT_SCALED:
-        if key in field and "scale" in field:
+        if field.has(key) and field.scale is not None:
             problem = f"{quoted(key)} and 'scale' exclude each other; keep one of them"
-            report.add("layout-keys", (*path, key), problem, at_key=True)
-    _check_flag_keys(path, field, report)
-    _checkcheck_keys(path, field, report)
-    _check_expected_value(path, field, kinds, report)
+            report.add("layout-keys", field.place_of(key), problem, at_key=True)
+    _check_flag_keys(field, report)
+    _check_keys_of_checks(field, report)
+    _check_expected_value(field, kinds, report)
 
 
-def _check_expected_value(path: Path, field: Spec, kinds: list[str], report: DocumentReport) -> None:
+def _check_expected_value(field: WrittenField, kinds: list[str], report: DocumentReport) -> None:
     """Check that only a number, a text or named values have ``equals``, and that it is of their type."""
-    name = quoted(field["name"])
-    if isinstance(field.get("equals"), int) and "text" in field:
-        report.add("layout-keys", (*path, "equals"), f"{name} is text; put the value in quotes")
-    elif "equals" in field and kinds and kinds[0] not in _EXPECTED_ON_DEVICE:
+    name = quoted(field.name)
+    if isinstance(field.equals, int) and field.text:
+        report.add("layout-keys", field.place_of("equals"), f"{name} is text; put the value in quotes")
+    elif field.equals is not None and kinds and kinds[0] not in _EXPECTED_ON_DEVICE:
         problem = f"'equals' is only for numbers, text and named values; {name} has {quoted(kinds[0])}"
-        report.add("layout-keys", (*path, "equals"), problem, at_key=True)
+        report.add("layout-keys", field.place_of("equals"), problem, at_key=True)
 
 
-def _checkcheck_keys(path: Path, field: Spec, report: DocumentReport) -> None:
+def _check_keys_of_checks(field: WrittenField, report: DocumentReport) -> None:
     """Check that a field has keys of parity bits or CRCs only if it is one."""
-    name = quoted(field["name"])
+    name = quoted(field.name)
     for key in _OF_PARITIES:
-        if key in field and "parity_of" not in field:
+        if field.has(key) and not field.parity_of:
             remedy = f"to make {name} a parity bit, add 'parity_of' with the covered field"
-            report.add("layout-keys", (*path, key), f"{quoted(key)} is only for parity bits; {remedy}", at_key=True)
-    if "crc_of" in field and "crc" not in field:
+            message = f"{quoted(key)} is only for parity bits; {remedy}"
+            report.add("layout-keys", field.place_of(key), message, at_key=True)
+    if field.crc_of and not field.crc:
         problem = f"'crc_of' is only for CRCs; to make {name} a CRC, add 'crc' with its name"
-        report.add("layout-keys", (*path, "crc_of"), problem, at_key=True)
+        report.add("layout-keys", field.place_of("crc_of"), problem, at_key=True)
 
 
-def _check_flag_keys(path: Path, field: Spec, report: DocumentReport) -> None:
+def _check_flag_keys(field: WrittenField, report: DocumentReport) -> None:
     """Check that a field has keys of flags only if it is a flag."""
-    if "active" in field:
+    if field.active:
         return
-    name = quoted(field["name"])
+    name = quoted(field.name)
     for key in _OF_FLAGS:
         is_verdict = key == "makes_position"
-        if key not in field or (is_verdict and "unused" in field):
+        if not field.has(key) or (is_verdict and field.unused is not None):
             continue
-        if is_verdict and "values" in field:
+        if is_verdict and field.values:
             remedy = "write it at a value, as in too_weak: {value: 2, makes_position: usable_with_warning}"
             problem = f"{name} has named values, and not each of them has the same effect on the position; {remedy}"
         else:
             problem = f"{quoted(key)} is only for flags; to make {name} a flag, add 'active: high' or 'active: low'"
-        report.add("layout-keys", (*path, key), problem, at_key=True)
+        report.add("layout-keys", field.place_of(key), problem, at_key=True)
 
 
-def _check_others(fields: Fields, path: Path, field: Spec, report: DocumentReport) -> None:
+def _check_others(fields: FieldList, field: WrittenField, report: DocumentReport) -> None:
     """Check that ``others`` names few values, none that a master writes, and none like a listed value."""
-    if "others" not in field:
-        return
-    problem = _problem_with_others(fields, field)
+    problem = _problem_with_others(fields, field) if field.others else ""
     if problem:
-        report.add("layout-keys", (*path, "others"), problem, at_key=True)
+        report.add("layout-keys", field.place_of("others"), problem, at_key=True)
 
 
-def _problem_with_others(fields: Fields, field: Spec) -> str:
+def _problem_with_others(fields: FieldList, field: WrittenField) -> str:
     """Return the reason that a field cannot have ``others``, and the fix. Empty if it can."""
-    name, values = quoted(field["name"]), mapping(field, "values")
+    name = quoted(field.name)
     width = constant_width(field)
-    if not values:
+    if not field.values:
         return f"'others' names the values that 'values' does not list; {name} also needs 'values'"
     if width is None or width > MOST_RESERVED_BITS:
         return f"'others' gives every value a name, so 'bits' of {name} must be a number from 1 to {MOST_RESERVED_BITS}"
-    if fields.owner.get("from") == "master" or fields.owner.get("access", "read_only") != "read_only":
+    if fields.is_written_by_master:
         return f"{name} is written by a master, which does not write reserved values; leave 'others' out"
     reserved_names = {f"{RESERVED}_{number}" for number in range(1 << MOST_RESERVED_BITS)}
     clashing_names = []
-    for value_name, value in values.items():
-        is_its_own_name = value_name == f"{RESERVED}_{value.get('value')}"
+    for value_name, value in field.values.items():
+        is_its_own_name = value_name == f"{RESERVED}_{value.value}"
         if value_name in reserved_names and not is_its_own_name:
             clashing_names.append(value_name)
     if clashing_names:
@@ -191,240 +192,243 @@ def _problem_with_others(fields: Fields, field: Spec) -> str:
     return ""
 
 
-def _check_width(path: Path, field: Spec, report: DocumentReport) -> None:
+def _check_width(field: WrittenField, report: DocumentReport) -> None:
     """Check that a field has a width, and that its width and place are given once."""
-    name = quoted(field["name"])
-    if _is_nothing(field.get("bits")):
+    name = quoted(field.name)
+    if field.bits is not None and _is_nothing(field.bits):
         problem = f"{name} has no bits; a field needs at least one, unless its width depends on a parameter"
-        report.add("layout-keys", (*path, "bits"), problem)
-    places = [key for key in PLACES if key in field]
-    has_width = "bits" in field or "at" in field or any(key in field for key in _WIDTH_FOLLOWS)
+        report.add("layout-keys", field.place_of("bits"), problem)
+    places = [key for key in PLACES if field.has(key)]
+    has_width = field.has("bits", "at", *_WIDTH_FOLLOWS)
     if len(places) > 1:
         quantity = "both" if len(places) == 2 else "all"
         problem = f"{listed(map(quoted, places))} {quantity} give the position; keep one of them"
-        report.add("layout-keys", (*path, places[1]), problem, at_key=True)
-    elif "bits" in field and ":" in str(field.get("at", "")):
-        problem = f"the range {quoted(field['at'])} already gives the width; leave 'bits' out"
-        report.add("layout-keys", (*path, "bits"), problem, at_key=True)
+        report.add("layout-keys", field.place_of(places[1]), problem, at_key=True)
+    elif field.bits is not None and ":" in str(field.at):
+        problem = f"the range {quoted(field.at)} already gives the width; leave 'bits' out"
+        report.add("layout-keys", field.place_of("bits"), problem, at_key=True)
     elif not has_width:
-        report.add("layout-keys", path, f"{name} has no width; give it 'bits', or 'at' with a range such as 7:6")
+        message = f"{name} has no width; give it 'bits', or 'at' with a range such as 7:6"
+        report.add("layout-keys", field.path, message)
 
 
-def _is_nothing(bits: object) -> bool:
+def _is_nothing(bits: int | str) -> bool:
     """Return True if a width is a plain number that is not valid for a field."""
     try:
-        width = Expression.parse(bits) if isinstance(bits, (int, str)) else None
+        width = Expression.parse(bits)
     except ExpressionError:  # Reported by the rule on expressions.
         return False
-    return width is not None and width.is_constant and width.constant <= 0
+    return width.is_constant and width.constant <= 0
 
 
-def _check_placing(fields: Fields, report: DocumentReport) -> None:
+def _check_placing(fields: FieldList, report: DocumentReport) -> None:
     """Check that either all or none of the fields of a layout have positions."""
-    placed_fields = [field for _, field in fields if _is_placed(field)]
-    unplaced_fields = [(path, field) for path, field in fields if not _is_placed(field)]
+    placed_fields = [field for field in fields.fields if field.has(*PLACES)]
+    unplaced_fields = [field for field in fields.fields if not field.has(*PLACES)]
     if not placed_fields or not unplaced_fields or fields.kind is Has.CONTROL:
         return
-    path, field = unplaced_fields[0]
-    name = quoted(field.get("name", field.get("use", "")))
-    placed_name = quoted(placed_fields[0].get("name", ""))
+    field = unplaced_fields[0]
     message = (
-        f"{name} has no position, but {placed_name} has one; "
+        f"{quoted(field.name or field.use)} has no position, but {quoted(placed_fields[0].name)} has one; "
         "give a position ('at', 'top_bit' or 'low_bit') to all fields of a layout or to none"
     )
-    report.add("layout-keys", path, message)
+    report.add("layout-keys", field.path, message)
 
 
-def _is_placed(field: Spec) -> bool:
-    return any(key in field for key in PLACES)
-
-
-def _check_carriage(fields: Fields, raw: Spec, report: DocumentReport) -> None:
+def _check_carriage(fields: FieldList, layout: WrittenLayout, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that a layout has only keys for the way in which its interface carries it, as bits or as bytes."""
-    layout, interface = fields.owner, INTERFACES[fields.interface]
-    carried_as = layout.get("carried_as", interface.carried_as)
-    name = quoted(layout["name"])
-    if carried_as == "bytes" and "byte_order" not in layout and not _is_one_byte(fields, raw):
+    interface = INTERFACES[fields.interface]
+    carried_as = layout.carried_as or interface.carried_as
+    name = quoted(layout.name)
+    if carried_as == "bytes" and not layout.byte_order and not _is_one_byte(layout, raw):
         message = f"{name} is carried as bytes, so it needs 'byte_order': low_byte_first or high_byte_first"
-        report.add("layout-keys", fields.path, message)
+        report.add("layout-keys", layout.path, message)
     if carried_as == "bits":
-        problem = _wrong_order(fields, name)
+        problem = _wrong_order(fields.interface, layout)
         if problem:
-            report.add("layout-keys", (*fields.path, "byte_order"), problem, at_key=True)
-        if "when" in layout:
+            report.add("layout-keys", layout.place_of("byte_order"), problem, at_key=True)
+        if layout.when:
             problem = f"'when' only distinguishes frames of bytes, but {name} is carried as bits; leave 'when' out"
             remedy = "" if fields.interface == Spi.name else ", or write 'carried_as: bytes'"
-            report.add("layout-keys", (*fields.path, "when"), problem + remedy, at_key=True)
-    if "channel" in layout and not interface.has_channels:
+            report.add("layout-keys", layout.place_of("when"), problem + remedy, at_key=True)
+    if layout.channel is not None and not interface.has_channels:
         message = f"{name} cannot have a data channel; only BiSS has channels"
-        report.add("layout-keys", (*fields.path, "channel"), message, at_key=True)
+        report.add("layout-keys", layout.place_of("channel"), message, at_key=True)
 
 
-def _wrong_order(fields: Fields, name: str) -> str:
+def _wrong_order(interface: str, layout: WrittenLayout) -> str:
     """Return what is wrong with the byte order of a layout that is carried as bits. Empty if nothing is.
 
     Over SPI, it states in which order the bytes of a joined number are sent.
     """
-    layout = fields.owner
-    if "byte_order" not in layout:
+    name = quoted(layout.name)
+    if not layout.byte_order:
         return ""
-    if fields.interface != Spi.name:
+    if interface != Spi.name:
         return f"{name} is carried as bits, which have no byte order; leave 'byte_order' out"
-    if layout["byte_order"] == "high_byte_first":
+    if layout.byte_order == "high_byte_first":
         return f"{name} is sent over SPI, high byte first unless it says otherwise; leave 'byte_order' out"
-    if "join" not in layout:
+    if not layout.has("join"):
         return f"{name} sends the low byte first, so describe each byte as a field, and 'join' them"
     return ""
 
 
-def _is_one_byte(fields: Fields, raw: Spec) -> bool:
+def _is_one_byte(layout: WrittenLayout, raw: WrittenSpec) -> bool:
     """Return True if the layout is one byte whose fields need no order: a single field, or all with positions."""
-    listed_fields = [field for _, field in fields]
-    if all("at" in field or "top_bit" in field for field in listed_fields):
-        return max(map(_top_bit, listed_fields), default=0) == 7
-    if len(listed_fields) > 1:
+    if all(field.has("at", "top_bit") for field in layout.fields):
+        return max(map(_top_bit, layout.fields), default=0) == 7
+    if len(layout.fields) > 1:
         return False
-    field = listed_fields[0]
-    group = by_name(raw, "field_groups").get(field.get("use", ""), {})
-    crc = by_name(raw, "crcs").get(field.get("crc", ""), {})
-    width = group.get("bits") or crc.get("width") or field.get("padded_to") or constant_width(field)
-    return bool(width == 8)
+    field = layout.fields[0]
+    group, crc = by_name(raw.field_groups).get(field.use), by_part_name(raw.crcs).get(field.crc)
+    width = (group.bits if group is not None else 0) or (crc.part.width if crc is not None else 0)
+    return (width or field.padded_to or constant_width(field)) == 8
 
 
-def _top_bit(field: Spec) -> int:
+def _top_bit(field: WrittenField) -> int:
     """Return the highest bit of a field with a position, or 0 if it depends on the order code."""
-    high, _, _ = str(field.get("at")).partition(":")
-    top_bit = str(field.get("top_bit", high))
+    high, _, _ = str(field.at).partition(":")
+    top_bit = high if field.top_bit is None else str(field.top_bit)
     return int(top_bit) if top_bit.isdecimal() else 0
 
 
-def byte_order_missing(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def byte_order_missing(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that registers of several bytes have a byte order, because no default is safe."""
-    for path, register in items(spec, "registers"):
+    for register in spec.registers:
         interface = INTERFACES.get(interface_of(register))
         # A register without addresses for its bytes is sent as one number.
         has_bytes = interface is None or interface.byte_addresses
-        if has_bytes and register["length"] > 1 and "byte_order" not in register:
+        if has_bytes and register.length > 1 and not register.byte_order:
             message = (
-                f"{quoted(register['name'])} has {register['length']} bytes, "
+                f"{quoted(register.name)} has {register.length} bytes, "
                 "so it needs 'byte_order': low_byte_first or high_byte_first"
             )
-            report.add("byte-order-missing", path, message)
+            report.add("byte-order-missing", register.path, message)
 
 
-def example_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def example_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that each example has the keys of its kind, and that an incorrect one is explained."""
-    for path, example in items(spec, "examples"):
-        kind: str = example["kind"]
-        check_keys("example-shape", f"a {kind} example", path, example.keys(), _EXAMPLES[kind], _ALL_EXAMPLES, report)
-        if kind == "frame":
-            _check_frame(path, example, report)
+    for example in spec.examples:
+        subject, keys_of_kind = f"a {example.kind} example", _EXAMPLES[example.kind]
+        check_keys("example-shape", subject, example.path, example.data, keys_of_kind, _ALL_EXAMPLES, report)
+        if example.kind == "frame":
+            _check_frame(example, report)
 
 
-def _check_frame(path: Path, example: Spec, report: DocumentReport) -> None:
+def _check_frame(example: WrittenExample, report: DocumentReport) -> None:
     """Check that an example of a frame has bits or bytes, its layout, and what the decoder should make of it."""
-    has_bytes, has_bits, is_refused = "bytes" in example, "bits" in example, "refused" in example
+    has_bytes, has_bits, is_refused = example.has("bytes"), example.has("bits"), example.has("refused")
     if has_bytes and has_bits:
         message = "a frame example needs 'bytes' or 'bits'; this one has both; keep one of them"
-        report.add("example-shape", path, message)
+        report.add("example-shape", example.path, message)
     elif not has_bytes and not has_bits:
-        report.add("example-shape", path, "a frame example needs 'bytes' or 'bits'; this one has neither")
-    elif "layout" not in example and has_bits:
-        report.add("example-shape", path, "'layout' is missing; a frame example needs it")
-    elif "layout" not in example and not is_refused:
+        report.add("example-shape", example.path, "a frame example needs 'bytes' or 'bits'; this one has neither")
+    elif not example.layout and has_bits:
+        report.add("example-shape", example.path, "'layout' is missing; a frame example needs it")
+    elif not example.layout and not is_refused:
         message = "'layout' is missing; a frame example needs it, or 'refused' if it fits no layout"
-        report.add("example-shape", path, message)
-    if not is_refused and "values" not in example:
-        report.add("example-shape", path, "'values' is missing; a frame example needs it, or 'refused'")
-    if is_refused and "erratum" not in example and "note" not in example:
-        report.add("example-shape", path, "a refused example needs 'erratum' or 'note' to explain it")
+        report.add("example-shape", example.path, message)
+    if not is_refused and not example.has("values"):
+        report.add("example-shape", example.path, "'values' is missing; a frame example needs it, or 'refused'")
+    if is_refused and not example.erratum and not example.note:
+        report.add("example-shape", example.path, "a refused example needs 'erratum' or 'note' to explain it")
 
 
-def example_arguments(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def example_arguments(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that an example of a procedure gives all its arguments."""
-    procedures = by_name(raw, "procedures")
-    for path, example in items(spec, "examples"):
-        procedure = procedures.get(example.get("procedure", ""))
-        if example["kind"] != "procedure" or procedure is None:
+    procedures = by_name(raw.procedures)
+    for example in spec.examples:
+        procedure = procedures.get(example.procedure)
+        if example.kind != "procedure" or procedure is None:
             continue
-        given_arguments = mapping(example, "arguments")
-        missing_arguments = [quoted(name) for name in by_name(procedure, "arguments") if name not in given_arguments]
+        missing_arguments = [quoted(name) for name in by_name(procedure.arguments) if name not in example.arguments]
         if missing_arguments:
             verb = "is" if len(missing_arguments) == 1 else "are"
             problem = f"{listed(missing_arguments)} {verb} missing from 'arguments' of the example"
-            report.add("example-shape", path, problem)
+            report.add("example-shape", example.path, problem)
 
 
-def measurement_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def measurement_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the measurement matches the movement."""
-    movement = spec.get("movement")
-    if movement not in ("rotary", "linear"):
+    movement = spec.movement
+    if not spec.has("movement"):
         return
     own_keys, foreign_keys = (ANGLE, LENGTH) if movement == "rotary" else (LENGTH, ANGLE)
     unit_key, total_key = own_keys[0], own_keys[-1]
-    for path, measurement in measurements(spec):
-        raw_measurement = mapping(raw, *map(str, path))
+    raw_measurements = {measurement.path: measurement for measurement in measurements(raw)}
+    for measurement in measurements(spec):
+        raw_measurement = raw_measurements[measurement.path]
         # A key rejected by the schema was removed. It must not be reported as missing, too.
-        is_complete = measurement.keys() == raw_measurement.keys()
-        if is_complete and unit_key not in measurement and "step_nm" not in measurement:
+        is_complete = measurement.data.keys() == raw_measurement.data.keys()
+        if is_complete and not measurement.has(unit_key) and not measurement.has("step_nm"):
             message = f"{quoted(unit_key)} is missing; the measurement of a {movement} encoder needs it"
-            report.add("measurement-shape", path, message, at_key=True)
+            report.add("measurement-shape", measurement.path, message, at_key=True)
         for key in foreign_keys:
-            if key in measurement:
+            if measurement.has(key):
                 message = f"{quoted(key)} does not apply to a {movement} encoder"
-                report.add("measurement-shape", (*path, key), message, at_key=True)
+                report.add("measurement-shape", (*measurement.path, key), message, at_key=True)
         if movement == "linear":
-            _check_step(path, measurement, report)
-        if "highest" in measurement and total_key not in raw_measurement:
+            _check_step(measurement, report)
+        if measurement.has("highest") and not raw_measurement.has(total_key):
             problem = f"'highest' has no effect without {quoted(total_key)}; add it, or leave 'highest' out"
-            report.add("measurement-shape", (*path, "highest"), problem, at_key=True)
+            report.add("measurement-shape", (*measurement.path, "highest"), problem, at_key=True)
 
 
-def position_range_shape(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def position_range_shape(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the range of one layout has a position to refer to, and matches the movement."""
-    groups = by_name(raw, "field_groups")
-    owners = {fields.path: fields for fields in layouts(raw)}
-    movement = spec.get("movement")
-    for path, interface, own_range in position_ranges(spec):
-        measurement = mapping(raw, "interfaces", interface, "measurement") or mapping(raw, "measurement")
-        fields = owners[path[:-1]]
-        name = quoted(fields.owner.get("name"))
-        if not measurement:
+    groups = by_name(raw.field_groups)
+    own_measurements = {name: interface.measurement for name, interface in interfaces(raw)}
+    raw_fields = {fields.owner.path: fields for fields in layouts(raw)}
+    for fields in layouts(spec):
+        own_range = fields.layout.position_range if fields.layout is not None else None
+        if own_range is None or not own_range.data:
+            continue
+        own_measurement = own_measurements[fields.interface]
+        has_own = own_measurement is not None and own_measurement.data
+        measurement = own_measurement if has_own else raw.measurement
+        raw_list = raw_fields[fields.owner.path]
+        name = quoted(raw_list.name)
+        if measurement is None or not measurement.data:
             problem = "'position_range' needs a 'measurement', which gives the unit of the position"
-            report.add("measurement-shape", path, f"{problem}; add it to the interface or the encoder", at_key=True)
-        elif fields.owner.get("from") != "encoder" or measurement.get("of") not in readable_names(fields, groups):
-            problem = f"{name} does not carry the position, {quoted(measurement.get('of'))}, to the master"
-            report.add("measurement-shape", path, f"{problem}; leave 'position_range' out", at_key=True)
-        _check_range_keys(path, own_range, measurement, str(movement), report)
+            message = f"{problem}; add it to the interface or the encoder"
+            report.add("measurement-shape", own_range.path, message, at_key=True)
+        elif not raw_list.is_from_encoder or measurement.part.of not in readable_names(raw_list, groups):
+            problem = f"{name} does not carry the position, {quoted(measurement.part.of)}, to the master"
+            report.add("measurement-shape", own_range.path, f"{problem}; leave 'position_range' out", at_key=True)
+        _check_range_keys(own_range, measurement, spec.movement, report)
 
 
-def _check_range_keys(path: Path, own_range: Spec, measurement: Spec, movement: str, report: DocumentReport) -> None:
+def _check_range_keys(
+    own_range: Located[LayoutRange], measurement: Located[Measurement] | None, movement: str, report: DocumentReport
+) -> None:
     """Check that the keys of a range belong together."""
+    path = own_range.path
     total_key, foreign_key = ("turns", "modulus") if movement == "rotary" else ("modulus", "turns")
-    if foreign_key in own_range and movement in ("rotary", "linear"):
+    if own_range.has(foreign_key) and movement in ("rotary", "linear"):
         problem = f"{quoted(foreign_key)} does not apply to a {movement} encoder; write {quoted(total_key)}"
         report.add("measurement-shape", (*path, foreign_key), problem, at_key=True)
-    if "wraps" in own_range:
-        contradictions = [key for key in ("turns", "modulus", "highest") if key in own_range]
+    if own_range.has("wraps"):
+        contradictions = [key for key in ("turns", "modulus", "highest") if own_range.has(key)]
         if contradictions:
             problem = f"{quoted(contradictions[0])} contradicts 'wraps: false'; leave one of the two out"
             report.add("measurement-shape", (*path, contradictions[0]), problem, at_key=True)
         return
-    stated_keys = own_range.keys() | measurement.keys()
+    stated_keys = own_range.data.keys() | (measurement.data.keys() if measurement is not None else ())
     has_total = total_key in stated_keys or "modulus" in stated_keys
-    if "highest" in own_range and not has_total:
+    if own_range.has("highest") and not has_total:
         problem = f"'highest' has no effect without {quoted(total_key)}; add it, or leave 'highest' out"
         report.add("measurement-shape", (*path, "highest"), problem, at_key=True)
 
 
-def _check_step(path: Path, measurement: Spec, report: DocumentReport) -> None:
+def _check_step(measurement: Located[Measurement], report: DocumentReport) -> None:
     """Check that a length has one step, and that ``per_counts`` belongs to a step in nanometres."""
-    if "step_um" in measurement and "step_nm" in measurement:
+    has_step_nm = measurement.has("step_nm")
+    if measurement.has("step_um") and has_step_nm:
         problem = "'step_um' and 'step_nm' exclude each other; keep the one that is a whole number"
-        report.add("measurement-shape", (*path, "step_nm"), problem, at_key=True)
-    elif "per_counts" in measurement and "step_nm" not in measurement:
+        report.add("measurement-shape", (*measurement.path, "step_nm"), problem, at_key=True)
+    elif measurement.has("per_counts") and not has_step_nm:
         problem = "'per_counts' is only for 'step_nm', the number of nanometres for that many counts"
-        report.add("measurement-shape", (*path, "per_counts"), problem, at_key=True)
+        report.add("measurement-shape", (*measurement.path, "per_counts"), problem, at_key=True)
 
 
 def check_keys(

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from ..document import Path
 from ..problems import DocumentReport, quoted
-from .walk import Spec, field_lists, items, mapping
+from ..written_parts import WrittenSpec
+from .parts import PlacedPart, field_lists
 
 #: Words of which one value cannot have both: in its name and in its meaning.
 _OPPOSITES = (
@@ -39,57 +40,58 @@ _VOLTAGES = re.compile(r"(?<![A-Za-z])[+-]?\d*(?:[.,]\d+)? ?V", re.IGNORECASE)
 _TEXTS = ("meaning", "note", "remedy", "detected", "precondition", "result", "when_active", "when_inactive")
 
 
-def threshold_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def threshold_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the texts of an alarm below a voltage do not say that it is raised above it, and the reverse."""
-    for path, alarm in items(spec, "alarms"):
-        limit = alarm.get("below_mv")
-        for key, text in _texts_of(alarm):
-            for word, number, milli in _VOLTAGE.findall(text) if limit is not None else ():
+    for alarm in spec.alarms:
+        limit = alarm.part.below_mv
+        for path, text in _texts_of(alarm, _TEXTS) if limit is not None else ():
+            for word, number, milli in _VOLTAGE.findall(text):
                 millivolts = float(number) * (1 if milli else 1000)
                 if word in _ABOVE and millivolts == limit:
                     message = (
                         f"the text says {quoted(word)}, but the alarm has 'below_mv: {limit}'; correct one of the two"
                     )
-                    report.add("words-contradict", (*path, key), message)
+                    report.add("words-contradict", path, message)
 
 
-def latch_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def latch_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the texts of an alarm agree with 'latch'."""
-    for path, alarm in items(spec, "alarms"):
-        latch = alarm.get("latch")
-        for key, text in _texts_of(alarm):
-            contradiction = _CLEARS_ITSELF.search(text) if latch else _STAYS.search(text) if latch is False else None
+    for alarm in spec.alarms:
+        latch = alarm.part.latch
+        if latch is None:
+            continue
+        contradictions, word = (_CLEARS_ITSELF, "true") if latch else (_STAYS, "false")
+        for path, text in _texts_of(alarm, _TEXTS):
+            contradiction = contradictions.search(text)
             if contradiction is not None:
-                word = "true" if latch else "false"
                 message = f"the text says {quoted(contradiction[0])}, but 'latch' is {word}; correct one of the two"
-                report.add("words-contradict", (*path, key), message)
+                report.add("words-contradict", path, message)
 
 
-def level_words(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def level_words(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the texts of a flag agree with its active level."""
     levels = {"low": "0", "high": "1"}
     for fields in field_lists(spec):
-        for path, field in fields:
-            level = levels.get(field.get("active", ""))
-            for key, text in _texts_of(field) if level is not None else ():
+        for field in fields.fields:
+            level = levels.get(field.active)
+            for path, text in _texts_of(field, _TEXTS) if level is not None else ():
                 wrong_levels = [stated for stated in _LEVEL.findall(text) if stated != level]
                 if wrong_levels:
                     message = (
-                        f"the text says that it is active at {wrong_levels[0]}, but 'active: {field['active']}' means"
+                        f"the text says that it is active at {wrong_levels[0]}, but 'active: {field.active}' means"
                         f" {level}; correct one of the two"
                     )
-                    report.add("words-contradict", (*path, key), message)
+                    report.add("words-contradict", path, message)
 
 
-def name_and_meaning(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def name_and_meaning(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that the meaning of a value does not have the opposite of a word in its name, as in binary: Gray code."""
     for fields in field_lists(spec):
-        for path, field in fields:
-            for name, value in mapping(field, "values").items():
-                place = (*path, "values", name, "meaning")
-                for word, opposite in _contradictions(name, value.get("meaning", "")):
+        for field in fields.fields:
+            for name, value in field.values.items():
+                for word, opposite in _contradictions(name, value.meaning):
                     message = f"{quoted(name)} has a meaning with {quoted(opposite)} and without {quoted(word)}"
-                    report.add("words-contradict", place, f"{message}; correct one of the two")
+                    report.add("words-contradict", value.place_of("meaning"), f"{message}; correct one of the two")
 
 
 def _contradictions(name: str, meaning: str) -> Iterator[tuple[str, str]]:
@@ -103,7 +105,7 @@ def _contradictions(name: str, meaning: str) -> Iterator[tuple[str, str]]:
             yield word, opposite
 
 
-def wires_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
+def wires_named(spec: WrittenSpec, raw: WrittenSpec, report: DocumentReport) -> None:
     """Check that two wires named together exist, and are both of a supply or of a pair, as the tables of cables say."""
     signals = _signals_by_wire(spec)
     for path, text in _all_texts(spec) if signals else ():
@@ -120,12 +122,12 @@ def wires_named(spec: Spec, raw: Spec, report: DocumentReport) -> None:
                 report.add("words-contradict", path, message)
 
 
-def _signals_by_wire(spec: Spec) -> dict[str, set[str]]:
+def _signals_by_wire(spec: WrittenSpec) -> dict[str, set[str]]:
     """Return the signals of each wire colour, in lower case, in all cables."""
     signals: dict[str, set[str]] = {}
-    for _, cable in items(spec, "connectors"):
-        for contact in cable["contacts"] if cable["kind"] == "cable" else ():
-            signals.setdefault(contact["contact"].casefold(), set()).add(contact["signal"])
+    for cable in spec.connectors:
+        for contact in cable.part.contacts if cable.part.kind == "cable" else ():
+            signals.setdefault(contact.contact.casefold(), set()).add(contact.signal)
     return signals
 
 
@@ -137,17 +139,19 @@ def _belong_together(first: str, second: str) -> bool:
     return plain_first == plain_second
 
 
-def _all_texts(spec: Spec) -> Iterator[tuple[Path, str]]:
+def _all_texts(spec: WrittenSpec) -> Iterator[tuple[Path, str]]:
     """Yield the texts of the parts that describe work by hand and hardware."""
-    for section, keys in (("procedures", _TEXTS), ("characteristics", ("value", "note")), ("alarms", _TEXTS)):
-        for path, part in items(spec, section):
-            for key in keys:
-                if isinstance(part.get(key), str):
-                    yield (*path, key), part[key]
+    for procedure in spec.procedures:
+        yield from _texts_of(procedure, _TEXTS)
+    for characteristic in spec.characteristics:
+        yield from _texts_of(characteristic, ("value", "note"))
+    for alarm in spec.alarms:
+        yield from _texts_of(alarm, _TEXTS)
 
 
-def _texts_of(part: Spec) -> Iterator[tuple[str, str]]:
-    """Yield the keys and texts of a part."""
-    for key in _TEXTS:
-        if isinstance(part.get(key), str):
-            yield key, part[key]
+def _texts_of(part: PlacedPart, keys: Sequence[str]) -> Iterator[tuple[Path, str]]:
+    """Yield the texts of a part under these keys, with their paths."""
+    for key in keys:
+        text = part.data.get(key)
+        if isinstance(text, str):
+            yield (*part.path, key), text
