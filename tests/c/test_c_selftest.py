@@ -65,7 +65,7 @@ FAULTS = {
         r"(lika_amm5_biss_crc\(uint64_t word\).*#else.*?)<< 1U\)", r"\1<< 2U)"),
     "inversion of a CRC": ("asc85_biss.h",
         r"(lika_asc85_biss_crc\(uint64_t word\).*#else.*?)\^ 0x3FU;", r"\g<1>^ 0x3EU;"),
-    "CRC of bytes": ("sma21_rs485.h", r"(lika_sma21_rs485_crc_rs485_8\(.*?)\^", r"\1+"),
+    "CRC of bytes": ("sma21_rs485.h", r"(lika_sma21_rs485_crc_rs485_8\(.*?#else.*?)\^", r"\1+"),
     "shift of a frame": ("amm5_rs485.h", r"(lika_amm5_rs485_singleturn_reply_decode\(.*?)<< 8U", r"\1<< 7U"),
     "shift of a register": ("am36_biss_registers.h", r"(lika_am36_biss_reg_preset_decode\(.*?)<< 8U", r"\1<< 9U"),
     "level of a flag": ("sma21_biss.h",
