@@ -242,6 +242,11 @@ def test_the_stop_bit_is_checked_where_it_was_received(ask: Ask) -> None:
     assert ask(f"b {in_bytes(line)} 10") == [OK, 0x2B5]
     line = biss_line(bits_of(0x2B5, 10), 2, 3)[:16]
     assert ask(f"b {in_bytes(line)} 10") == [LENGTH, 0xA5A5A5A5A5A5A5A5]
+    # In a long buffer, the stop bit is loaded together with the word.
+    for width in (10, 31, 32, 45, 56):
+        word = bits_of(0x2B5, width)
+        buffers = [in_bytes([*biss_line(word, 2, 4, stop=stop), *[1] * 60]) for stop in (0, 1)]
+        assert [ask(f"b {buffer} {width}") for buffer in buffers] == [[OK, 0x2B5], [CONSTANT, 0xA5A5A5A5A5A5A5A5]]
     # The stop bit reveals a frame that is one bit longer, if there is a stop bit.
     line = biss_line(bits_of(0x56B, 11), 2, 1)[:16]
     assert ask(f"b {in_bytes(line)} 10") == [CONSTANT, 0xA5A5A5A5A5A5A5A5]
