@@ -91,7 +91,7 @@ static void set_bit(uint8_t *rx, size_t at, uint32_t bit)
 static void fill_biss(uint8_t *rx)
 {
     const uint64_t word = biss_word(47U);
-    const size_t fall = (size_t)(arbitrary() % 20U);
+    const size_t fall = (size_t)(arbitrary() % (one_in(4U) ? 50U : 20U));
     const size_t start = fall + (size_t)(arbitrary() % 40U);
     size_t at;
     for (at = 0U; at < 96U; at++) {
