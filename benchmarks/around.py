@@ -15,7 +15,7 @@ import json
 import sys
 import tempfile
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import reduce
 from operator import xor
 from pathlib import Path
@@ -94,7 +94,7 @@ void check(void)
 (BISS,) = (frame for frame in FRAMES if frame.name == "biss47")
 WORD, BITS, BUFFER = word(BISS), 47, 96
 POSITION = WORD >> 8
-BY_HAND = f"{HERE}/c/hand.h", f"{HERE}/c/hand_biss47.c", f"{HERE}/c/hand_receive.c"
+BY_HAND = f"{HERE}/c/hand.h", f"{HERE}/c/hand_receive.c", f"{HERE}/c/hand_spi.c"
 
 
 def _line_bits(acknowledge: int) -> str:
@@ -124,7 +124,6 @@ def _to_position(size: str) -> str:
 
 _POSITION_OUT = "static uint64_t position;\n"
 _FOUND = f"result == 0U && position == UINT64_C({POSITION:#x})"
-_HAND_FOUND = f"result == 0U && out.position == UINT64_C({POSITION:#x})"
 _RX = f"{BUFFER // 8}U"
 _SSI_RX = f"static const uint8_t rx[] = {{ {_c_bytes('1' + f'{POSITION:039b}' + '0' * 8)} }};\n"
 _AXIS = """static cw_tracker axis = { 1U, 0U, 1000U, 0U, 250U, 1062500U, 0U, 0xFFFFFFFFU, 0xFFFFFFFFU,
@@ -158,9 +157,9 @@ def _buffer_receivers(acknowledge: int) -> Iterator[Part]:
     yield Part(
         f"the same by hand, {named}",
         BY_HAND,
-        "const uint8_t *rx, hand_biss *out",
-        "return hand_receive47(rx, out) != HAND_OK || out->error;",
-        call=Call(buffer + "static hand_biss out;\n", "rx, &out", _HAND_FOUND),
+        "const uint8_t *rx, uint64_t *position",
+        "return (hand_position47(rx, position) == HAND_NOT_USABLE) ? 1U : 0U;",
+        call=Call(buffer + _POSITION_OUT, "rx, &position", _FOUND),
     )
 
 
@@ -178,9 +177,9 @@ def _sample_receivers(acknowledge: int) -> Iterator[Part]:
     yield Part(
         f"the same samples by hand, {named}",
         BY_HAND,
-        "const uint8_t *samples, uint8_t *rx, hand_biss *out",
-        "return hand_samples47(samples, rx, out) != HAND_OK || out->error;",
-        call=Call(samples + "static hand_biss out;\n", "samples, rx, &out", _HAND_FOUND),
+        "const uint8_t *samples, uint8_t *rx, uint64_t *position",
+        "return (hand_samples47(samples, rx, position) == HAND_NOT_USABLE) ? 1U : 0U;",
+        call=Call(samples + _POSITION_OUT, "samples, rx, &position", _FOUND),
     )
 
 
@@ -199,43 +198,57 @@ def _receivers() -> Iterator[Part]:
 
 
 def _to_usable_positions() -> Iterator[Part]:
-    """Yield the paths from a word or a reply to a usable position, for encoders over RS-485 and SPI."""
-    yield Part(
+    """Yield the paths from a word or a reply to a usable position, ours and by hand, over RS-485 and SPI."""
+    yield from _two_ways(
         "RS-485 reply of 11 bytes to usable position (AMM5)",
-        ("lika/amm5_rs485.h",),
+        "the same RS-485 reply by hand",
+        "lika/amm5_rs485.h",
         "const uint8_t *rx, uint64_t *position",
-        "return (uint32_t)LIKA_AMM5_RS485_READ_BYTES(A23_65KJP1, rx, 11U, position);",
-        call=Call(
+        "LIKA_AMM5_RS485_READ_BYTES(A23_65KJP1, rx, 11U, position)",
+        "hand_rs485_position(rx, position)",
+        Call(
             f"static const uint8_t rx[] = {{ {_REPLY_RX} }};\n" + _POSITION_OUT,
             "rx, &position",
             f"result == 3U && position == UINT64_C({_REPLY_POSITION:#x})",
             {"cortex-m0plus": 120, "cortex-m4": 60},
         ),
     )
-    yield Part(
+    yield from _two_ways(
         "SPI word of 48 bits with a CRC to usable position (MT6835)",
-        ("magntek/mt6835_spi.h",),
+        "the same word of 48 bits by hand",
+        "magntek/mt6835_spi.h",
         "uint64_t word, uint32_t *position",
-        "return (uint32_t)magntek_mt6835_spi_angle_position(MAGNTEK_MT6835_SPI_MT6835, word, position);",
-        call=Call(
+        "magntek_mt6835_spi_angle_position(MAGNTEK_MT6835_SPI_MT6835, word, position)",
+        "hand_mt6835_position(word, position)",
+        Call(
             f"static const uint64_t word = UINT64_C({_WORD_21:#x});\nstatic uint32_t position;\n",
             "word, &position",
             f"result == 3U && position == {_ANGLE_21}U",
             {"cortex-m0plus": 38, "cortex-m4": 27},
         ),
     )
-    yield Part(
+    yield from _two_ways(
         "SPI word of 16 bits with parity to usable position (AS5048A)",
-        ("ams/as5048a_spi.h",),
+        "the same word of 16 bits by hand",
+        "ams/as5048a_spi.h",
         "uint16_t word, uint16_t *position",
-        "return (uint32_t)ams_as5048a_spi_position_position(AMS_AS5048A_SPI_AS5048A, word, position);",
-        call=Call(
+        "ams_as5048a_spi_position_position(AMS_AS5048A_SPI_AS5048A, word, position)",
+        "hand_as5048a_position(word, position)",
+        Call(
             f"static const uint16_t word = {_WORD_14:#x}U;\nstatic uint16_t position;\n",
             "word, &position",
             f"result == 3U && position == {_ANGLE_14}U",
             {"cortex-m0plus": 26, "cortex-m4": 14},
         ),
     )
+
+
+def _two_ways(
+    title: str, title_by_hand: str, header: str, parameters: str, our_call: str, hand_call: str, call: Call
+) -> Iterator[Part]:
+    """Yield two parts that return the verdict on a position, ours and by hand. Only ours has limits."""
+    yield Part(title, (header,), parameters, f"return (uint32_t){our_call};", call=call)
+    yield Part(title_by_hand, BY_HAND, parameters, f"return (uint32_t){hand_call};", call=replace(call, at_most={}))
 
 
 PARTS = (

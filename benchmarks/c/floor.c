@@ -38,6 +38,7 @@ int floor_rs485(const uint8_t *bytes, size_t length, hand_reply *out)
     out->status_st_error = (bytes[1] & 0x10U) != 0U;
     out->status_other_error = (bytes[1] & 0x20U) != 0U;
     out->singleturn = singleturn;
+    out->encoder_id = bytes[5];
     out->multiturn = (uint16_t)multiturn;
     out->busy = (bytes[9] & 0x02U) != 0U;
     out->st_error = (bytes[9] & 0x04U) != 0U;
@@ -45,5 +46,6 @@ int floor_rs485(const uint8_t *bytes, size_t length, hand_reply *out)
     out->mt_error = (bytes[9] & 0x40U) != 0U;
     out->battery_alarm = (bytes[9] & 0x80U) != 0U;
     out->position = ((uint64_t)multiturn << 23) | singleturn;
+    out->unused = (uint16_t)((bytes[1] | ((uint32_t)bytes[9] << 8)) & 0x19CFU);
     return HAND_OK;
 }

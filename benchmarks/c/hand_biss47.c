@@ -5,18 +5,11 @@ int hand_biss47(uint64_t word, hand_biss *out)
 {
     const uint32_t high = (uint32_t)(word >> 32);
     const uint32_t low = (uint32_t)word;
-    const uint32_t h = (high << 8) | (low >> 24);
-    uint32_t v;
 
     if ((high >> 15) != 0U) {
         return HAND_LENGTH;
     }
-    v = (low & 0xFFFFFFU) ^ h ^ (h << 4); /* x^24 = x^4 + 1 */
-    v = (v & 0xFFFU) ^ (v >> 12) ^ ((v >> 12) << 2);
-    v = (v & 0x3FU) ^ (v >> 6) ^ ((v >> 6) << 1);
-    v = (v & 0x3FU) ^ (v >> 6) ^ ((v >> 6) << 1);
-    v = (v & 0x3FU) ^ (v >> 6) ^ ((v >> 6) << 1);
-    if (v != 0x3FU) {
+    if (hand_remainder6(high, low) != 0x3FU) {
         return HAND_CRC;
     }
     out->multiturn = (uint16_t)((high << 1) | (low >> 31));

@@ -10,6 +10,7 @@ import importlib
 import importlib.util
 import json
 import os
+import subprocess
 import sys
 from collections.abc import Sequence
 from dataclasses import replace
@@ -96,6 +97,19 @@ def test_what_is_around_is_within_its_bounds(name: str, around: Any) -> None:
     bounds = {part.title: part.call.at_most[name] for part in around.PARTS if part.call and name in part.call.at_most}
     assert bounds
     assert {key: limit for key, limit in bounds.items() if recorded[key][1] > limit} == {}
+
+
+@pytest.mark.parametrize("processor", ["", "__ARM_FEATURE_UNALIGNED __ARM_FEATURE_CLZ", "__AVR__"])
+def test_code_written_by_hand_does_the_same(processor: str, around: Any, tmp_path: Path) -> None:
+    """Its results, verdicts and values equal ours for a million frames, in its forms for each processor."""
+    compiler = [tool("gcc"), "-std=c99", "-O1", "-fsanitize=undefined,address", "-fno-sanitize-recover=all"]
+    macros = [f"-D{name}" for name in processor.split()]
+    program = tmp_path / "compare"
+    include = around.write_headers(tmp_path)
+    source = BENCHMARKS / "c" / "compare.c"
+    subprocess.run([*compiler, *macros, f"-I{include}", str(source), "-o", str(program)], check=True, timeout=300)
+    completed = subprocess.run([str(program)], capture_output=True, text=True, timeout=300)
+    assert (completed.returncode, completed.stdout, completed.stderr) == (0, "", "")
 
 
 def test_a_wrong_position_is_no_figure(around: Any, tmp_path: Path) -> None:
