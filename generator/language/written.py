@@ -9,10 +9,10 @@ from __future__ import annotations
 import inspect
 import sys
 from collections.abc import Callable, Mapping
-from dataclasses import MISSING, Field
+from dataclasses import MISSING, Field, dataclass
 from functools import cache
 from types import MappingProxyType
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, TypeVar
 
 from ..model.expressions import Expression, ExpressionError
 from ..model.key_types import KeyType, key_type
@@ -24,7 +24,8 @@ T = TypeVar("T")
 Reader = Callable[[Any, Path], Any]
 
 
-class Located(NamedTuple, Generic[T]):
+@dataclass(frozen=True, slots=True)
+class Located(Generic[T]):
     """A part that is the same in specs and in the model, with its place and its data. It has no sources."""
 
     part: T
