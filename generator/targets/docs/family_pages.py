@@ -252,6 +252,8 @@ def _manual_rows(device: Device) -> Iterator[tuple[str, str]]:
     yield "Revision", revision_and_date(manual)
     yield "Language", text(language(manual.language))
     yield "Publisher", text(manual.publisher)
+    if device.manufacturer.website:
+        yield "Website", text(device.manufacturer.website)
     yield "Transcribed", _second_reading_text(device.times_read)
     for evidence in (grade(device), *basis(device)):
         yield evidence.label, STYLE.phrase(replace(evidence, label=""))
