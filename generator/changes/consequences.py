@@ -215,7 +215,7 @@ def fold_alike(changes: Sequence[Change]) -> Iterator[Change]:
 
 
 def _likeness(change: Change) -> object:
-    """Return what changes that can be shown as one have in common, or None if the change stands alone."""
+    """Return the key shared by changes that are shown as one, or None if the change stands alone."""
     what_changed = change.text.rpartition(": ")[2]
     is_pause = change.rule.name == "procedure-steps" and what_changed.startswith("pause ")
     is_signal = change.rule.name == "contact" and what_changed.startswith("signal ")
@@ -237,5 +237,5 @@ def fold_types(changes: Sequence[Change]) -> Iterator[Change]:
 
 
 def _subject_text(change: Change) -> str:
-    """Return the text of a change up to what has changed."""
+    """Return the words of a change before the changed value."""
     return change.text.rpartition(": ")[0]

@@ -36,7 +36,7 @@ _SECTIONS = {
 
 
 def change_title(layer_words: str, changed_places: Sequence[str]) -> str:
-    """Return the overlay or edition of a change, and what it changes: ``Before edition 1.7: serial number``.
+    """Return the overlay or edition of a change, and the changed part: ``Before edition 1.7: serial number``.
 
     ``changed_places`` are paths, which a colon and the former value may follow, or sentences.
     """
@@ -47,7 +47,7 @@ def change_title(layer_words: str, changed_places: Sequence[str]) -> str:
 
 
 def _place_name(place: str) -> str:
-    """Return the name of what a path leads to, in words. A sentence is returned as it is."""
+    """Return the name of the part at a path, in words. A sentence is returned as it is."""
     path = _PATH.fullmatch(place)
     if path is None:
         return place

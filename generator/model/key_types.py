@@ -159,7 +159,7 @@ class KeyType(NamedTuple):
 
     @property
     def inner(self) -> KeyType:
-        """Type of what a container contains."""
+        """Type of the elements of a container."""
         return self.content[0]
 
     @property

@@ -52,7 +52,7 @@ def related(disagreements: Sequence[Disagreement]) -> list[Related]:
 
 
 def _place_in_order(disagreement: Disagreement) -> tuple[bool, bool, bool]:
-    """Return a key that puts names first, and what depends on other disagreements last."""
+    """Return a key that puts names first, and disagreements that depend on others last."""
     is_open_value = disagreement.second[-1:] == ("open",)
     is_time_without_spec = disagreement.sort is Sort.TIME and disagreement.used == NOTHING
     return not disagreement.is_name, is_open_value, is_time_without_spec
@@ -115,7 +115,7 @@ def _renamed_entry(disagreement: Disagreement, causes: Iterable[object]) -> obje
 
 
 def _renamed_place(disagreement: Disagreement, causes: Iterable[object]) -> object:
-    """Return the two names of a thing if a source or a text is at a place in it."""
+    """Return both names of a renamed part if a source or a text lies in it."""
     if disagreement.sort not in _TEXTS:
         return None
     names = {_plain_name(str(step)) for step in disagreement.place}

@@ -27,7 +27,7 @@ _QUANTITY = re.compile(
 )
 _BOUNDS = ("min", "typical", "max")
 _THING = "bits?|registers?|commands?|alarms?|inputs?"
-#: The printed name of a thing in quotes, with the word for what it is.
+#: A printed name in quotes, with the word for its kind.
 _QUOTED_NAME = re.compile(
     rf'"(?P<before>[A-Z][^"]{{2,60}})" (?:{_THING})\b|\b(?:{_THING}) "(?P<after>[A-Z][^"]{{2,60}})"'
 )
@@ -143,7 +143,7 @@ _LABEL = re.compile(r"(?<![\w/-])[A-Z][A-Z0-9]+(?![\w/-])")
 
 
 def labels_in_errata(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that an erratum about order codes uses only labels that there are, next to another label of the part."""
+    """Check that an erratum about order codes uses only existing labels next to another label of the part."""
     if report.document.family or report.document.other_files:
         return
     known_labels = _known_labels(spec)
@@ -180,7 +180,7 @@ _NAMED_ERROR = re.compile(r"\b([A-Z]{2,}) (error|alarm|flag|warning)\b")
 
 
 def alarm_names(spec: Spec, raw: Spec, report: DocumentReport) -> None:
-    """Check that a text that lists alarms names only those that there are.
+    """Check that a text that lists alarms names only alarms that exist.
 
     It lists alarms if it has the name of one of them, or says when one of their flags is active.
     """

@@ -81,7 +81,7 @@ def in_comment_lead(text: str) -> str:
 
 
 class InHeader(Style):
-    """A style that mentions an erratum in short, where it matters, with what is used instead.
+    """A style that mentions an erratum briefly, where it matters, with the value used instead.
 
     It leaves out differences from other editions.
     """
