@@ -17,10 +17,20 @@ from typing import Any
 from ..model import facts, fields, interfaces, kinds, measurement
 from ..model.key_types import JsonSchema, KeyType, key_type, limits_in_schema, name_of_part
 from ..model.part import DescribedKey, Key, description_of, is_part, keys_of
-from . import written_parts
+from . import written_codes, written_interfaces, written_layouts, written_parts
 
 #: Modules with parts.
-_MODULES = (facts, fields, interfaces, kinds, measurement, written_parts)
+_MODULES = (
+    facts,
+    fields,
+    interfaces,
+    kinds,
+    measurement,
+    written_layouts,
+    written_interfaces,
+    written_codes,
+    written_parts,
+)
 #: Places of parts in the definitions of the schema, if they are not called like the class.
 _PLACES: Mapping[str, str] = MappingProxyType(
     {
@@ -126,7 +136,7 @@ def _with_block(lines: Sequence[str], begin: int, keys: Sequence[str], text_of: 
 
 
 def _text(schema: JsonSchema, indent: int) -> str:
-    """Return the text of a schema. Only objects with properties, and what contains them, take several lines."""
+    """Return the text of a schema. Only objects with properties, and their containers, take several lines."""
     if '"properties"' not in json.dumps(schema):
         return json.dumps(schema, ensure_ascii=False)
     lines: list[str] = []

@@ -10,7 +10,9 @@ import yaml
 from codewheel.language import written_parts
 from codewheel.language.part_schema import described_parts
 from codewheel.language.written import Located, WrittenPart
-from codewheel.language.written_parts import WrittenBiss, WrittenField, WrittenLayout, WrittenRegister
+from codewheel.language.written_codes import WrittenRegister
+from codewheel.language.written_interfaces import WrittenBiss
+from codewheel.language.written_layouts import WrittenField, WrittenLayout
 from codewheel.model.expressions import Expression
 from codewheel.model.part import keys_of
 
@@ -87,10 +89,6 @@ def test_every_key_of_every_part_can_be_read_from_an_empty_map() -> None:
             value = getattr(part, name)
             is_empty = not value or (isinstance(value, (WrittenPart, Located)) and not value.data)
             assert is_empty or value is described.default, f"{kind.__name__}.{name}"
-
-
-def test_the_classes_are_in_one_module() -> None:
-    assert written_parts.WrittenSpi({"mode": 2}).mode == 2
 
 
 def test_rules_ask_only_for_keys_that_exist() -> None:

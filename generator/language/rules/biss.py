@@ -8,7 +8,9 @@ from dataclasses import dataclass
 from ...model import Biss, Crc
 from ..problems import DocumentReport, Path, quoted
 from ..written import Located
-from ..written_parts import WrittenField, WrittenRegister, WrittenSpec
+from ..written_codes import WrittenRegister
+from ..written_layouts import WrittenField
+from ..written_parts import WrittenSpec
 from .parts import bank_select, by_name, by_part_name, expanded, explained, interface_of, layouts, position_names
 
 #: Registers with a fixed place in BiSS, by their usual name: address, length, and the place in words.

@@ -8,13 +8,10 @@ from collections.abc import Iterator
 from ...model import INTERFACES
 from ..problems import DocumentReport, quoted, suggestion
 from ..schema_files import is_second
-from ..written_parts import (
-    WrittenCodeValue,
-    WrittenField,
-    WrittenGray,
-    WrittenSpec,
-    WrittenSsi,
-)
+from ..written_codes import WrittenCodeValue
+from ..written_interfaces import WrittenSsi
+from ..written_layouts import WrittenField, WrittenGray
+from ..written_parts import WrittenSpec
 from .parts import (
     FieldList,
     Has,

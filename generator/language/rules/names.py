@@ -6,7 +6,9 @@ from collections.abc import Iterable, Iterator, Sequence
 
 from ..problems import MISSING_PROSE, DocumentReport, Path, quoted
 from ..schema_files import family_of
-from ..written_parts import WrittenRegister, WrittenRs485, WrittenSpec
+from ..written_codes import WrittenRegister
+from ..written_interfaces import WrittenRs485
+from ..written_parts import WrittenSpec
 from .parts import PlacedPart, by_name, expanded, field_lists, interface_of, interfaces, last_address, layouts
 
 #: Keys of a data ID that must be unique, each with the word for such a data ID.

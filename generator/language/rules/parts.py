@@ -20,18 +20,10 @@ from ..document import Document
 from ..problems import DocumentReport, Path
 from ..schema_files import is_second
 from ..written import Located
-from ..written_parts import (
-    WrittenBiss,
-    WrittenControlData,
-    WrittenField,
-    WrittenFieldGroup,
-    WrittenLayout,
-    WrittenRegister,
-    WrittenRs485,
-    WrittenSpec,
-    WrittenSpi,
-    WrittenSsi,
-)
+from ..written_codes import WrittenRegister
+from ..written_interfaces import WrittenBiss, WrittenControlData, WrittenRs485, WrittenSpi, WrittenSsi
+from ..written_layouts import WrittenField, WrittenFieldGroup, WrittenLayout
+from ..written_parts import WrittenSpec
 
 #: A rule, called with the pruned data, the data as read, and the report.
 Rule = Callable[[WrittenSpec, WrittenSpec, DocumentReport], None]

@@ -7,7 +7,9 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from ...model import INTERFACES, Verdict
 from ..document import Path
 from ..problems import DocumentReport, quoted, suggestion
-from ..written_parts import WrittenAlternative, WrittenCombination, WrittenField, WrittenSpec
+from ..written_codes import WrittenAlternative
+from ..written_layouts import WrittenCombination, WrittenField
+from ..written_parts import WrittenSpec
 from .bits import names_error
 from .parts import (
     FieldList,

@@ -10,7 +10,8 @@ from ...model import INTERFACES, Biss
 from ..document import Path
 from ..problems import DocumentReport, quoted
 from ..schema_files import is_second
-from ..written_parts import WrittenOpenedBy, WrittenRegister, WrittenSpec, WrittenStep
+from ..written_codes import WrittenOpenedBy, WrittenRegister
+from ..written_parts import WrittenSpec, WrittenStep
 from .parts import (
     bank_select,
     by_name,

@@ -8,15 +8,9 @@ from collections.abc import Iterator, Mapping, Sequence
 from ...model import Spi
 from ..problems import DocumentReport, quoted, suggestion
 from ..schema_files import is_second
-from ..written_parts import (
-    WrittenField,
-    WrittenLayout,
-    WrittenRs485,
-    WrittenRs485Exchange,
-    WrittenSpec,
-    WrittenSpi,
-    WrittenSpiExchange,
-)
+from ..written_interfaces import WrittenRs485, WrittenRs485Exchange, WrittenSpi, WrittenSpiExchange
+from ..written_layouts import WrittenField, WrittenLayout
+from ..written_parts import WrittenSpec
 from .parts import (
     FieldList,
     Groups,

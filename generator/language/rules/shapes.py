@@ -8,7 +8,8 @@ from ...model import INTERFACES, LayoutRange, Measurement, Spi
 from ...model.expressions import Expression, ExpressionError
 from ..problems import DocumentReport, Path, listed, missing, quoted
 from ..written import Located
-from ..written_parts import WrittenExample, WrittenField, WrittenLayout, WrittenSpec
+from ..written_layouts import WrittenField, WrittenLayout
+from ..written_parts import WrittenExample, WrittenSpec
 from .parts import (
     FieldList,
     Has,

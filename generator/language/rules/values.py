@@ -15,7 +15,9 @@ from ..document import Path, is_placeholder
 from ..problems import DocumentReport, missing, quoted, suggestion
 from ..schema_files import is_second
 from ..written import Located
-from ..written_parts import WrittenField, WrittenRs485, WrittenSpec, WrittenSsi
+from ..written_interfaces import WrittenRs485, WrittenSsi
+from ..written_layouts import WrittenField
+from ..written_parts import WrittenSpec
 from . import parts
 from .parts import (
     MAX_FIELDS,

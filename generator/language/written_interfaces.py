@@ -1,0 +1,182 @@
+"""Interfaces with their layouts and requests, as they are written in specs. See ``written_parts.py``."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from ..model.facts import (
+    Timing,
+)
+from ..model.interfaces import CableLength, Clock, DataId, MemoryAccess, Network, Port, Timeout
+from ..model.measurement import Measurement
+from ..model.part import (
+    Formula,
+    Name,
+    Prose,
+    SourceText,
+    key,
+    note_key,
+)
+from .written import Located, WrittenPart, written
+from .written_layouts import (
+    WrittenField,
+    WrittenLayout,
+)
+
+
+@written("Synchronous serial interface.")
+class WrittenSsi(WrittenPart):
+    source: SourceText = key("")
+    clock: Located[Clock] = key("")
+    alignment: Literal["msb_left", "lsb_right"] = key(
+        "Alignment of the word: left (MSB with the first clock, zeros after the word) or right (zeros before it)."
+    )
+    alignment_source: SourceText = key(
+        "Source for the alignment of this encoder. Default: the source of the interface.", default=""
+    )
+    output_code: Literal["", "binary", "gray", "by_order_code"] = key(
+        "Position encoding (binary or Gray), as stated in the manual for this interface. Decoders "
+        "follow the key gray of a layout, and check compares the two.",
+        default="",
+    )
+    output_code_source: SourceText = key(
+        "Source for the code of this encoder. Default: the source of the interface.", default=""
+    )
+    signals: Prose = key("Electrical standard of the signals.", default="")
+    cable_lengths: tuple[Located[CableLength], ...] = key("Highest clock by cable length.", least=0, default=())
+    measurement: Located[Measurement] | None = key("", default=None)
+    timings: tuple[Located[Timing], ...] = key("Timings of this interface.", least=0, default=())
+    layouts: tuple[WrittenLayout, ...] = key("Layouts of the word.", most=256)
+    note: Prose = note_key(default="")
+
+
+@written(
+    "Fields of the control frame, as far as the manual describes them. They are not a complete "
+    "frame, so no layout is generated."
+)
+class WrittenControlData(WrittenPart):
+    fields: tuple[WrittenField, ...] = key("Fields, in the order of the manual.", most=512)
+    note: Prose = key("Information that the manual does not give.", default="")
+    source: SourceText = key("")
+
+
+@written("BiSS C-mode.")
+class WrittenBiss(WrittenPart):
+    source: SourceText = key("")
+    clock: Located[Clock] = key("")
+    signals: Prose = key("Electrical standard of the signals.", default="")
+    description_file: str = key(
+        "Name of the device description file that, according to the manual, is installed in the master.",
+        pattern=r"^[A-Za-z0-9_.-]+$",
+        longest=64,
+        default="",
+    )
+    bank_select: Name = key("Register that selects the bank of the banked area.", default="")
+    profile: Prose = key("Encoder profile that the manual names.", default="")
+    network: Located[Network] | None = key("", default=None)
+    timeout: Located[Timeout] | None = key("", default=None)
+    control_data: WrittenControlData | None = key("", default=None)
+    measurement: Located[Measurement] | None = key("", default=None)
+    timings: tuple[Located[Timing], ...] = key("Timings of this interface.", least=0, default=())
+    layouts: tuple[WrittenLayout, ...] = key("Layouts of the single cycle data.", most=256)
+    note: Prose = note_key(default="")
+
+
+@written("One request.")
+class WrittenRs485Exchange(WrittenPart):
+    request: Name = key("Layout that the master sends.")
+    reply: Name = key(
+        "Layout that the encoder sends in reply. Leave it out if the encoder does not answer.", default=""
+    )
+    purpose: Literal["position", "other"] = key("Effect of the request.")
+    source: SourceText = key("", default="")
+
+
+@written(
+    "RS-485 with requests and replies. Give either data_ids or exchanges. data_ids: frames like "
+    "those of Tamagawa's T-format, whose first byte is a control field with one of up to 32 data "
+    "IDs. exchanges: any other requests with their replies, such as an address, a command and a "
+    "checksum. Modbus, EnDat, Nikon's A-format and register banks are not supported."
+)
+class WrittenRs485(WrittenPart):
+    source: SourceText = key("")
+    port: Located[Port] = key("")
+    data_ids: tuple[Located[DataId], ...] = key(
+        "Data IDs, each with the control field that the manual prints for it. Needed unless there are exchanges.",
+        default=(),
+    )
+    exchanges: tuple[WrittenRs485Exchange, ...] = key(
+        "Requests with their replies, if these have no data IDs. The constants in a request "
+        "distinguish it from the others. Values that the reply repeats from the request, such as an "
+        "address, are fields with the same name in both.",
+        most=64,
+        default=(),
+    )
+    memory_access: tuple[Located[MemoryAccess], ...] = key(
+        "Replies of the encoder to a memory access, depending on the busy flag.", least=0, default=()
+    )
+    measurement: Located[Measurement] | None = key("", default=None)
+    timings: tuple[Located[Timing], ...] = key("Timings of this interface.", least=0, default=())
+    layouts: tuple[WrittenLayout, ...] = key("Requests and replies.", most=256)
+    note: Prose = note_key(default="")
+
+
+@written("One request.")
+class WrittenSpiExchange(WrittenPart):
+    request: Name = key("Layout that the master sends.")
+    reply: Name = key("Layout that the encoder sends in reply.")
+    purpose: Literal["position", "read", "write", "other"] = key(
+        "Effect of the request. read: its field address is that of a register, and the reply has its "
+        "value in the field data. write: its fields address and data are those of a register. If they "
+        "are in two words, list these in order. other: anything else."
+    )
+    word_bits: Formula | None = key(
+        "Bits of the request and of its reply, 8 to 64, if they differ from word_bits of the interface.", default=None
+    )
+    source: SourceText = key("", default="")
+
+
+@written(
+    "SPI, where each word of the master can be a request and each word of the encoder a reply. "
+    "Every layout has word_bits bits, of its exchange or of the interface, most significant first. "
+    "A register has a single address, and its value is the field data of a frame. Chip select, and "
+    "timings other than those listed, are not described."
+)
+class WrittenSpi(WrittenPart):
+    source: SourceText = key("")
+    mode: int = key(
+        "SPI mode: 0 and 1 have a clock that idles low, 2 and 3 one that idles high. 0 and 2 take data "
+        "on the first edge, 1 and 3 on the second.",
+        minimum=0,
+        maximum=3,
+    )
+    word_bits: Formula = key(
+        "Bits of a word, during which the chip select stays active: 8 to 64. An exchange can have its own."
+    )
+    reply: Literal["same_word", "next_word"] = key(
+        "Word in which the encoder answers a request: the same one, or the next one."
+    )
+    clock: Located[Clock] = key("")
+    exchanges: tuple[WrittenSpiExchange, ...] = key(
+        "Requests with their replies. Leave it out if the encoder ignores the words of the master. It "
+        "then has a single layout.",
+        most=64,
+        default=(),
+    )
+    measurement: Located[Measurement] | None = key("", default=None)
+    timings: tuple[Located[Timing], ...] = key("Timings of this interface.", least=0, default=())
+    layouts: tuple[WrittenLayout, ...] = key("Requests and replies.", most=64)
+    note: Prose = note_key(default="")
+
+
+@written(
+    "Interfaces of the family, each with its layouts: clocked words (ssi), BiSS C (biss), requests "
+    "and replies as bytes (rs485), or words with requests and replies (spi). Encoders with other "
+    "interfaces are not supported.",
+    needs_a_key=True,
+)
+class WrittenInterfaces(WrittenPart):
+    ssi: WrittenSsi | None = key("", default=None)
+    biss: WrittenBiss | None = key("", default=None)
+    rs485: WrittenRs485 | None = key("", default=None)
+    spi: WrittenSpi | None = key("", default=None)

@@ -1,0 +1,296 @@
+"""Fields and layouts of frames, as they are written in specs. See ``written_parts.py``."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Literal
+
+from ..model.kinds import Digits, Scale
+from ..model.measurement import LayoutRange
+from ..model.part import (
+    NOTHING,
+    PATTERNS,
+    BitRange,
+    Count,
+    Formula,
+    Joins,
+    Name,
+    NameOrNames,
+    Names,
+    NumberOrText,
+    OtherBits,
+    Prose,
+    RegisterBit,
+    SourceText,
+    VerdictOfAnswer,
+    key,
+    note_key,
+    printed_name_key,
+)
+from .written import Located, WrittenPart, written
+
+#: Named values of a field or register, by name.
+Values = Mapping[str, "WrittenValue"]
+
+
+@written("One value.")
+class WrittenValue(WrittenPart):
+    value: Count = key("Number that the name stands for.")
+    printed_name: Prose = printed_name_key(default="")
+    names: Names = key("", default=NOTHING)
+    meaning: Prose = key("Meaning or effect.", default="")
+    makes_position: Literal["", "not_usable", "usable_with_warning", "usable"] = key(
+        "In a frame of the encoder with the position: the verdict on the position while the field has "
+        "this value, as for a flag. Default: the value does not affect it. The value is reported like "
+        "an active flag, unless makes_position is usable. In a field called field, {too_weak: {value: "
+        "2, makes_position: not_usable}} is reported as field_too_weak.",
+        default="",
+    )
+    source: SourceText = key("", default="")
+
+
+@written("One field of a layout, group or register, or a reference to a group of fields.")
+class WrittenField(WrittenPart):
+    use: Name = key("Name of a field group whose fields are included here.", default="")
+    name: Name = key("Name of the field.", default="")
+    printed_name: Prose = printed_name_key(default="")
+    names: Names = key("", default=NOTHING)
+    bits: Formula | None = key(
+        "Width in bits, or a parameter that gives it. The width is 0 for order codes and settings "
+        "without the field. In a frame, this is also possible for a flag or parity bit: {name: error, "
+        "bits: error_bits, active: high, makes_position: not_usable}, where each order code sets "
+        "error_bits to 1 or 0. Decoders return an absent number as 0 and an absent flag as inactive, "
+        "and encoders reject other values. The verdict is unknown for order codes without any bit that "
+        "says whether the position is usable.",
+        default=None,
+    )
+    at: BitRange | None = key(
+        "Position as a bit number or a range with the high bit first, as in 7:6. Bit 0 is the least significant.",
+        default=None,
+    )
+    top_bit: int | None = key(
+        "Position of the field's highest bit, if its lowest bit depends on the width.",
+        minimum=0,
+        maximum=1023,
+        default=None,
+    )
+    low_bit: Formula | None = key("Position of the field's lowest bit, if it depends on a parameter.", default=None)
+    padded_to: int | None = key(
+        "Number of bits in which the field is right-aligned. The bits above it are zero.",
+        minimum=1,
+        maximum=64,
+        default=None,
+    )
+    constant: Count | None = key(
+        "Fixed value of bits that identify a valid frame: a sync code, an ID, or the zeros above a "
+        "number. A frame with any other value is rejected.",
+        default=None,
+    )
+    unused: Count | None = key(
+        "Documented value of bits that have no meaning in this encoder: reserved bits and fixed status "
+        "bits. A frame with any other value is still decoded, and the bits are reported, unless "
+        "makes_position is usable. makes_position then gives the verdict on the position.",
+        default=None,
+    )
+    active: Literal["", "high", "low"] = key(
+        "For a one-bit flag: the active level. A bit for 'not ready' is a flag too: {name: not_ready, "
+        "active: high, makes_position: not_usable, when_active: the value is not ready}.",
+        default="",
+    )
+    when_active: Prose = key("Meaning of the flag when it is active.", default="")
+    when_inactive: Prose = key("Meaning of the flag when it is inactive.", default="")
+    makes_position: Literal["", "not_usable", "usable_with_warning", "usable"] = key(
+        "For a flag in a frame with the position: the verdict on the position while the flag is "
+        "active. not_usable: the position is wrong, frozen, 0 or doubtful. usable_with_warning: it can "
+        "be used, but something needs attention. usable: the flag does not affect it. For unused bits: "
+        "the verdict when they differ from the manual (default: usable_with_warning, or unknown if no "
+        "flag of the frame says whether the position is usable). Over BiSS, the defaults are "
+        "not_usable for error and usable_with_warning for warning. Describe a bit that means 'valid' "
+        "as a flag that is active at its level for 'not valid'.",
+        default="",
+    )
+    makes_position_if: Mapping[Name, VerdictOfAnswer] = key(
+        "For a flag with makes_position: another verdict, if the user's answer sets this parameter to "
+        "1, as in {low_battery_only: usable_with_warning}. The parameter belongs to an alternative "
+        "with a default.",
+        most=1,
+        default=NOTHING,
+    )
+    sums_up: tuple[Name, ...] = key(
+        "For a flag: the flags that it combines. If a frame also contains these and one of them is "
+        "active, only they decide the verdict on the position.",
+        default=(),
+    )
+    only: Prose = key(
+        "For a flag: the order codes for which the manual explains it, as in .../65K...:",
+        writing=f"{PATTERNS} For other order codes, an active flag is reported as not explained, and the position is "
+        "usable with a warning. A parameter that the order code sets must be 0 for exactly those other order codes.",
+        default="",
+    )
+    remedy: Prose = key("For a flag: instructions for clearing it, if no alarm gives them.", default="")
+    by_hand: tuple[Name, ...] = key(
+        "For a flag: names of characteristics that list steps for a person. Their values contain the "
+        "steps, numbered 1., 2., 3.",
+        default=(),
+    )
+    values: Values = key("Values that the field can take, by name.", default=NOTHING)
+    others: Literal["", "reserved"] = key(
+        "Write 'reserved' if the manual reserves all values that it does not list. Decoders then give "
+        "them names such as reserved_3. Without this key, decoders report them as errors. The key "
+        "needs 'values' next to it, and is allowed only in fields of at most 4 bits that an encoder "
+        "sends.",
+        default="",
+    )
+    values_of: Literal["", "data_ids"] = key(
+        "The field takes its values from the interface's table of data IDs.", default=""
+    )
+    crc: Name = key(
+        "Name of the CRC that the field holds, computed over everything sent before it, or over the fields crc_of.",
+        default="",
+    )
+    crc_of: tuple[Name, ...] = key(
+        "With crc, in a frame of bits: the fields that the CRC covers, adjacent and in the order in "
+        "which they are sent. They can include the request if it shares a line with the reply. A "
+        "'note' of the field or of the layout names the other fields with data. Default: everything "
+        "sent before the CRC.",
+        most=32,
+        default=(),
+    )
+    parity_of: NameOrNames = key(
+        "The field, list of fields or join that this parity bit covers. Over SPI without a CRC, it "
+        "covers all other fields of the word, unless a 'note' here says otherwise.",
+        default=(),
+    )
+    parity: Literal["", "even", "odd"] = key(
+        "With parity_of: parity of the number of ones in the covered fields and the parity bit "
+        "together. Default: even.",
+        default="",
+    )
+    over: Literal["", "odd_bits", "even_bits"] = key(
+        "With parity_of: the bits of each covered field that count. odd_bits: bits 1, 3, 5 and so on. "
+        "even_bits: bits 0, 2, 4 and so on. Bit 0 is the least significant bit of the field. Default: "
+        "all bits.",
+        default="",
+    )
+    digits: tuple[Located[Digits], ...] = key(
+        "Parts into which the decimal digits of the number are split, most significant first.", default=()
+    )
+    text: Literal["", "ascii"] = key("Character code of the bytes.", default="")
+    equals: NumberOrText | None = key(
+        "For a number, text or named values: value expected on this device, for identification. It is "
+        "text for a text field, otherwise a number or an expression of parameters. Unlike a constant, "
+        "it is compared but not enforced.",
+        default=None,
+    )
+    signed: bool = key("True if the number is in two's complement.", default=False)
+    zero_means: Count | None = key("Number that a raw value of 0 represents, if not zero.", default=None)
+    power_of_two: bool = key("True if only powers of two are accepted.", default=False)
+    implemented: bool = key("False if this encoder does not implement it. Default: true.", default=True)
+    reserved: Literal["", "maker"] = key("Write 'maker' if only the manufacturer may use this.", default="")
+    explained_by: tuple[RegisterBit, ...] = key(
+        "Bits of other registers that give details, each as register.field.", default=()
+    )
+    unit: Prose = key("For a number: unit of one count.", default="")
+    scale: Located[Scale] | None = key("", default=None)
+    default: Count | None = key("Factory default.", default=None)
+    meaning: Prose = key("Meaning of the field.", default="")
+    note: Prose = note_key(default="")
+    source: SourceText = key("", default="")
+
+
+@written("Fields that several layouts share.")
+class WrittenFieldGroup(WrittenPart):
+    name: Name = key("Name that 'use' refers to.")
+    printed_name: Prose = printed_name_key(default="")
+    names: Names = key("", default=NOTHING)
+    bits: int = key("Width of the whole group.", minimum=1, maximum=64)
+    other_bits: OtherBits = key("", default="")
+    note: Prose = note_key(default="")
+    source: SourceText = key("")
+    fields: tuple[WrittenField, ...] = key("Fields.", most=512)
+
+
+@written("The number that is sent in Gray code as one word, and the condition under which this applies.")
+class WrittenGray(WrittenPart):
+    of: Name = key("Name of the field or join. A join can include flags that are active high.")
+    when: Name = key(
+        "Parameter that is 1 for Gray and 0 for binary. Leave it out if the number is always in Gray code.", default=""
+    )
+    excess: Formula | None = key(
+        "For Gray excess, where the counts per turn are not a power of two: number that is sent for "
+        "position 0. It is half of the codes that do not occur: (2^9 - 360) / 2 = 76 for 360 counts, "
+        "152 for 720. Decoders subtract it, and reject the codes that do not occur. It can be a "
+        "parameter, which is 0 for order codes with a power of two.",
+        default=None,
+    )
+
+
+@written(
+    "Values of several fields of a frame that together decide the verdict on the position, such as "
+    "two flags that are both active. It is reported like an active flag of this name: {name: "
+    "field_out_of_range, when: {increasing: active, decreasing: active}, meaning: The field is out "
+    'of its range, makes_position: usable_with_warning, source: "7.1"}. For one flag or one named '
+    "value, write makes_position there."
+)
+class WrittenCombination(WrittenPart):
+    name: Name = key("Name of the report.")
+    printed_name: Prose = printed_name_key(default="")
+    when: Mapping[Name, Name] = key(
+        "At least two fields of the frame, each with its value: active or inactive for a flag, "
+        "otherwise the name of one of its 'values'. All of them must have these values, as in "
+        "{field_increasing: active, field_decreasing: active}.",
+        most=16,
+    )
+    meaning: Prose = key("Meaning of these values together.")
+    makes_position: Literal["not_usable", "usable_with_warning"] = key(
+        "Verdict on the position while the fields have these values. It must be more severe than the "
+        "verdict of each of the values alone, since the most severe one applies."
+    )
+    remedy: Prose = key("Instructions for leaving this state.", default="")
+    note: Prose = note_key(default="")
+    source: SourceText = key("")
+
+
+@written(
+    "Named fields, in order, one after the other. Their widths add up to the length of the frame, "
+    "which is word_bits over SPI: that of the exchange, or else of the interface."
+)
+class WrittenLayout(WrittenPart):
+    name: Name = key("The layout's name.")
+    printed_name: Prose = printed_name_key(default="")
+    from_: Literal["encoder", "master"] = key("Sender of the frame.")
+    carried_as: Literal["", "bits", "bytes"] = key(
+        "Form on the line: one string of bits, with the most significant one sent first, or bytes. "
+        "Frames of 65 to 128 bits need bytes. If a BiSS or SSI frame is not a whole number of bytes, "
+        "its first byte begins with zeros that are not sent.",
+        default="",
+    )
+    byte_order: Literal["", "low_byte_first", "high_byte_first"] = key(
+        "For bytes: order in which fields are listed and numbers are sent. A single byte needs it only "
+        "if it has several fields without positions. For words over SPI: low_byte_first if joined "
+        "numbers are sent low byte first. Describe each byte as a field.",
+        default="",
+    )
+    channel: int | None = key(
+        "For BiSS: the data channel that carries it, if the encoder has several. A master keeps the "
+        "channels separate, so no field is needed to distinguish them.",
+        minimum=1,
+        maximum=64,
+        default=None,
+    )
+    when: Mapping[Name, tuple[Count, ...]] = key(
+        "A field and those of its values that distinguish this layout from the other layouts of the "
+        "same sender. If frames consist of bytes, the field must have the same position in all of them.",
+        most=1,
+        default=NOTHING,
+    )
+    fields: tuple[WrittenField, ...] = key("Fields, either in sending order or each with its position.", most=512)
+    join: Joins = key("", default=NOTHING)
+    gray: WrittenGray | None = key("", default=None)
+    combinations: tuple[WrittenCombination, ...] = key(
+        "Values of several fields that together decide the verdict on the position.", most=64, least=0, default=()
+    )
+    position_range: Located[LayoutRange] | None = key("", default=None)
+    other_bits: OtherBits = key("", default="")
+    note: Prose = note_key(default="")
+    source: SourceText = key("")
