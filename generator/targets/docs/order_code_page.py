@@ -19,6 +19,7 @@ from ...model import (
     Parameter,
     Register,
     Variant,
+    member_named,
 )
 from ...model.record import dataclass
 from ...model.steps import has_steps, steps_of
@@ -320,8 +321,7 @@ def _frame_section(group: CodeGroup, layout: Layout, pictures: Pictures) -> Sect
     crc = group.family.crc_of(layout)
     choices = [alternative.name for alternative in group.device.alternatives]
     # The layout of the page has other notes. Verdicts are known for that of the family.
-    family_layouts = group.family.interface(group.interface.name).layouts
-    family_layout = next(candidate for candidate in family_layouts if candidate.name == layout.name)
+    family_layout = member_named(group.family.interface(group.interface.name).layouts, layout.name, "layout")
     verdict_head, verdict_rows = verdict_table(group.family, group.device, family_layout, group.variants[0])
     return {
         "title": title(layout),

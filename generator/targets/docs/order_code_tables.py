@@ -21,6 +21,7 @@ from ...model import (
     PlacedLayout,
     Variant,
     Verdict,
+    member_named,
 )
 from ...order_codes.labels import filled
 from ...order_codes.parameters import parameters_of, run_time_names, with_answers
@@ -287,8 +288,7 @@ def frame_facts(
     crc = family.crc_of(layout)
     yield "CRC", "none" if crc is None else crc_line(family, crc)
     # The layout of a page has other notes, and the range of a position is known for that of the family.
-    family_layouts = family.interface(variant.interface).layouts
-    family_layout = next(candidate for candidate in family_layouts if candidate.name == layout.name)
+    family_layout = member_named(family.interface(variant.interface).layouts, layout.name, "layout")
     placed_layout = family_layout.place(variant.parameters)
     yield from _flag_facts(placed_layout)
     for placed_field in placed_layout.fields:
