@@ -149,8 +149,9 @@ class Index:
             return ["aside", "", ""]
         if family and re.search(r"(errata|masters|manual)$", name):
             return ["masters" if name.endswith("masters") else "aside", family, ""]
-        if family and name in encoders.interfaces_of(family):
-            return ["interface", family, name]
+        interface = name.partition("-")[0]
+        if family and interface in encoders.interfaces_of(family):
+            return ["interface", family, interface]
         return ["family" if family else "general", family, ""]
 
 

@@ -39,7 +39,7 @@ def hostile_files(hostile: Library) -> Files:
 
 def family_pages_text(files: Files, name: str) -> str:
     """Return the pages of a family, except those of order codes, as one text."""
-    family_pages = [page for path, page in files.items() if re.fullmatch(rf"docs/{name}(/[a-z0-9]+)?\.md", path)]
+    family_pages = [page for path, page in files.items() if re.fullmatch(rf"docs/{name}(/[a-z0-9-]+)?\.md", path)]
     return "\n".join(family_pages)
 
 
@@ -434,12 +434,12 @@ def test_profile_ids_stay_hexadecimal(files: Files) -> None:
 def test_the_bank_stands_in_the_table_of_registers(files: Files) -> None:
     """TV62, 4.2 and 4.3: 00h to 03h is the preset in bank 1, and 00h and 01h the upper limit in bank 2."""
     banked, _ = load_library([Path(__file__).parents[2] / "docs" / "example"])
-    page = generate(Library(banked))["docs/tv62/biss.md"]
+    page = generate(Library(banked))["docs/tv62/biss-registers.md"]
     assert "| Bank | Address | Register |" in page
     assert "| 1 | 00h to 03h | [`preset`]" in page
     assert "| 2 | 00h to 01h | [`upper_limit`]" in page
     assert "|  | 40h | [`bank`]" in page
-    assert "| Bank |" not in files["docs/amm5/biss.md"]
+    assert "| Bank |" not in files["docs/amm5/biss-registers.md"]
 
 
 def test_one_of_a_thing_is_no_plural(files: Files) -> None:

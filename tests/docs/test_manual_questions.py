@@ -43,5 +43,6 @@ def test_revolutions_while_off(pages: Mapping[str, str]) -> None:
     assert limit in pages["docs/am36/biss.md"].split("## ")[0]
     assert limit in pages["docs/am36/AM3616-4096-I7.md"].split("## ")[0]
     assert limit not in pages["docs/am36/AM3616-4096-BG.md"].split("## ")[0]
-    restore = pages["docs/am36/biss.md"].split('<a id="procedure-restore_defaults"></a>')[1].split("<a id=")[0]
+    procedures_page = pages["docs/am36/biss-procedures.md"]
+    restore = procedures_page.split('<a id="procedure-restore_defaults"></a>')[1].split("<a id=")[0]
     assert limit in " ".join(restore.split())

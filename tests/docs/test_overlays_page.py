@@ -86,7 +86,7 @@ def test_every_output_has_the_change_with_reason_and_source(generated: Path) -> 
     texts: Mapping[str, str] = {
         "C": header,
         "Python": (generated / "python" / "tolvarn_encoders" / "facts" / "tv62_s042.py").read_text(encoding="utf-8"),
-        "page": (generated / "docs" / "tv62_s042" / "biss.md").read_text(encoding="utf-8"),
+        "page": (generated / "docs" / "tv62_s042" / "biss-registers.md").read_text(encoding="utf-8"),
         "XML": (generated / "biss" / "tolvarn-tv62_s042.xml").read_text(encoding="utf-8"),
     }
     for name, text in texts.items():

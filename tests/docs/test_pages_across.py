@@ -21,7 +21,7 @@ def test_every_register_is_listed_by_its_address(library: Library, pages: Files)
     for device in library.devices:
         for register in device.registers:
             register_rows = rows(page, f"{register.address:02X}h")
-            link = f"({device.name}/{register.interface}.md#register-{register.name})"
+            link = f"({device.name}/{register.interface}-registers.md#register-{register.name})"
             assert any(link in row for row in register_rows), register.name
     places = [line[2:4] for line in page.splitlines() if line[4:5] == "h" and line.startswith("| ")]
     assert places == sorted(places)
@@ -38,13 +38,13 @@ def test_every_alarm_and_led_is_listed(library: Library, pages: Files) -> None:
     "row",
     [
         # AM36 6.5 p.31 and 6.6 p.32; AMM5 p.7, 5.2 p.28, 6.2.1 p.32, 6.4 p.35 and p.39; SMA21 7.1 p.37.
-        "| [AM36](am36.md) | [55h](am36/biss.md#register-device_type) | Device type | `02h` |",
+        "| [AM36](am36.md) | [55h](am36/biss-registers.md#register-device_type) | Device type | `02h` |",
         "| BiSS C-mode | [AM36](am36.md) | Clock | 200 kHz to 10 MHz |",
         "| BiSS C-mode | [AMM5](amm5.md) | [`single_cycle_data`](amm5/biss.md#layout-single_cycle_data) | 25 to 47 |",
-        "| [AMM5](amm5.md) | [78h to 7Dh](amm5/biss.md#register-device_id) | Device ID, name | `AMM5` |",
+        "| [AMM5](amm5.md) | [78h to 7Dh](amm5/biss-registers.md#register-device_id) | Device ID, name | `AMM5` |",
         "| RS-485 | [AMM5](amm5.md) | [`complete_reply`](amm5/rs485.md#layout-complete_reply) | 88 | low byte first |",
         "| [AMM5](amm5.md) | Singleturn resolution | 17, 21, 23 | bits |",
-        "| [AMM5](amm5.md) | low byte first | [11h to 17h Preset](amm5/biss.md#register-preset) |",
+        "| [AMM5](amm5.md) | low byte first | [11h to 17h Preset](amm5/biss-registers.md#register-preset) |",
         pytest.param(
             "| [AMM5](amm5.md) | AMM5A and AMM5B absolute kit encoders "
             "| `AMM5xy/zu` with x = A or B, y = 17, 21 or 23, z = 1 or 65K, u = BG1, SC1 or JP1 |",
@@ -58,8 +58,8 @@ def test_what_tells_the_families_apart(pages: Files, row: str) -> None:
     assert rows(pages["docs/which-encoder.md"], row.removeprefix("| "))
 
 
-#: A link to a register or a frame, after its numbers: `[42h to 43h](am36/biss.md#register-profile_id)`.
-LINK = re.compile(r"\[([^]]*)\]\((\w+)/\w+\.md#(?:register|layout)-(\w+)\)")
+#: A link to a register or a frame, after its numbers: `[42h to 43h](am36/biss-registers.md#register-profile_id)`.
+LINK = re.compile(r"\[([^]]*)\]\((\w+)/[\w-]+\.md#(?:register|layout)-(\w+)\)")
 
 
 def cells(page: str, part: str) -> list[list[str]]:

@@ -17,7 +17,7 @@ from ...say.names_and_places import TERMS, Term, Titled, addresses, title, words
 from ...say.order_code import parameter_value, settings
 from ...say.text import volts
 from .order_code_tables import order_codes
-from .page_links import interface_page_path, link_to_alarm, link_to_layout, link_to_register, links_to_steps
+from .page_links import link_to_alarm, link_to_layout, link_to_register, links_to_steps, path_to_anchor
 
 #: File names of the pages, which no family can have.
 WHICH_ENCODER, REGISTERS, ALARMS = (
@@ -276,7 +276,7 @@ def _links(term: Term, pages: Sequence[_InterfacePage]) -> str:
         anchor = _anchor_of_term(term, page)
         if anchor:
             title = f"{page.device.name.upper()} {page.interface.short}"
-            links.append(link(text(title), f"{interface_page_path(page.device, page.interface)}#{anchor}"))
+            links.append(link(text(title), path_to_anchor(page.device, page.interface.name, anchor)))
     return ", ".join(links)
 
 

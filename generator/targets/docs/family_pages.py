@@ -14,6 +14,7 @@ from ...say.order_code import settings
 from ...say.plain_text import counted
 from ...say.text import Statement, language
 from . import fact_tables, inline_errata, order_code_tables, page_links, verdict_page
+from .interface_page import subjects
 from .order_code_page import ManualProcedure, OrderCodes, manual_procedures
 from .order_code_tables import order_codes
 
@@ -89,7 +90,7 @@ class FamilyPage(TypedDict):
     errata_at: Annotated[Callable[..., str], "errata of one or more paths in the spec"]
     errata_count: Annotated[str, "number of errata"]
     wish_rows: Annotated[Rows, "tasks, and links to their instructions"]
-    interface_rows: Annotated[Rows, "interface, order codes, clock or port"]
+    interface_rows: Annotated[Rows, "interface, order codes, clock or port, links to its registers and so on"]
     code_links: Annotated[list[tuple[str, list[str]]], "number of order codes of each interface, and links to them"]
     part_rows: Annotated[Rows, "parts of an order code and the meaning of each value"]
     spelling_rows: Annotated[Rows, "other spellings on labels"]
@@ -136,14 +137,21 @@ def index_values(family: OrderCodes, has_masters: bool) -> FamilyPage:
 
 
 def _interface_row(device: Device, interface: Interface) -> tuple[str, ...]:
-    """Return a row of interface, order codes, clock or port."""
+    """Return a row of interface, order codes, clock or port, links to the pages of its subjects."""
     codes = [variant.code for variant in device.variants_over(interface.name)]
     first_settings = list(settings(device, interface))[:1]
     return (
         link(interface.title, page_links.interface_page_path(device, interface)),
         order_codes(device, codes),
         "; ".join(map(STYLE.phrase, first_settings)),
+        ", ".join(_subject_links(device, interface)),
     )
+
+
+def _subject_links(device: Device, interface: Interface) -> Iterator[str]:
+    """Yield a link to each further page of an interface, such as that of its registers."""
+    for subject in subjects(device, interface.name):
+        yield link(subject, f"{device.name}/{page_links.page_in_folder(interface.name, subject)}")
 
 
 def _order_code_links(family: OrderCodes) -> Iterator[tuple[str, list[str]]]:
@@ -198,7 +206,7 @@ def _section_links(device: Device, section: str) -> Iterator[str]:
         page_device = for_interface(device, interface.name)
         contents = {"wiring": page_device.connectors, "leds": page_device.leds, "alarms": page_device.alarms}
         if contents[section]:
-            yield link(interface.title, f"{page_links.interface_page_path(device, interface)}#{section}")
+            yield link(interface.title, page_links.path_to_anchor(device, interface.name, section))
 
 
 def hardware_values(device: Device) -> HardwarePage:

@@ -46,8 +46,8 @@ def generate(library: Library, options: Options = NO_OPTIONS) -> dict[str, str]:
     """Return ``docs/README.md``, the pages across families, and the pages and pictures of each family.
 
     A family has the page ``docs/<device>.md``, with the pages of its master settings and changes next to it. The folder
-    ``docs/<device>/`` has a page for each interface, each order code, the hardware, the errata and the manual, and it
-    has the pictures.
+    ``docs/<device>/`` has the pages of each interface and each order code, those of the hardware, the errata and the
+    manual, and the pictures.
     """
     files = licence_in("docs")
     sections: list[Section] = []
@@ -93,7 +93,11 @@ def _family(device: Device, library: Library, options: Options) -> Iterator[tupl
 def _family_page(
     device: Device, name: str, template: str, page_values: Callable[[], Mapping[str, Any]], library: Library
 ) -> str:
-    return page_links.with_errata_linked(device, name, _page_text(template, page_values(), library))
+    values = page_values()
+    page_text = _page_text(template, values, library)
+    if template in ("interface.md.jinja", "interface-subject.md.jinja"):
+        page_text = page_links.with_other_subjects_linked(values["interface"].name, page_text)
+    return page_links.with_errata_linked(device, name, page_text)
 
 
 def _page_text(template: str, values: Mapping[str, Any], library: Library) -> str:
@@ -110,7 +114,11 @@ def _pages(
     has_any_masters = bool(kinds_with_masters)
     yield f"{folder}.md", "device.md.jinja", partial(family_pages.index_values, codes, has_any_masters)
     for kind in kinds:
-        yield f"{folder}/{kind}.md", "interface.md.jinja", partial(_interface_values, codes, kind, kinds_with_masters)
+        interface_values = partial(_interface_values, codes, kind, kinds_with_masters)
+        yield f"{folder}/{page_links.page_in_folder(kind)}", "interface.md.jinja", interface_values
+        for subject in interface_page.subjects(device, kind):
+            page_name = f"{folder}/{page_links.page_in_folder(kind, subject)}"
+            yield page_name, "interface-subject.md.jinja", partial(_subject_values, subject, interface_values)
     for group in codes.groups:
         yield f"{folder}/{group.name}.md", "code.md.jinja", partial(_code_values, codes, group, kinds_with_masters)
     yield f"{folder}/hardware.md", "hardware.md.jinja", partial(family_pages.hardware_values, device)
@@ -131,6 +139,12 @@ def _interface_values(
         has_masters=kind in kinds_with_masters,
         pictures=codes.pictures,
     )
+
+
+def _subject_values(
+    subject: str, interface_values: Callable[[], interface_page.InterfacePage]
+) -> interface_page.SubjectPage:
+    return interface_page.subject_values(subject, interface_values())
 
 
 def _code_values(
@@ -203,6 +217,7 @@ TEMPLATES = Templates(
         "index.md.jinja": Index,
         "device.md.jinja": family_pages.FamilyPage,
         "interface.md.jinja": interface_page.InterfacePage,
+        "interface-subject.md.jinja": interface_page.SubjectPage,
         "code.md.jinja": order_code_page.CodePage,
         "hardware.md.jinja": family_pages.HardwarePage,
         "errata.md.jinja": inline_errata.ErrataPage,

@@ -1,4 +1,4 @@
-"""Page about an interface, and its sections: frames, registers, procedures and so on."""
+"""Pages about an interface, and their sections: frames, registers, procedures and so on."""
 
 from __future__ import annotations
 
@@ -293,6 +293,36 @@ class InterfacePage(Sections, InterfaceValues):
     parameter_rows: Annotated[Rows, "quantities set by an order code"]
     run_time_rows: Annotated[Rows, "quantities held by registers"]
     name_rows: Annotated[Rows, "names in the manual and its other editions: here, manual, language, name"]
+
+
+class SubjectPage(InterfacePage):
+    subject: Annotated[str, "what the page is about: `registers`, `procedures`, `wiring` or `examples`"]
+    subject_title: Annotated[str, "the subject as a title"]
+
+
+_SUBJECT_TITLES = {
+    "registers": "Registers",
+    "procedures": "Procedures, errors and inputs",
+    "wiring": "Wiring and LEDs",
+    "examples": "Worked examples",
+}
+
+
+def subjects(device: Device, kind: str) -> list[str]:
+    """Return the subjects of an interface that have pages of their own."""
+    interface_device = for_interface(device, kind)
+    contents = {
+        "registers": interface_device.registers,
+        "procedures": (*interface_device.procedures, *interface_device.alarms, *interface_device.inputs),
+        "wiring": (*interface_device.connectors, *interface_device.leds),
+        "examples": interface_device.examples,
+    }
+    return [subject for subject, parts in contents.items() if parts]
+
+
+def subject_values(subject: str, page: InterfacePage) -> SubjectPage:
+    """Return the values of the page about a subject. ``page`` has those of the page of its interface."""
+    return {**page, "subject": subject, "subject_title": _SUBJECT_TITLES[subject]}
 
 
 def interface_values(

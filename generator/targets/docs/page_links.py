@@ -15,26 +15,65 @@ from ...say.text import Ref, Style
 ERRATA = "errata.md"
 
 
+#: Subjects of an interface with pages of their own, and how the anchors on these pages begin.
+ANCHORS_BY_SUBJECT = {
+    "registers": ("register",),
+    "procedures": ("procedure", "alarm", "input"),
+    "wiring": ("wiring", "connector", "led"),
+    "examples": ("example",),
+}
+
+
+def subject_of(anchor: str) -> str:
+    """Return the subject on whose page an anchor is, or an empty string for the page of the interface itself."""
+    for subject, beginnings in ANCHORS_BY_SUBJECT.items():
+        if anchor.startswith(beginnings):
+            return subject
+    return ""
+
+
+def page_in_folder(interface_name: str, subject: str = "") -> str:
+    """Return the file name of the page of an interface, or of one of its subjects, such as ``biss-registers.md``."""
+    return f"{interface_name}-{subject}.md" if subject else f"{interface_name}.md"
+
+
 def interface_page_path(device: Device, interface: Interface) -> str:
-    return f"{device.name}/{interface.name}.md"
+    return f"{device.name}/{page_in_folder(interface.name)}"
+
+
+def path_to_anchor(device: Device, interface_name: str, anchor: str) -> str:
+    """Return the path to a place about an interface, such as ``amm5/biss-registers.md#register-preset``."""
+    return f"{device.name}/{page_in_folder(interface_name, subject_of(anchor))}#{anchor}"
+
+
+def with_other_subjects_linked(interface_name: str, page_text: str) -> str:
+    """Return a page about an interface with links to the places that are on its other pages."""
+    own_anchors = set(re.findall(r'<a id="([^"]+)">', page_text))
+
+    def with_page(mark_and_anchor: re.Match[str]) -> str:
+        mark, anchor = mark_and_anchor.groups()
+        page = "" if anchor in own_anchors else page_in_folder(interface_name, subject_of(anchor))
+        return f"{mark}{page}#{anchor}"
+
+    return re.sub(r'(\]\(|href=")#([\w.-]+)', with_page, page_text)
 
 
 def link_to_register(device: Device, register: Register, label: str) -> str:
-    return link(label, f"{interface_page_path(device, device.interface(register.interface))}#register-{register.name}")
+    return link(label, path_to_anchor(device, register.interface, f"register-{register.name}"))
 
 
 def link_to_layout(device: Device, layout: Layout, label: str) -> str:
     interface = next(interface for interface, device_layout in device.layouts() if device_layout.name == layout.name)
-    return link(label, f"{interface_page_path(device, interface)}#layout-{layout.name}")
+    return link(label, path_to_anchor(device, interface.name, f"layout-{layout.name}"))
 
 
 def link_to_alarm(device: Device, interface: Interface, alarm: Alarm, label: str) -> str:
-    return link(label, f"{interface_page_path(device, interface)}#alarm-{alarm.name}")
+    return link(label, path_to_anchor(device, interface.name, f"alarm-{alarm.name}"))
 
 
 def link_to_procedure(device: Device, procedure: Procedure) -> str:
     interface = device.interface(procedure.interface)
-    return link(interface.title, f"{interface_page_path(device, interface)}#procedure-{procedure.name}")
+    return link(interface.title, path_to_anchor(device, interface.name, f"procedure-{procedure.name}"))
 
 
 def link_to_erratum(device: Device, erratum: Erratum) -> str:
@@ -70,7 +109,7 @@ def style_in_folder(device: Device) -> Style:
     def reference_text(ref: Ref) -> str:
         for register in device.registers:
             if ref.anchor == f"register-{register.name}":
-                return link(code(ref.name), f"{register.interface}.md#{ref.anchor}")
+                return link(code(ref.name), f"{page_in_folder(register.interface, 'registers')}#{ref.anchor}")
         return reference(ref)
 
     return replace(STYLE, ref=reference_text)

@@ -14,7 +14,7 @@ from ...say.markdown import STYLE, anchor, cited, code, joined, link, link_list,
 from ...say.names_and_places import own_names
 from ...say.report import alarm_of, by_hand, conditions, deciding, meaning, remedy_text, source
 from ...say.text import Code, listed, statement
-from .page_links import link_to_erratum, link_to_layout, links_to_steps
+from .page_links import link_to_erratum, link_to_layout, links_to_steps, path_to_anchor
 
 #: File name of the page, which no family can have.
 PAGE = "usable-or-not.md"
@@ -181,8 +181,8 @@ def _clearing_procedures(device: Device, alarm: Alarm | None) -> str:
         return ""
     links = []
     for procedure in map(device.procedure, alarm.cleared_by):
-        page = f"{device.name}/{procedure.interface}.md#procedure-{procedure.name}"
-        links.append(link(text(procedure.title), page))
+        path = path_to_anchor(device, procedure.interface, f"procedure-{procedure.name}")
+        links.append(link(text(procedure.title), path))
     return f"Cleared by: {', '.join(links)}"
 
 
