@@ -202,9 +202,8 @@ def test_one_sentence_is_not_a_list(pages: Files) -> None:
 
 def test_a_printed_name_in_a_sentence_has_quotes(pages: Files) -> None:
     """AMM5 6.4: a register. ASC85 6.4: a bit of the status register."""
-    assert 'close the register again with "Preset setting enable"' in " ".join(
-        pages["docs/amm5/biss-registers.md"].split()
-    )
+    registers_page = " ".join(pages["docs/amm5/biss-registers.md"].split())
+    assert 'close the register again with "Preset setting enable"' in registers_page
     assert 'The status "Error message" is forced to 1.' in pages["docs/asc85/biss-procedures.md"]
 
 

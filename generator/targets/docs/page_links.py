@@ -42,7 +42,7 @@ def interface_page_path(device: Device, interface: Interface) -> str:
 
 
 def path_to_anchor(device: Device, interface_name: str, anchor: str) -> str:
-    """Return the path to a place about an interface, such as ``amm5/biss-registers.md#register-preset``."""
+    """Return the path to a place about an interface, such as ``FAMILY/biss-registers.md#register-preset``."""
     return f"{device.name}/{page_in_folder(interface_name, subject_of(anchor))}#{anchor}"
 
 
