@@ -34,17 +34,17 @@ SMA21-JP1-0051              | SMA21-JP1-0050  | sma21/SMA21-JP1-0050.html
 """
 #: Typed address or name, the first hit, and the end of its link.
 NAMES = """
-11h                         | 11h                   | amm5/biss.html#register-preset
+11h                         | 11h                   | amm5/biss-registers.html#register-preset
 0x11                        | 0x11                  | #register-preset
 13H                         | 13h                   | #register-preset
 77h                         | 77h                   | #register-command
-0x5a                        | 0x5A                  | asc85/biss.html#register-diagnostic_data
-59h                         | 59h                   | sma21/biss.html#register-position_check
-0x56                        | 0x56                  | am36/biss.html#register-singleturn_bits_used
-preset                      | Preset                | am36/biss.html#register-preset
-AMM5 preset                 | Preset                | amm5/biss.html#register-preset
+0x5a                        | 0x5A                  | asc85/biss-registers.html#register-diagnostic_data
+59h                         | 59h                   | sma21/biss-registers.html#register-position_check
+0x56                        | 0x56                  | am36/biss-registers.html#register-singleturn_bits_used
+preset                      | Preset                | am36/biss-registers.html#register-preset
+AMM5 preset                 | Preset                | amm5/biss-registers.html#register-preset
 preset_setting_enable       | preset_setting_enable | #register-preset_setting_enable
-serial number               | Serial number         | am36/biss.html#register-serial_number
+serial number               | Serial number         | am36/biss-registers.html#register-serial_number
 ALMC                        | ALMC                  | #group-alarm_field
 MEM BUSY                    | MEM BUSY              | #group-address_of_request
 Battery alarm               | Battery alarm         | #alarm-battery_alarm
@@ -58,10 +58,10 @@ amm5                        | AMM5A and AMM5B absolute kit encoders | docs/amm5.
 """
 #: Typed words, the first hit, and the end of its link. A code among them is the encoder that they are about.
 WORDS = """
-pinout                          | Wiring              | am36/biss.html#wiring
-wiring                          | Wiring              | am36/biss.html#wiring
-wire colours                    | Wiring              | am36/biss.html#wiring
-supply voltage                  | Wiring              | am36/biss.html#wiring
+pinout                          | Wiring              | am36/biss-wiring.html#wiring
+wiring                          | Wiring              | am36/biss-wiring.html#wiring
+wire colours                    | Wiring              | am36/biss-wiring.html#wiring
+supply voltage                  | Wiring              | am36/biss-wiring.html#wiring
 AMM5A21/65KSC1 pinout           | Wiring              | amm5/AMM5A21-65KSC1.html#wiring
 pinout AMM5A21/65KSC1-K         | Wiring              | amm5/AMM5A21-65KSC1.html#wiring
 SMA21-JP1-0050 wiring           | Wiring              | sma21/SMA21-JP1-0050.html#wiring
@@ -74,9 +74,9 @@ baud rate                       | Clocks, ports and codes | #clocks-ports-and-co
 timeout                         | Times               | am36/biss.html#times
 time-out                        | Times               | am36/biss.html#times
 monoflop                        | Times               | am36/biss.html#times
-zero                            | Input: Zero setting/Preset | am36/biss.html#input-zero-settingpreset
-home                            | 50h to 54h Preset   | am36/biss.html#50h-to-54h-preset
-offset                          | 50h to 53h Preset / Offset | sma21/biss.html#50h-to-53h-preset--offset
+zero                            | Input: Zero setting/Preset | am36/biss-procedures.html#input-zero-settingpreset
+home                            | Input: Zero setting/Preset | am36/biss-procedures.html#input-zero-settingpreset
+offset                          | 50h to 53h Preset / Offset | sma21/biss-registers.html#50h-to-53h-preset--offset
 AMM5A21/65KSC1 set zero         | What to send        | amm5/AMM5A21-65KSC1.html#what-to-send
 AMM5A23/65KJP1 set zero         | What to send        | amm5/AMM5A23-65KJP1.html#what-to-send
 ASC8525/BG1 set zero            | What to send        | asc85/ASC8525-BG1.html#what-to-send
@@ -84,23 +84,23 @@ AM3616/4096-I7 preset bytes     | What to send        | am36/AM3616-4096-I7.html
 AMM5A23/65KJP1 request byte     | What to send        | amm5/AMM5A23-65KJP1.html#what-to-send
 AMM5A21/65KSC1 save             | What to send        | amm5/AMM5A21-65KSC1.html#what-to-send
 AMM5A23/65KJP1 save             | What to send        | amm5/AMM5A23-65KJP1.html#what-to-send
-reset                           | reset errors        | amm5/rs485.html#procedure-reset_errors
+reset                           | reset errors        | amm5/rs485-procedures.html#procedure-reset_errors
 checksum                        | CRC biss_6          | am36/biss.html#crc-biss_6
 polynomial                      | CRC biss_6          | am36/biss.html#crc-biss_6
 x^6                             | CRC biss_6          | am36/biss.html#crc-biss_6
 AMM5A21/65KSC1 polynomial       | Frame               | amm5/AMM5A21-65KSC1.html#frame
 AMM5A21/65KSC1 error bit        | Frame               | amm5/AMM5A21-65KSC1.html#frame
 SMA21-JP1-0050 error bit        | Frame               | sma21/SMA21-JP1-0050.html#frame
-blink                           | LEDs                | amm5/biss.html#leds
-blinking LED                    | LEDs                | amm5/biss.html#leds
+blink                           | LEDs                | amm5/biss-wiring.html#leds
+blinking LED                    | LEDs                | amm5/biss-wiring.html#leds
 AMM5A21/65KSC1 blinking LED     | LEDs                | amm5/AMM5A21-65KSC1.html#leds
 ASC8525/BG1 blinking LED        | LEDs                | asc85/ASC8525-BG1.html#leds
-battery                         | Battery alarm       | amm5/rs485.html#alarm-battery_alarm
+battery                         | Battery alarm       | amm5/rs485-procedures.html#alarm-battery_alarm
 replace battery                 | Battery replacement without error | hardware.html#battery-replacement-without-error
-counting direction              | counting direction  | am36/biss.html#input-counting_direction
+counting direction              | counting direction  | am36/biss-procedures.html#input-counting_direction
 2500000                         | AMM5: RS-485        | amm5/rs485.html
 2,500,000                       | AMM5: RS-485        | amm5/rs485.html
-4.3.2                           | LEDs                | amm5/biss.html#leds
+4.3.2                           | LEDs                | amm5/biss-wiring.html#leds
 usable                          | Usable or not       | docs/usable-or-not.html
 glossary                        | Glossary            | docs/glossary-of-terms.html
 which encoder                   | Which encoder is it? | docs/which-encoder.html
@@ -115,11 +115,11 @@ AMM5A21/65KSC1 1234             | AMM5A21/65KSC1      | amm5/AMM5A21-65KSC1.html
 AMM5A21/65KSC1 serial number    | 44h to 47h Serial number | amm5/AMM5A21-65KSC1.html#register-serial_number
 C2000                           | TI C2000 PM_bissc   | am36-masters.html#ti-c2000-pm_bissc
 AMM5 novanta                    | Novanta (Ingenia) drives | amm5-masters.html#novanta-ingenia-drives
-zero position                   | Input: Zero setting/Preset | am36/biss.html#input-zero-settingpreset
+zero position                   | Input: Zero setting/Preset | am36/biss-procedures.html#input-zero-settingpreset
 AMM5A21/65KSC1 zero position    | What to send        | amm5/AMM5A21-65KSC1.html#what-to-send
-how do I set zero               | Input: Zero setting/Preset | am36/biss.html#input-zero-settingpreset
-m12 pinout                      | M12 8-pin connector, A coding, male | am36/biss.html#m12-8-pin-connector-a-coding-male
-led red blinking                | LEDs                | amm5/biss.html#leds
+how do I set zero               | Input: Zero setting/Preset | am36/biss-procedures.html#input-zero-settingpreset
+m12 pinout | M12 8-pin connector, A coding, male | am36/biss-wiring.html#m12-8-pin-connector-a-coding-male
+led red blinking                | LEDs                | amm5/biss-wiring.html#leds
 AMM5A21/65KSC1 max cable length 10 MHz | Clock and cable | amm5/AMM5A21-65KSC1.html#clock-and-cable
 AMM5A21/65KSC1 0x43             | Frame               | amm5/AMM5A21-65KSC1.html#frame
 crc poly                        | CRC biss_6          | am36/biss.html#crc-biss_6
@@ -129,19 +129,19 @@ AMM5B23 65KJP1                  | AMM5B23/65KJP1      | amm5/AMM5A23-65KJP1.html
 AM3616/4096-I7/S55              | AM3616/4096-I7      | am36/AM3616-4096-I7.html
 SMA21-JP1-0050-M1               | SMA21-JP1-0050      | sma21/SMA21-JP1-0050.html
 AMM5A21/65KSC1 SSI pinout       | Wiring              | amm5/AMM5A21-65KSC1.html#wiring
-conector                        | M12 8-pin connector, A coding, male | am36/biss.html#m12-8-pin-connector-a-coding-male
-wirring                         | Wiring              | am36/biss.html#wiring
-presset                         | Preset              | am36/biss.html#register-preset
+conector | M12 8-pin connector, A coding, male | am36/biss-wiring.html#m12-8-pin-connector-a-coding-male
+wirring                         | Wiring              | am36/biss-wiring.html#wiring
+presset                         | Preset              | am36/biss-registers.html#register-preset
 polinomial                      | CRC biss_6          | am36/biss.html#crc-biss_6
 checksums                       | CRC biss_6          | am36/biss.html#crc-biss_6
-batteries                       | Battery alarm       | amm5/rs485.html#battery-alarm
-dead battery                    | Battery alarm       | amm5/rs485.html#battery-alarm
-wire colors                     | Wiring              | am36/biss.html#wiring
+batteries                       | Battery alarm       | amm5/rs485-procedures.html#battery-alarm
+dead battery                    | Battery alarm       | amm5/rs485-procedures.html#battery-alarm
+wire colors                     | Wiring              | am36/biss-wiring.html#wiring
 clock frequency                 | Clocks, ports and codes | docs/which-encoder.html#clocks-ports-and-codes
 how fast                        | Times               | am36/biss.html#times
 startup time                    | Times               | msa213c/biss.html#times
-power consumption               | Wiring              | am36/biss.html#wiring
-5v                              | T12 cable           | sma21/rs485.html#t12-cable
+power consumption               | Wiring              | am36/biss-wiring.html#wiring
+5v                              | T12 cable           | sma21/rs485-wiring.html#t12-cable
 rs485 baud                      | AMM5: RS-485        | amm5/rs485.html
 2.5 Mbit                        | Clocks, ports and codes | #clocks-ports-and-codes
 gray code                       | Gray code or binary | docs/encoder/questions-gray-or-binary.html

@@ -298,13 +298,18 @@ class InterfacePage(Sections, InterfaceValues):
 class SubjectPage(InterfacePage):
     subject: Annotated[str, "what the page is about: `registers`, `procedures`, `wiring` or `examples`"]
     subject_title: Annotated[str, "the subject as a title"]
+    subject_summary: Annotated[str, "a sentence about the page"]
 
 
-_SUBJECT_TITLES = {
-    "registers": "Registers",
-    "procedures": "Procedures, errors and inputs",
-    "wiring": "Wiring and LEDs",
-    "examples": "Worked examples",
+#: Title of the page about each subject, and a sentence about it.
+_TITLES_AND_SUMMARIES = {
+    "registers": ("Registers", "Registers over {}, with their addresses, fields, access and defaults."),
+    "procedures": (
+        "Procedures, errors and inputs",
+        "What to send over {}, step by step, with the errors, warnings and inputs of the encoder.",
+    ),
+    "wiring": ("Wiring and LEDs", "Pins, wires and LEDs of the encoders with {}."),
+    "examples": ("Worked examples", "Worked examples for {}, which the tests decode and encode."),
 }
 
 
@@ -322,7 +327,13 @@ def subjects(device: Device, kind: str) -> list[str]:
 
 def subject_values(subject: str, page: InterfacePage) -> SubjectPage:
     """Return the values of the page about a subject. ``page`` has those of the page of its interface."""
-    return {**page, "subject": subject, "subject_title": _SUBJECT_TITLES[subject]}
+    subject_title, summary = _TITLES_AND_SUMMARIES[subject]
+    return {
+        **page,
+        "subject": subject,
+        "subject_title": subject_title,
+        "subject_summary": summary.format(page["interface"].title),
+    }
 
 
 def interface_values(
