@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import random
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -332,27 +332,36 @@ def test_registers_are_made_of_values(name: str, ask: Ask, node: Asker, library:
 COMMAND_KINDS = {"other_order_code", "other_widths", "other_answer"}
 #: A mistake: its text, the number of random frames among which one matches, and what the frame then reads.
 Reason = list[Any]
+#: Cases of all devices are compared in so many parts, of which ``make test`` runs one.
+PARTS = 4
 
 
-def test_reasons_are_those_of_the_command(node: Asker, library: Library) -> None:
-    compare_reasons(node, library, 100)
+@pytest.mark.parametrize("part", mostly_exhaustive(range(PARTS), 0))
+def test_reasons_are_those_of_the_command(part: int, node: Asker, library: Library) -> None:
+    compare_reasons(node, [*compared_cases(library, 4)][part::PARTS], 20)
 
 
-@pytest.mark.parametrize("name", MADE_UP)
+@pytest.mark.parametrize("name", mostly_exhaustive(MADE_UP, MADE_UP[0]))
 def test_reasons_for_what_no_device_has(name: str, ask: Ask) -> None:
     library = library_of(name)
-    compare_reasons(ask(library, "node"), library, 0)
+    compare_reasons(ask(library, "node"), [*compared_cases(library, 4)], 0)
 
 
-def compare_reasons(node: Asker, library: Library, least: int) -> None:
+def compared_cases(library: Library, most: int) -> Iterator[Case]:
+    """Yield the first cases of each layout, at most this many."""
+    for device in library.devices:
+        for layout_cases in cases(device):
+            yield from filter(is_compared, layout_cases[:most])
+
+
+def compare_reasons(node: Asker, compared: Sequence[Case], least: int) -> None:
     """Compare page and command on frames with mistakes: the same explanations in the same order."""
     random_ = random.Random("reasons")
     items, expected = [], []
-    for device in library.devices:
-        for case in (case for layout_cases in cases(device) for case in layout_cases[:4] if is_compared(case)):
-            texts = [*disturbed_texts(case, random_)]
-            items.append({**case.data, "frames": texts})
-            expected.append([expected_explanations(case, text) for text in texts])
+    for case in compared:
+        texts = [*disturbed_texts(case, random_)]
+        items.append({**case.data, "frames": texts})
+        expected.append([expected_explanations(case, text) for text in texts])
     answers = node("reasons", items) if items else []
     for question, answer_lists, expected_lists in zip(items, answers, expected, strict=True):
         for text, reasons, expected_reasons in zip(question["frames"], answer_lists, expected_lists, strict=True):
@@ -361,22 +370,22 @@ def compare_reasons(node: Asker, library: Library, least: int) -> None:
     assert sum(bool(reasons[0]) for answer in answers for reasons in answer) >= least
 
 
-def test_several_frames_are_judged_like_the_command_does(node: Asker, library: Library) -> None:
+@pytest.mark.parametrize("part", mostly_exhaustive(range(PARTS), 0))
+def test_several_frames_are_judged_like_the_command_does(part: int, node: Asker, library: Library) -> None:
     """Each group of frames has one of the mistakes that the page knows, twice each."""
     random_ = random.Random("together")
     items, expected = [], []
-    for device in library.devices:
-        for case in (layout_cases[0] for layout_cases in cases(device) if is_compared(layout_cases[0])):
-            frames = [[*disturbed_texts(case, random_)] for _ in range(3)]
-            for texts in zip(*frames, strict=False):
-                mistakes = common_mistakes(case, texts)
-                if mistakes is not None:
-                    items.append({**case.data, "frames": list(texts)})
-                    expected.append([[mistake.text, mistake.frames, str(mistake.one_in)] for mistake in mistakes])
+    for case in [*compared_cases(library, 1)][part::PARTS]:
+        frames = [[*disturbed_texts(case, random_)] for _ in range(3)]
+        for texts in zip(*frames, strict=False):
+            mistakes = common_mistakes(case, texts)
+            if mistakes is not None:
+                items.append({**case.data, "frames": list(texts)})
+                expected.append([[mistake.text, mistake.frames, str(mistake.one_in)] for mistake in mistakes])
     answers = node("together", items)
     for item, answer, mistakes_of_command in zip(items, answers, expected, strict=True):
         assert answer == mistakes_of_command, item
-    assert sum(bool(answer) and answer[0][1] == 3 for answer in answers) > 100
+    assert sum(bool(answer) and answer[0][1] == 3 for answer in answers) > 20
 
 
 def common_mistakes(case: Case, texts: Iterable[str]) -> list[CommonMistake] | None:

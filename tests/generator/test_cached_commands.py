@@ -182,7 +182,6 @@ def test_only_changed_families_are_checked_again(folder: Path, specs: Path, caps
     assert (code, out, err) == check("--no-cache")
     assert code == 1
     assert "sma21.second.yaml" in out
-    assert check("--json") == check("--json", "--no-cache")
     assert check("--coverage") == check("--coverage", "--no-cache")
     second.write_text(text, encoding="utf-8")
     assert check() == check("--no-cache")

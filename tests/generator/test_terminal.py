@@ -104,7 +104,7 @@ def test_full_standard_error(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_closed_streams(tmp_path: Path) -> None:
-    done = run("generate", "-o", str(tmp_path), redirect=">&-")
+    done = run("generate", "docs/example", "-o", str(tmp_path), redirect=">&-")
     assert (done.returncode, done.stderr) == (0, b"")
     assert (tmp_path / "c" / "README.md").is_file()
     assert run("show", "nonsense", redirect="2>&-").returncode == 2

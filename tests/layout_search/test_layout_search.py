@@ -75,7 +75,7 @@ def test_few_recordings() -> None:
     assert share_right(5, 3, range(1)) >= 0.8
 
 
-@pytest.mark.slow
+@pytest.mark.exhaustive
 @pytest.mark.parametrize("with_positions", [False, True])
 def test_many_recordings(with_positions: bool) -> None:
     assert share_right(20, 1, range(100, 103), with_positions=with_positions) >= 0.9

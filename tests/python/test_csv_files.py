@@ -14,6 +14,7 @@ import numpy
 import pyarrow
 import pytest
 from codewheel_runtime.files import csv_text, fast_csv, sinks
+from exhaustive import mostly_exhaustive
 
 CODE = "AMM5A21/65KSC1"
 #: Worked example of the manual: 0x55bcd15e2 has multi-turn 42 and single-turn 1821973.
@@ -74,12 +75,16 @@ def test_odd_quotes_are_read_as_row_by_row(decoded: Any, rows: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("block", [fast_csv.BLOCK, 50])
-def test_random_text_is_read_as_row_by_row(decoded: Any, monkeypatch: pytest.MonkeyPatch, block: int) -> None:
+@pytest.mark.parametrize(
+    ("block", "count"), mostly_exhaustive([(50, 250), (fast_csv.BLOCK, 1000), (50, 1000)], (50, 250))
+)
+def test_random_text_is_read_as_row_by_row(
+    decoded: Any, monkeypatch: pytest.MonkeyPatch, block: int, count: int
+) -> None:
     source = random.Random(7)
     monkeypatch.setattr(fast_csv, "BLOCK", block)
     pieces = [GOOD, '"', '""', ",", ",", "\n", "\n", "a", " ", "\r\n", f'"{GOOD}"', f'1,"{GOOD}",x\n', "é"]
-    for _ in range(1000):
+    for _ in range(count):
         text = "time,word,note\n" + f"0,{GOOD},first\n" * 3 + "".join(source.choices(pieces, k=source.randint(1, 12)))
         assert decoded(text.encode(), fast=True) == decoded(text.encode(), fast=False), text
 

@@ -47,6 +47,7 @@ def test_it_uses_what_the_page_on_targets_tells_of() -> None:
         )
 
 
+@pytest.mark.exhaustive
 def test_it_is_installed_and_generates(codewheel: Run, tmp_path: Path) -> None:
     help_text = " ".join(codewheel("generate", "--help")[1].split())
     assert "rust crates without the standard library, in Rust 1.56 --option rust.edition=2018|2021: the" in help_text

@@ -20,6 +20,7 @@ from codewheel.masters.text import sheet_text
 from codewheel.model import Device
 from codewheel.order_codes.labels import find
 from codewheel.targets.masters.files import file_text
+from exhaustive import mostly_exhaustive
 
 pytestmark = pytest.mark.slow
 ROOT = Path(__file__).parents[2]
@@ -97,15 +98,18 @@ def printed_texts(
                         yield (code, choice, master.name), (text, files)
 
 
+@pytest.mark.parametrize("part", mostly_exhaustive(range(4), 0))
 def test_the_page_shows_what_the_command_prints(
-    library: tuple[Device, ...], shown: dict[tuple[str, str, str], tuple[str, dict[Any, str]]]
+    part: int, library: tuple[Device, ...], shown: dict[tuple[str, str, str], tuple[str, dict[Any, str]]]
 ) -> None:
     choices: dict[str, set[str]] = {}
     for code, choice, _ in shown:
         choices.setdefault(code, set()).add(choice)
     listed = {variant.code for device in library for variant in device.variants if variant.interface in ("biss", "ssi")}
     assert set(choices) == listed
-    assert dict(printed_texts(library, choices)) == shown
+    compared_codes = sorted(choices)[part::4]
+    printed = dict(printed_texts(library, {code: choices[code] for code in compared_codes}))
+    assert printed == {key: texts for key, texts in shown.items() if key[0] in compared_codes}
 
 
 @pytest.mark.parametrize(
