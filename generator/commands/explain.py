@@ -97,11 +97,11 @@ def _describe_rule_of_check(name: str, examples: dict[str, Example]) -> list[str
     from ..say.plain_text import WIDTH, wrapped
 
     if name in _SEVERAL_FILES:
-        return [wrapped(_SEVERAL_FILES[name], WIDTH, "  ", f"{name}, a rule of check: ")]
+        return [wrapped(_SEVERAL_FILES[name], WIDTH, prefix="  ", first=f"{name}, a rule of check: ")]
     if name not in examples:
         return []
     example = examples[name]
-    message = wrapped(f"{example['message']}.", WIDTH, "  ")
+    message = wrapped(f"{example['message']}.", WIDTH, prefix="  ")
     heading = f"{name}, a rule of check. Example message:"
     return ["\n".join([heading, message, "", "for these lines:", "", *example["lines"]])]
 
@@ -114,5 +114,5 @@ def _describe_rule_of_diff(name: str) -> list[str]:
     if rule is None:
         return []
     impacts = [f"  {TITLES[output]:<7} {impact.word}" for output, impact in zip(OUTPUTS, rule.impacts, strict=True)]
-    heading = wrapped(f"{rule.when}.", WIDTH, "  ", f"{rule.name}: ")
-    return ["\n".join([heading, *impacts, wrapped(rule.why, WIDTH, "  ")])]
+    heading = wrapped(f"{rule.when}.", WIDTH, prefix="  ", first=f"{rule.name}: ")
+    return ["\n".join([heading, *impacts, wrapped(rule.why, WIDTH, prefix="  ")])]

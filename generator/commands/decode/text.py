@@ -63,13 +63,13 @@ def explain(
         lines += ["", _crc_line(device.crc(decoded.crc.name), decoded.crc)]
     lines += ["", *_problem_lines(decoded, findings)]
     if other_frames:
-        lines.append(wrapped(other_frames, WIDTH, "  ", ""))
+        lines.append(wrapped(other_frames, WIDTH, prefix="  ", first=""))
     lines += _other_position_lines(device, match.variant, decoded)
     if why is not None:
         lines += _why_lines(why, decoded.layout)
     lines.append(f"evidence: {device.evidence.grade}")
     if device.evidence.placeholders:
-        lines.append(wrapped(placeholders(device), WIDTH, "  ", ""))
+        lines.append(wrapped(placeholders(device), WIDTH, prefix="  ", first=""))
     return "\n".join(lines)
 
 
@@ -82,7 +82,7 @@ def _other_position_lines(device: Device, variant: Variant, decoded: codec.Decod
     readings = [f"{value} {text}" for text, value in other_positions(device, variant, decoded)]
     if readings:
         name = position_name(device, variant)
-        yield wrapped(sentence(say.looks_wrong(name, ", ".join(readings))), WIDTH, "  ", "")
+        yield wrapped(sentence(say.looks_wrong(name, ", ".join(readings))), WIDTH, prefix="  ", first="")
 
 
 def _line_prefix(line: Line) -> str:
@@ -105,25 +105,25 @@ def label_lines(device: Device, match: Match) -> Iterator[str]:
     names = [parameter.name for parameter in parameters_of(device, variant.interface) if parameter.read_from]
     if names:
         state = ", ".join(f"{name} = {variant.parameters[name]}" for name in names)
-        yield wrapped(f"with {state} (from registers; --register changes them)", WIDTH, "  ")
+        yield wrapped(f"with {state} (from registers; --register changes them)", WIDTH, prefix="  ")
     yield from label_differences(device, replace(match, tail=""))
     for statement in origin(device):
-        yield wrapped(BY_NAME.sentence(statement), WIDTH, "  ")
+        yield wrapped(BY_NAME.sentence(statement), WIDTH, prefix="  ")
 
 
 def label_differences(device: Device, match: Match) -> Iterator[str]:
     """Yield how a label differs from the codes in the manual, in lines of at most 80 columns."""
     for statement in not_on_label(device):
-        yield wrapped(BY_NAME.sentence(statement), WIDTH, "  ")
+        yield wrapped(BY_NAME.sentence(statement), WIDTH, prefix="  ")
     if match.written_as_in:
-        yield wrapped(f"the label is written as in {match.written_as_in}", WIDTH, "  ")
+        yield wrapped(f"the label is written as in {match.written_as_in}", WIDTH, prefix="  ")
     if match.unlisted:
-        yield wrapped(f"accepted, although not listed in the manual: {', '.join(match.unlisted)}", WIDTH, "  ")
+        yield wrapped(f"accepted, although not listed in the manual: {', '.join(match.unlisted)}", WIDTH, prefix="  ")
     if match.tail:
         yield f"  the label continues with {match.tail}"
     if match.special:
         special = device.order_code.special or "A code that ends in /Sxxx may differ from the manual."
-        yield wrapped(special, WIDTH, "  ")
+        yield wrapped(special, WIDTH, prefix="  ")
 
 
 def _layout_line(placed: PlacedLayout) -> str:
@@ -139,10 +139,14 @@ def _answer_lines(device: Device, answers: Mapping[str, str]) -> Iterator[str]:
         for index, answer in enumerate(alternative.answers):
             if answers.get(alternative.name) != answer.name:
                 continue
-            yield wrapped(f"decoded with {alternative.name} = {answer.name}: {answer.meaning}", WIDTH, "  ", "")
+            yield wrapped(
+                f"decoded with {alternative.name} = {answer.name}: {answer.meaning}", WIDTH, prefix="  ", first=""
+            )
             if alternative.default and index == 0:
                 options = " or ".join(_other_options(alternative))
-                yield wrapped(f"this is the default; for another reading, add {options}", WIDTH, "    ", "  ")
+                yield wrapped(
+                    f"this is the default; for another reading, add {options}", WIDTH, prefix="    ", first="  "
+                )
 
 
 def _other_options(alternative: Alternative) -> Iterator[str]:
@@ -155,15 +159,15 @@ def _crc_line(crc: Crc, crc_result: codec.CrcResult) -> str:
     start_value = f", start value {crc.init:#x}" if crc.init else ""
     inversion = ", sent inverted" if crc.xorout == crc.mask else ""
     computation = f"{crc.polynomial}{start_value}{inversion}"
-    return wrapped(f"CRC {crc_result.received:#04x}: {verdict} ({computation})", WIDTH, "  ", "")
+    return wrapped(f"CRC {crc_result.received:#04x}: {verdict} ({computation})", WIDTH, prefix="  ", first="")
 
 
 def _problem_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
     """Yield the errors of the frame and what differs from the manual or, without errors, also the last lines."""
     for problem in decoded.problems:
-        yield wrapped(f"{problem.fault.value} error: {problem.message}", WIDTH, "  ", "")
+        yield wrapped(f"{problem.fault.value} error: {problem.message}", WIDTH, prefix="  ", first="")
     for difference in findings.differences:
-        yield wrapped(f"not as documented: {difference.message}", WIDTH, "  ", "")
+        yield wrapped(f"not as documented: {difference.message}", WIDTH, prefix="  ", first="")
     if not decoded.problems:
         yield from _report_lines(decoded, findings)
 
@@ -173,7 +177,7 @@ def _report_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
     if findings.reports:
         yield "the encoder reports:"
         for report in findings.reports:
-            yield wrapped(_report_text(report), WIDTH, " " * 6, "  - ")
+            yield wrapped(_report_text(report), WIDTH, prefix=" " * 6, first="  - ")
         if findings.verdict:
             yield f"so {WORTH[findings.verdict]}"
         return
@@ -182,7 +186,7 @@ def _report_lines(decoded: codec.Decoded, findings: Findings) -> Iterator[str]:
         statements.append(_no_crc(decoded))
     if findings.verdict is not None:
         statements.append(WORTH[findings.verdict])
-    yield wrapped("; ".join(statements), WIDTH, "  ", "")
+    yield wrapped("; ".join(statements), WIDTH, prefix="  ", first="")
 
 
 def _is_frame(decoded: codec.Decoded) -> bool:
@@ -255,7 +259,7 @@ def _value_or_zero(expression: Expression | None, variant: Variant) -> int:
 def _why_lines(why: Why, placed: PlacedLayout | None) -> list[str]:
     if [explanation.kind for explanation in why.explanations] == ["line_stuck"]:
         text = sentence(why.explanations[0].text)
-        return ["", wrapped(text[0].upper() + text[1:], WIDTH, "  ", "")]
+        return ["", wrapped(text[0].upper() + text[1:], WIDTH, prefix="  ", first="")]
     return [*_disturbed_lines(why.disturbed, placed), *_mistake_lines(why)]
 
 
@@ -268,7 +272,7 @@ def _disturbed_lines(disturbed: Sequence[int], placed: PlacedLayout | None) -> l
         "If only some frames fail, one bit may have been disturbed on the line: the CRC matches with "
         f"{bits} inverted. In that case, no change is needed. If all frames fail, read on."
     )
-    return ["", wrapped(explanation, WIDTH, "  ", "")]
+    return ["", wrapped(explanation, WIDTH, prefix="  ", first="")]
 
 
 def _bit_name(bit: int, placed: PlacedLayout) -> str:
@@ -286,14 +290,14 @@ def _mistake_lines(why: Why) -> list[str]:
     chance = f"{tried} tried; {percent} of 100 random frames would match at least one"
     hints = _hint_lines(why)
     if not why.explanations:
-        no_explanation = wrapped(f"No common mistake explains it ({chance}).", WIDTH, "  ", "")
+        no_explanation = wrapped(f"No common mistake explains it ({chance}).", WIDTH, prefix="  ", first="")
         return ["", no_explanation, *hints] if why.tried else ["", *hints]
-    lines = ["", wrapped(_introduction(why, chance), WIDTH, "  ", "")]
+    lines = ["", wrapped(_introduction(why, chance), WIDTH, prefix="  ", first="")]
     for explanation in why.explanations:
-        lines.append(wrapped(explanation.text, WIDTH, " " * 6, "    - "))
+        lines.append(wrapped(explanation.text, WIDTH, prefix=" " * 6, first="    - "))
         for detail in (_chance_and_values(explanation), _parts_line(explanation)):
             if detail:
-                lines.append(wrapped(detail, WIDTH, " " * 6, " " * 6))
+                lines.append(wrapped(detail, WIDTH, prefix=" " * 6, first=" " * 6))
     return [*lines, *hints]
 
 
@@ -301,11 +305,11 @@ def _hint_lines(why: Why) -> list[str]:
     """Return what a recording lacks, whether another frame would help, and what the CRC cannot detect."""
     lines = []
     if why.missing:
-        lines.append(wrapped(sentence(capitalized(why.missing)), WIDTH, "  ", ""))
+        lines.append(wrapped(sentence(capitalized(why.missing)), WIDTH, prefix="  ", first=""))
     if why.needs_another_frame:
-        lines.append(wrapped(ANOTHER_FRAME, WIDTH, "  ", ""))
+        lines.append(wrapped(ANOTHER_FRAME, WIDTH, prefix="  ", first=""))
     if why.cannot_see:
-        lines.append(wrapped(f"This CRC cannot detect: {'; '.join(why.cannot_see)}.", WIDTH, "  ", ""))
+        lines.append(wrapped(f"This CRC cannot detect: {'; '.join(why.cannot_see)}.", WIDTH, prefix="  ", first=""))
     return lines
 
 
@@ -317,7 +321,7 @@ def together_lines(mistakes: Sequence[CommonMistake], failed: int) -> Iterator[s
     yield f"\n{wrapped(introduction, WIDTH, '  ', '')}:"
     for mistake in mistakes:
         chance = f"; matches by chance in {_frequency(mistake.one_in)}" if mistake.one_in > 1 else ""
-        yield wrapped(f"{mistake.text}{chance}", WIDTH, " " * 6, "    - ")
+        yield wrapped(f"{mistake.text}{chance}", WIDTH, prefix=" " * 6, first="    - ")
     yield ""
 
 
@@ -395,9 +399,9 @@ def _table(decoded: codec.Decoded) -> list[str]:
         if not meaning:
             lines.append(head.rstrip())
         elif len(indent) > 56:
-            lines += [head.rstrip(), wrapped(meaning, WIDTH, " " * 6)]
+            lines += [head.rstrip(), wrapped(meaning, WIDTH, prefix=" " * 6)]
         else:
-            lines.append(wrapped(meaning, WIDTH, indent, head + "  "))
+            lines.append(wrapped(meaning, WIDTH, prefix=indent, first=head + "  "))
     return lines
 
 

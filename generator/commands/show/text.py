@@ -48,7 +48,7 @@ def device_text(device: Device) -> str:
     lines = [wrapped(f"{device.title} ({device.manufacturer.title})", WIDTH)]
     lines += [*_manual_lines(device), *_order_code_lines(device)]
     parameters = [(parameter.name, _about_parameter(device, parameter)) for parameter in device.parameters]
-    lines += ["", "Parameters", *pairs(parameters, 2), *alternative_lines(device)]
+    lines += ["", "Parameters", *pairs(parameters, indent=2), *alternative_lines(device)]
     measurements = [("", device.measurement)]
     measurements += [(interface.title, interface.measurement) for interface in device.interfaces]
     lines += _position_lines(measurements, None)
@@ -66,7 +66,7 @@ def variant_text(device: Device, match: Match) -> str:
     """Return the text about an order code: its interface, widths, frames, registers and limits."""
     variant = match.variant
     reduced_device = reduced_to_codes(for_interface(device, variant.interface), [variant.code])
-    lines = [wrapped(f"{variant.code}: {device.title} ({device.manufacturer.title})", WIDTH, "  ", "")]
+    lines = [wrapped(f"{variant.code}: {device.title} ({device.manufacturer.title})", WIDTH, prefix="  ", first="")]
     lines += [*label_differences(device, match), *_manual_lines(device), *_parameter_lines(device, variant)]
     lines += alternative_lines(reduced_device)
     lines += _position_lines([("", device.measurement_of(variant.interface))], variant.parameters)
@@ -95,24 +95,24 @@ def _manual_lines(device: Device) -> list[str]:
     if device.editions:
         revisions = ", ".join(edition.revision for edition in device.editions)
         sentences.append(f"--edition shows the others: {revisions}")
-    return [wrapped(sentence, WIDTH, "  ") for sentence in (edition, *sentences)]
+    return [wrapped(sentence, WIDTH, prefix="  ") for sentence in (edition, *sentences)]
 
 
 def _order_code_lines(device: Device) -> Iterator[str]:
     yield ""
     yield f"Order codes: {device.order_code.pattern}"
     for part in device.order_code.parts:
-        yield wrapped(part.meaning, WIDTH, "    ", f"  {part.name}: ")
-        yield from pairs(((option.text, option.meaning) for option in part.values), 4)
+        yield wrapped(part.meaning, WIDTH, prefix="    ", first=f"  {part.name}: ")
+        yield from pairs(((option.text, option.meaning) for option in part.values), indent=4)
         for statement in open_values(part):
             yield _paragraph(BY_NAME.sentence(statement))
     for also_written in device.order_code.also_written:
-        yield wrapped(BY_NAME.sentence(spelling(also_written)), WIDTH, "    ", "  ")
+        yield wrapped(BY_NAME.sentence(spelling(also_written)), WIDTH, prefix="    ", first="  ")
 
 
 def _paragraph(text: str) -> str:
     """Return text about something that has a heading, whose further lines are indented."""
-    return wrapped(text, WIDTH, "      ", "    ")
+    return wrapped(text, WIDTH, prefix="      ", first="    ")
 
 
 # -- parameters and questions
@@ -132,7 +132,9 @@ def _parameter_lines(device: Device, variant: Variant) -> list[str]:
         lines += ["", heading, *_value_lines(device, at_run_time, variant)]
         registers = [device.register(parameter.register) for parameter in at_run_time if parameter.read_from]
         example = f"--register 0x{registers[0].address:02X}=0x.."
-        lines.append(wrapped(f"decode accepts other values, one byte at a time: {example}", WIDTH, "  ", "  "))
+        lines.append(
+            wrapped(f"decode accepts other values, one byte at a time: {example}", WIDTH, prefix="  ", first="  ")
+        )
     return lines
 
 
@@ -145,7 +147,7 @@ def _value_lines(device: Device, parameters: Sequence[Parameter], variant: Varia
     for parameter, value in zip(parameters, values, strict=True):
         head = f"{parameter.name.ljust(name_width)}  {value.ljust(value_width)}"
         rows.append((head, _about_parameter(device, parameter)))
-    return pairs(rows, 2)
+    return pairs(rows, indent=2)
 
 
 def _about_parameter(device: Device, parameter: Parameter) -> str:
@@ -158,7 +160,9 @@ def alternative_lines(device: Device) -> list[str]:
         return []
     lines = ["", "Left open by the manual, for you to choose"]
     for alternative in device.alternatives:
-        lines.append(wrapped(BY_NAME.sentence(question(alternative)), WIDTH, "      ", f"  {alternative.name}: "))
+        lines.append(
+            wrapped(BY_NAME.sentence(question(alternative)), WIDTH, prefix="      ", first=f"  {alternative.name}: ")
+        )
         lines += [_paragraph(BY_NAME.sentence(say_answer(answer))) for answer in alternative.answers]
         lines.append(_paragraph(_how_to_choose(alternative)))
     return lines
@@ -187,7 +191,7 @@ def _position_lines(
         counts = style_with(parameters).phrase(say_measurement.measurement(measurement))
         length = _whole_length(measurement, parameters)
         rows.append((title or measurement.of, f"{counts}{length}  [{cite(measurement.source)}]"))
-    return ["", "Position", *pairs(rows, 2)] if rows else []
+    return ["", "Position", *pairs(rows, indent=2)] if rows else []
 
 
 def _whole_length(measurement: Measurement, parameters: Mapping[str, int] | None) -> str:
@@ -210,7 +214,7 @@ def _range_lines(device: Device, interface: str, parameters: Mapping[str, int] |
     for name, own_range in say_measurement.own_ranges(device, interface):
         text = style.phrase(say_measurement.position_range(own_range))
         rows.append((f"in {name}", f"{text}  [{cite(own_range.source)}]"))
-    return pairs(rows, 2)
+    return pairs(rows, indent=2)
 
 
 # -- interfaces and frames
@@ -220,7 +224,7 @@ def interface_lines(device: Device, interface: Interface) -> list[str]:
     """Return the lines about one interface: clock, times, port, data IDs."""
     facts = say_interface.facts(device, interface)
     rows = [(fact.label, f"{BY_NAME.phrase(fact)}  {BY_NAME.cited(fact.source)}") for fact in facts]
-    return [f"{interface.title}  [{cite(interface.source)}]", *pairs(rows, 2)]
+    return [f"{interface.title}  [{cite(interface.source)}]", *pairs(rows, indent=2)]
 
 
 def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[str]:
@@ -229,8 +233,8 @@ def layout_lines(device: Device, interface: Interface, layout: Layout) -> list[s
     for field in layout.fields:
         widths_by_name.setdefault(field.group or field.name, []).append(_width(field))
     head = BY_NAME.sentence(say_layout.head(interface, layout, layout.name, device.alternatives))
-    lines = [wrapped(head, WIDTH, "    ", "  ")]
-    lines += pairs([(name, ", ".join(widths)) for name, widths in widths_by_name.items()], 4)
+    lines = [wrapped(head, WIDTH, prefix="    ", first="  ")]
+    lines += pairs([(name, ", ".join(widths)) for name, widths in widths_by_name.items()], indent=4)
     for statement in (*say_layout.facts(interface, layout), *needed_answers(device, layout)):
         lines.append(_paragraph(BY_NAME.sentence(statement)))
     return lines
@@ -268,8 +272,8 @@ def frame_lines(device: Device, layout: Layout, variant: Variant) -> list[str]:
         notes.append(f"The widths are the {say_order_code.initial(device)} in {places}.")
     if layout.gray_of:
         notes.append(_code_of_position(device, placed))
-    lines = [wrapped(head, WIDTH, "  ", ""), *picture(placed)]
-    return lines + [wrapped(note, WIDTH, "  ", "  ") for note in notes]
+    lines = [wrapped(head, WIDTH, prefix="  ", first=""), *picture(placed)]
+    return lines + [wrapped(note, WIDTH, prefix="  ", first="  ") for note in notes]
 
 
 def _notes_about_choices(device: Device, layout: Layout, style: Style) -> Iterator[str]:
@@ -353,18 +357,18 @@ def _lines_about_register(device: Device, register: Register, variant: Variant |
     """Return the lines about a register: its facts, its fields for an order code, and its values."""
     style = style_with(variant.parameters if variant is not None else None)
     head = style.sentence(say_register.head(device, register, register.name))
-    lines = [wrapped(head, WIDTH, "    ", "  ")]
+    lines = [wrapped(head, WIDTH, prefix="    ", first="  ")]
     fields = register.layout.fields
     facts = list(say_register.facts(device, register))
     if len(fields) == 1:
         facts += say_field.rules(device, fields[0])
     if facts:
-        lines.append(wrapped(style.paragraph(facts), WIDTH, "    "))
+        lines.append(wrapped(style.paragraph(facts), WIDTH, prefix="    "))
     if variant is not None and len(fields) > 1:
         placed_fields = register.layout.place(variant.parameters).fields
         rows = [(bits(field.high, field.low), _about_field(device, field.field, style)) for field in placed_fields]
-        lines += pairs(rows, 4)
-    return lines + pairs([(hexadecimal(value.value), _about_value(value)) for value in register.values], 4)
+        lines += pairs(rows, indent=4)
+    return lines + pairs([(hexadecimal(value.value), _about_value(value)) for value in register.values], indent=4)
 
 
 def _about_value(value: Value) -> str:
@@ -395,7 +399,7 @@ def _section(title: str, rows: Sequence[tuple[str, str, Sources]]) -> list[str]:
     """Return a section of names, each with its text and its source. Empty if there are none."""
     if not rows:
         return []
-    return ["", title, *pairs(((name, f"{text}  [{cite(source)}]") for name, text, source in rows), 2)]
+    return ["", title, *pairs(((name, f"{text}  [{cite(source)}]") for name, text, source in rows), indent=2)]
 
 
 def _errata_lines(device: Device) -> list[str]:
@@ -406,9 +410,9 @@ def _errata_lines(device: Device) -> list[str]:
     detailed_errata = [erratum for erratum in device.errata if erratum.severity != "wording"]
     for erratum in detailed_errata:
         head, *details = BY_NAME.lines(say_errata.erratum(erratum, whole=True))
-        lines += [wrapped(head, WIDTH, "    ", "  "), *map(_paragraph, details)]
+        lines += [wrapped(head, WIDTH, prefix="    ", first="  "), *map(_paragraph, details)]
     wording_count = len(device.errata) - len(detailed_errata)
     if wording_count:
         summary = f"and {wording_count} about wording only, listed by --json and the documentation"
-        lines.append(wrapped(summary, WIDTH, "    ", "  "))
+        lines.append(wrapped(summary, WIDTH, prefix="    ", first="  "))
     return lines
