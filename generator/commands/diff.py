@@ -101,48 +101,48 @@ class _Side:
     excluded_names: frozenset[str] = frozenset()
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Compare, print, and return the exit code.
 
     Raises:
         Stop: Something cannot be read, or families that must not be released would be recorded.
     """
-    if chosen.record and not Path(chosen.new).is_dir():
+    if arguments.record and not Path(arguments.new).is_dir():
         raise Stop("--record needs a folder of specs: all families of a manufacturer share a version", 2)
-    cache = cache_for(chosen)
-    before, after, comparison = _compare_sides(chosen, cache)
-    if chosen.record:
-        if not chosen.unchecked:
+    cache = cache_for(arguments)
+    before, after, comparison = _compare_sides(arguments, cache)
+    if arguments.record:
+        if not arguments.unchecked:
             _refuse_unproved(after.families, cache)
         comparison = _record(comparison, after)
-    relevant_changes, notices = _without_accepted(comparison.changes, chosen)
+    relevant_changes, notices = _without_accepted(comparison.changes, arguments)
     comparison = replace(comparison, notices=(*comparison.notices, *notices))
-    if chosen.format in ("github", "sarif"):
+    if arguments.format in ("github", "sarif"):
         from .review_formats import as_review
 
-        print(as_review(_findings(relevant_changes, after), chosen.format))
+        print(as_review(_findings(relevant_changes, after), arguments.format))
     else:
-        _print_comparison(comparison, before, after, chosen)
-    threshold = Impact[chosen.fail_on.upper()] if chosen.fail_on else Impact.DOCUMENTATION
+        _print_comparison(comparison, before, after, arguments)
+    threshold = Impact[arguments.fail_on.upper()] if arguments.fail_on else Impact.DOCUMENTATION
     return int(any(change.impact >= threshold for change in relevant_changes))
 
 
-def _compare_sides(chosen: argparse.Namespace, cache: Cache) -> tuple[_Side, _Side, DiffResult]:
+def _compare_sides(arguments: argparse.Namespace, cache: Cache) -> tuple[_Side, _Side, DiffResult]:
     """Read and compare both sides, with a line on a terminal about what takes time."""
-    with Progress(f"codewheel: reading {chosen.old}") as progress:
-        before = _load_side(chosen.old, cache, chosen.lenient)
-        progress.text = f"codewheel: reading {chosen.new}"
-        after = _load_side(chosen.new, cache, chosen.lenient, before)
+    with Progress(f"codewheel: reading {arguments.old}") as progress:
+        before = _load_side(arguments.old, cache, arguments.lenient)
+        progress.text = f"codewheel: reading {arguments.new}"
+        after = _load_side(arguments.new, cache, arguments.lenient, before)
         progress.text = "codewheel: comparing the specs and what they generate"
         return before, after, _compare(before, after, cache)
 
 
-def _print_comparison(comparison: DiffResult, before: _Side, after: _Side, chosen: argparse.Namespace) -> None:
-    if chosen.json or chosen.format == "json":
+def _print_comparison(comparison: DiffResult, before: _Side, after: _Side, arguments: argparse.Namespace) -> None:
+    if arguments.json or arguments.format == "json":
         from ..changes.report import as_data
 
         print_json(as_data(comparison))
-    elif chosen.markdown:
+    elif arguments.markdown:
         from ..changes.report import as_markdown
 
         print(as_markdown(comparison))
@@ -151,7 +151,7 @@ def _print_comparison(comparison: DiffResult, before: _Side, after: _Side, chose
         from .colours import with_coloured_impacts
 
         print(with_coloured_impacts(as_text(comparison)))
-        if chosen.editions:
+        if arguments.editions:
             from .edition_entry import edition_entries
 
             for entry in edition_entries(before.families, after.families, comparison.changes):
@@ -172,7 +172,9 @@ def _refuse_unproved(families: Sequence[Family], cache: Cache) -> None:
     import_module(f"{__package__}.check.specs").refuse_unproved(families, "recorded", cache)
 
 
-def _without_accepted(changes: Sequence[Change], chosen: argparse.Namespace) -> tuple[Sequence[Change], Sequence[str]]:
+def _without_accepted(
+    changes: Sequence[Change], arguments: argparse.Namespace
+) -> tuple[Sequence[Change], Sequence[str]]:
     """Return the changes that count, and the notices about accepted ones.
 
     Raises:
@@ -180,9 +182,9 @@ def _without_accepted(changes: Sequence[Change], chosen: argparse.Namespace) -> 
     """
     from ..changes.report import NAME, NotAccepted, read_accepted, still_open
 
-    new = Path(chosen.new)
-    place = chosen.accepted or (new if new.is_dir() else new.parent) / NAME
-    if chosen.accepted is None and not place.is_file():
+    new = Path(arguments.new)
+    place = arguments.accepted or (new if new.is_dir() else new.parent) / NAME
+    if arguments.accepted is None and not place.is_file():
         return changes, ()
     try:
         return still_open(changes, read_accepted(place), datetime.now().astimezone().date())

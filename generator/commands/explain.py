@@ -42,13 +42,13 @@ def add_arguments(parser: Parser) -> None:
     parser.add_argument("rule", nargs="?", metavar="RULE", help="name of the rule (default: list all rules)")
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Print the description of the rule, or the list of all rules.
 
     Raises:
         Stop: There is no such rule. The exit code is 2.
     """
-    print(explain(chosen.rule))
+    print(explain(arguments.rule))
     return 0
 
 

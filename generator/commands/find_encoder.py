@@ -229,7 +229,7 @@ def find_order_code(specs: Specs, text: str, cache: Cache) -> tuple[Device, Matc
     return device, match, paths
 
 
-def find_requested(chosen: argparse.Namespace, specs: Specs, cache: Cache) -> tuple[Device, Match, dict[int, int]]:
+def find_requested(arguments: argparse.Namespace, specs: Specs, cache: Cache) -> tuple[Device, Match, dict[int, int]]:
     """Return the family and variant of ``ORDER-CODE`` in the edition of ``--edition``, and the bytes of ``--register``.
 
     Registers that served to infer the edition are omitted.
@@ -237,15 +237,15 @@ def find_requested(chosen: argparse.Namespace, specs: Specs, cache: Cache) -> tu
     Raises:
         Stop: As for ``find_order_code``, a byte is malformed, or the edition is not known. The exit code is then 2.
     """
-    device, match, paths = find_order_code(specs, chosen.order_code, cache)
-    register_bytes = bytes_by_address(chosen.register)
-    if chosen.edition is None:
+    device, match, paths = find_order_code(specs, arguments.order_code, cache)
+    register_bytes = bytes_by_address(arguments.register)
+    if arguments.edition is None:
         return device, match, register_bytes
-    refuse_line(chosen.order_code, "has no editions")
+    refuse_line(arguments.order_code, "has no editions")
     from .encoder_options import in_requested_edition
 
     device, match_in_edition, register_bytes = in_requested_edition(
-        paths, device, match, chosen.edition, chosen.order_code, register_bytes
+        paths, device, match, arguments.edition, arguments.order_code, register_bytes
     )
     return device, match_in_edition or match, register_bytes
 

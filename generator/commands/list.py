@@ -48,7 +48,7 @@ def add_arguments(parser: Parser) -> None:
     add_cache_option(parser)
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Print the families.
 
     Raises:
@@ -56,10 +56,10 @@ def run(chosen: argparse.Namespace) -> int:
     """
     from .read_specs import specs_to_read
 
-    cache = cache_for(chosen)
-    specs = specs_to_read([*chosen.specs, *chosen.more_specs])
+    cache = cache_for(arguments)
+    specs = specs_to_read([*arguments.specs, *arguments.more_specs])
     families = without_repeated(*(_rows_of(paths, cache) for paths in specs.groups))
-    if chosen.json:
+    if arguments.json:
         print_json(as_data(families))
     else:
         print(as_text(families))

@@ -29,7 +29,7 @@ def add_arguments(parser: Parser) -> None:
     parser.add_argument("--check", action="store_true", help="list what would change, and write nothing")
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Migrate specs with their second readings, print each change and each decision, and return the exit code.
 
     Raises:
@@ -37,9 +37,9 @@ def run(chosen: argparse.Namespace) -> int:
     """
     from .read_specs import specs_to_judge
 
-    paths = specs_to_judge(chosen.specs, "migrate").paths
-    changes = sum(_migrate(path, chosen.check) for path in _files(paths))
-    if chosen.check:
+    paths = specs_to_judge(arguments.specs, "migrate").paths
+    changes = sum(_migrate(path, arguments.check) for path in _files(paths))
+    if arguments.check:
         print(f"{counted(changes, 'change')} to apply")
         return 1 if changes else 0
     return _print_decisions(paths, changes)

@@ -59,21 +59,21 @@ def add_arguments(parser: Parser) -> None:
     )
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Write the spec, and print the names of the files.
 
     Raises:
         Stop: The name is not valid (exit code 2), or a file exists or cannot be written (exit code 1).
     """
-    if chosen.line is not None and chosen.like:
+    if arguments.line is not None and arguments.like:
         raise Stop("--line and --like describe two encoders; leave one of them out", 2)
-    text_of = partial(device_text, like=chosen.like) if chosen.line is None else _text_of_line(chosen.line)
+    text_of = partial(device_text, like=arguments.like) if arguments.line is None else _text_of_line(arguments.line)
     try:
-        if chosen.output == Path("-"):
-            _refuse_name(chosen.name)
-            print(text_of(chosen.name, _MANUFACTURER, "device.schema.json"), end="")
+        if arguments.output == Path("-"):
+            _refuse_name(arguments.name)
+            print(text_of(arguments.name, _MANUFACTURER, "device.schema.json"), end="")
             return 0
-        for path in write_spec(chosen.name, chosen.output, text_of=text_of):
+        for path in write_spec(arguments.name, arguments.output, text_of=text_of):
             print(f"written    {path.as_posix()}")
     except NameRefused as error:
         raise Stop(str(error), 2) from None

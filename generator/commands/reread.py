@@ -55,7 +55,7 @@ class _ChangedPassage:
     facts_of_section: int
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Compare two texts. The exit code is 1 if they differ.
 
     Raises:
@@ -67,12 +67,12 @@ def run(chosen: argparse.Namespace) -> int:
     from ..reread.sections import NoText, read
     from .read_specs import specs_to_judge
 
-    paths = specs_to_judge(chosen.specs, "reread OLD NEW").paths
+    paths = specs_to_judge(arguments.specs, "reread OLD NEW").paths
     try:
-        old, new = read(chosen.old), read(chosen.new)
+        old, new = read(arguments.old), read(arguments.new)
     except NoText as error:
         raise Stop(str(error), 2) from None
-    family = _family_of_manual(paths, chosen.family, old)
+    family = _family_of_manual(paths, arguments.family, old)
     facts = citing(family.document)
     by_words = same_language(old, new)
     passages = changed(old, new) if by_words else numbers_changed(old, new)
@@ -80,7 +80,7 @@ def run(chosen: argparse.Namespace) -> int:
     touched_facts = TouchedFacts(facts)
     with Progress("codewheel: comparing the texts"):
         changed_passages = [_with_facts(passage, touched_facts, old, titles_by_page) for passage in passages]
-    if chosen.json:
+    if arguments.json:
         print_json(_as_data(family, changed_passages, by_words))
     else:
         print("\n".join(_as_text(family, changed_passages, facts, by_words)))

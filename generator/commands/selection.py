@@ -54,45 +54,45 @@ class Selection:
         own_names = [name for name in families if name not in packaged_names]
         return (*self.options[:-1], ",".join([self.options[-1], *own_names]))
 
-    def guard(self, chosen: argparse.Namespace, devices: Sequence[Device], files: Sequence[str]) -> Guard:
+    def guard(self, arguments: argparse.Namespace, devices: Sequence[Device], files: Sequence[str]) -> Guard:
         """Return the check that the run touches no output of other specs."""
         from ..removable_outputs import Guard
 
-        return Guard(chosen.output, devices, files, self.command_with, is_comparison=chosen.check)
+        return Guard(arguments.output, devices, files, self.command_with, is_comparison=arguments.check)
 
 
-def selected(chosen: argparse.Namespace, cache: Cache) -> Selection:
+def selected(arguments: argparse.Namespace, cache: Cache) -> Selection:
     """Return the specs and options of a run, and fill in its output folder and targets.
 
     Raises:
         Stop: There are no specs, a name is unknown (exit code 2), or there are errors in the settings (exit code 1).
     """
-    named = [*chosen.specs, *chosen.more_specs]
+    named = [*arguments.specs, *arguments.more_specs]
     # A copy, because the output folder and the targets are filled in later.
-    given = argparse.Namespace(**vars(chosen))
-    chosen.again = f"{command_again(given)}{' --prune' if given.prune else ''}"
+    given = argparse.Namespace(**vars(arguments))
+    arguments.again = f"{command_again(given)}{' --prune' if given.prune else ''}"
     _refuse_missing(named, cache)
-    if chosen.packaged:
-        packaged, implied = _packaged(chosen, cache)
+    if arguments.packaged:
+        packaged, implied = _packaged(arguments, cache)
         settings = find_settings()
         paths = (*named, *packaged)
     else:
         specs = find_specs_to_judge(named, "generate")
         paths, packaged, implied, settings = specs.paths, (), (), specs.settings
     refuse_unknown_targets(settings)
-    _fill_in(chosen, settings)
+    _fill_in(arguments, settings)
 
     def command_with(families: Sequence[str]) -> str:
         return _command_with(families, given, settings)
 
     return Selection(
         paths,
-        (*chosen.option, *implied),
+        (*arguments.option, *implied),
         packaged,
         is_narrowed=bool(implied),
         command_with=command_with,
-        settings=None if named or chosen.packaged else settings,
-        only=_filters_for(chosen.output, settings),
+        settings=None if named or arguments.packaged else settings,
+        only=_filters_for(arguments.output, settings),
     )
 
 
@@ -118,19 +118,19 @@ def _command_with(families: Sequence[str], given: argparse.Namespace, settings: 
     return command_again(every, *folders)
 
 
-def command_again(chosen: argparse.Namespace, *more: str) -> str:
+def command_again(arguments: argparse.Namespace, *more: str) -> str:
     """Return the command line that writes the outputs with the arguments that the user gave, and with ``more``."""
-    words = ["codewheel", "generate", *map(str, [*chosen.specs, *chosen.more_specs]), *more]
-    for name in chosen.packaged:
+    words = ["codewheel", "generate", *map(str, [*arguments.specs, *arguments.more_specs]), *more]
+    for name in arguments.packaged:
         words += ["--packaged", name]
-    if chosen.output is not None:
-        words += ["-o", str(chosen.output)]
-    for name in chosen.target or ():
+    if arguments.output is not None:
+        words += ["-o", str(arguments.output)]
+    for name in arguments.target or ():
         words += ["--target", name]
-    for setting in chosen.option:
+    for setting in arguments.option:
         words += ["--option", setting]
-    if chosen.templates is not None:
-        words += ["--templates", str(chosen.templates)]
+    if arguments.templates is not None:
+        words += ["--templates", str(arguments.templates)]
     return shlex.join(words)
 
 
@@ -177,14 +177,14 @@ def _names_packaged(name: str, cache: Cache) -> bool:
     return True
 
 
-def _fill_in(chosen: argparse.Namespace, settings: Configuration | None) -> None:
+def _fill_in(arguments: argparse.Namespace, settings: Configuration | None) -> None:
     """Set the output folder and the targets that the user did not name."""
-    if chosen.output is None:
-        chosen.output = OUTPUT
+    if arguments.output is None:
+        arguments.output = OUTPUT
         if settings is not None and settings.output is not None:
-            chosen.output = settings.output
-    if not chosen.target and settings is not None and settings.targets:
-        chosen.target = list(settings.targets)
+            arguments.output = settings.output
+    if not arguments.target and settings is not None and settings.targets:
+        arguments.target = list(settings.targets)
 
 
 def _filters_for(output: Path, settings: Configuration | None) -> FamilyFilters:
@@ -194,15 +194,15 @@ def _filters_for(output: Path, settings: Configuration | None) -> FamilyFilters:
     return settings.only
 
 
-def _packaged(chosen: argparse.Namespace, cache: Cache) -> tuple[tuple[Path, ...], tuple[str, ...]]:
+def _packaged(arguments: argparse.Namespace, cache: Cache) -> tuple[tuple[Path, ...], tuple[str, ...]]:
     """Return the packaged specs with the names of ``--packaged``, and the option that limits the C headers to them."""
     paths: list[Path] = []
     parts: list[str] = []
-    for name in chosen.packaged:
+    for name in arguments.packaged:
         specs, names = _packaged_specs(name, cache)
         paths += specs
         parts += names
-    return tuple(dict.fromkeys(paths)), _narrowed(chosen, parts)
+    return tuple(dict.fromkeys(paths)), _narrowed(arguments, parts)
 
 
 def _packaged_specs(name: str, cache: Cache) -> tuple[Sequence[Path], Sequence[str]]:
@@ -246,10 +246,10 @@ def _no_packaged(name: str, stop: Stop, folders: Mapping[str, Path]) -> Stop:
     return Stop(f"'{name}' is not a packaged order code, family or manufacturer{remedy}", stop.code)
 
 
-def _narrowed(chosen: argparse.Namespace, parts: Sequence[str]) -> tuple[str, ...]:
+def _narrowed(arguments: argparse.Namespace, parts: Sequence[str]) -> tuple[str, ...]:
     """Return the option that limits the C headers to order codes, unless the user gave it."""
-    is_given = any(setting.startswith("c.only=") for setting in chosen.option)
-    has_target = not chosen.target or "c" in chosen.target
+    is_given = any(setting.startswith("c.only=") for setting in arguments.option)
+    has_target = not arguments.target or "c" in arguments.target
     has_codes = any(part.upper() == part for part in parts)
     if is_given or not has_target or not has_codes:
         return ()

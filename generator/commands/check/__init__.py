@@ -56,7 +56,7 @@ def _targets_help() -> str:
     return listing()
 
 
-def run(chosen: argparse.Namespace) -> int:
+def run(arguments: argparse.Namespace) -> int:
     """Print the problems. The exit code is 1 if there are any.
 
     Raises:
@@ -67,41 +67,41 @@ def run(chosen: argparse.Namespace) -> int:
     from ..cached_result import cached_result
     from ..read_specs import specs_to_judge
 
-    if chosen.write and not chosen.coverage:
+    if arguments.write and not arguments.coverage:
         raise Stop("--write needs --coverage", 2)
-    named = [*chosen.specs, *chosen.more_specs]
+    named = [*arguments.specs, *arguments.more_specs]
     specs = specs_to_judge(named, "check")
     # Specs that the user names may be only some of those that the settings refer to.
     settings = None if named else specs.settings
-    if chosen.format in ("github", "sarif") and chosen.coverage:
-        raise Stop(f"--format {chosen.format} lists problems only; leave --coverage out", 2)
-    chosen.json = chosen.json or chosen.format == "json"
-    cache = cache_for(chosen)
+    if arguments.format in ("github", "sarif") and arguments.coverage:
+        raise Stop(f"--format {arguments.format} lists problems only; leave --coverage out", 2)
+    arguments.json = arguments.json or arguments.format == "json"
+    cache = cache_for(arguments)
     # The counts of the coverage, and the problems of chosen targets, depend on more than the stored inputs.
-    is_storable = not chosen.coverage and not chosen.target
+    is_storable = not arguments.coverage and not arguments.target
     options = filters_as_texts(settings.only) if settings is not None else []
     result = cached_result(cache if is_storable else NO_CACHE, "check", specs.paths, options)
-    if _print_stored(result, chosen):
+    if _print_stored(result, arguments):
         # Only runs without problems are stored.
         return 0
-    return _check(specs.paths, settings, chosen, cache, result)
+    return _check(specs.paths, settings, arguments, cache, result)
 
 
-def _print_stored(result: CachedResult, chosen: argparse.Namespace) -> bool:
+def _print_stored(result: CachedResult, arguments: argparse.Namespace) -> bool:
     """Print the result of an earlier run without problems, and return whether there is one."""
     from ..cached_result import report_of
 
     specs = result.get()
     if specs is None:
         return False
-    _print_problems(specs["families"], report_of(specs), {}, chosen)
+    _print_problems(specs["families"], report_of(specs), {}, arguments)
     return True
 
 
 def _check(
     paths: Sequence[Path],
     settings: Configuration | None,
-    chosen: argparse.Namespace,
+    arguments: argparse.Namespace,
     cache: Cache,
     result: CachedResult,
 ) -> int:
@@ -114,19 +114,19 @@ def _check(
     from . import specs as coverage
     from .specs import check_specs
 
-    targets = targets_named(chosen.target, WITH_PROBLEMS)
+    targets = targets_named(arguments.target, WITH_PROBLEMS)
     with Progress("codewheel: checking the specs"):
-        checked = check_specs(paths, targets, NO_CACHE if chosen.coverage else cache)
+        checked = check_specs(paths, targets, NO_CACHE if arguments.coverage else cache)
     names = [family.device.name for family in checked.families]
     report_unknown_families(settings, names, checked.report)
     covered: Sequence[Coverage] = []
     counts: dict[str, Any] = {}
-    if chosen.coverage:
-        coverage.check_counts(checked, write=chosen.write)
+    if arguments.coverage:
+        coverage.check_counts(checked, write=arguments.write)
         covered = checked.readings
         counts = coverage.as_data(covered)
-    _print_problems(names, checked.report, counts, chosen)
-    if chosen.coverage and not chosen.json:
+    _print_problems(names, checked.report, counts, arguments)
+    if arguments.coverage and not arguments.json:
         print(coverage.as_text(covered, checked))
     if not checked.report and are_built_in(targets, WITH_PROBLEMS):
         result.put(specs_read(names, checked.report))
@@ -134,14 +134,14 @@ def _check(
 
 
 def _print_problems(
-    families: Sequence[str], report: Report, counts: dict[str, Any], chosen: argparse.Namespace
+    families: Sequence[str], report: Report, counts: dict[str, Any], arguments: argparse.Namespace
 ) -> None:
     """Print the problems and, in JSON, also the counts of the coverage."""
     data = {"version": JSON_VERSION} | as_data(report) | counts
-    if chosen.json:
+    if arguments.json:
         print_json(data)
     else:
-        print(as_text(families, report, chosen.format))
+        print(as_text(families, report, arguments.format))
 
 
 def as_data(report: Report) -> dict[str, Any]:

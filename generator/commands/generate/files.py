@@ -42,12 +42,12 @@ class Generated(TypedDict):
     digest: str
 
 
-def is_unchanged(chosen: argparse.Namespace, generated: Generated | None) -> bool:
+def is_unchanged(arguments: argparse.Namespace, generated: Generated | None) -> bool:
     """Return True if the output is that of an earlier run, and print what that run printed."""
-    if generated is None or digest_on_disk(chosen.output, generated["targets"]) != generated["digest"]:
+    if generated is None or digest_on_disk(arguments.output, generated["targets"]) != generated["digest"]:
         return False
     print(generated["read_line"])
-    _print_summary(chosen, generated["count"], changed=0)
+    _print_summary(arguments, generated["count"], changed=0)
     return True
 
 
@@ -58,7 +58,7 @@ def result_to_store(read_line: str, files: Files, families: Families) -> Generat
 
 
 def write_or_compare(
-    chosen: argparse.Namespace, files: Files, families: Families, gate: Callable[[], None], guard: Guard
+    arguments: argparse.Namespace, files: Files, families: Families, gate: Callable[[], None], guard: Guard
 ) -> int:
     """Write or compare the files of each target, and return the exit code.
 
@@ -68,28 +68,28 @@ def write_or_compare(
     Raises:
         Stop: The disk fails, a file differs, or ``guard`` refuses the changes.
     """
-    check: Callable[[Mapping[str, Sequence[Change]]], None] = (lambda _: None) if chosen.prune else guard.check
+    check: Callable[[Mapping[str, Sequence[Change]]], None] = (lambda _: None) if arguments.prune else guard.check
     try:
-        if chosen.check:
-            changes_by_target = {name: changes(chosen.output, name, texts) for name, texts in files.items()}
+        if arguments.check:
+            changes_by_target = {name: changes(arguments.output, name, texts) for name, texts in files.items()}
             check(changes_by_target)
             file_changes = [change for target_changes in changes_by_target.values() for change in target_changes]
-            file_changes += left_stages(chosen.output)
+            file_changes += left_stages(arguments.output)
         else:
             file_changes = write(
-                chosen.output,
+                arguments.output,
                 files,
-                force=chosen.force,
-                waiting=lambda: _print_wait(chosen.output),
-                gate=(lambda: None) if chosen.unchecked else gate,
+                force=arguments.force,
+                waiting=lambda: _print_wait(arguments.output),
+                gate=(lambda: None) if arguments.unchecked else gate,
                 guard=check,
                 families=families,
             )
     except WriteError as error:
         raise Stop(str(error), 1) from None
-    _print_changes(file_changes, chosen)
-    if chosen.biss_dtd is not None:
-        _validate_idbiss(files["biss"], chosen.output, chosen.biss_dtd)
+    _print_changes(file_changes, arguments)
+    if arguments.biss_dtd is not None:
+        _validate_idbiss(files["biss"], arguments.output, arguments.biss_dtd)
     return 0
 
 
@@ -97,26 +97,26 @@ def _print_wait(output: Path) -> None:
     print(f"codewheel: waiting for another run that is writing to {output.as_posix()}", file=sys.stderr, flush=True)
 
 
-def _print_changes(file_changes: Sequence[Change], chosen: argparse.Namespace) -> None:
+def _print_changes(file_changes: Sequence[Change], arguments: argparse.Namespace) -> None:
     """Print the files that changed, and a summary.
 
     Raises:
         Stop: A file that was only compared differs.
     """
-    words = {"written": "differs", "removed": "left over"} if chosen.check else {}
+    words = {"written": "differs", "removed": "left over"} if arguments.check else {}
     changed = [change for change in file_changes if change.what != "unchanged"]
     for change in changed:
-        print(f"{words.get(change.what, change.what):<10} {(chosen.output / change.path).as_posix()}")
-    if chosen.check and changed:
+        print(f"{words.get(change.what, change.what):<10} {(arguments.output / change.path).as_posix()}")
+    if arguments.check and changed:
         _print_mixture(file_changes)
-    _print_summary(chosen, len(file_changes), len(changed))
+    _print_summary(arguments, len(file_changes), len(changed))
 
 
-def _print_summary(chosen: argparse.Namespace, count: int, changed: int) -> None:
+def _print_summary(arguments: argparse.Namespace, count: int, changed: int) -> None:
     """Print the number of files, or raise ``Stop`` if some of them were only compared and differ."""
-    if chosen.check and changed:
-        raise Stop(f"{counted(changed, 'file')} out of date; run: {chosen.again}", 1)
-    if chosen.check:
+    if arguments.check and changed:
+        raise Stop(f"{counted(changed, 'file')} out of date; run: {arguments.again}", 1)
+    if arguments.check:
         print(f"{counted(count, 'file')} up to date")
     elif changed:
         print(f"{counted(changed, 'file')} changed, {count - changed} unchanged")
