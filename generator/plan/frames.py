@@ -225,9 +225,10 @@ def received(device: Device, interface: Interface) -> Iterator[FrameSize]:
         length_parameters = device.needed_parameters(layout.bits.parameters)
         depends_on_registers = not length_parameters.isdisjoint(register_parameters)
         # All answers to a question set the same parameters.
-        questions = [
-            question for question in device.alternatives if not length_parameters.isdisjoint(question.answers[0].sets)
-        ]
+        questions = []
+        for question in device.alternatives:
+            if not length_parameters.isdisjoint(question.answers[0].sets):
+                questions.append(question)
         for variant, (answers, answered_parameters) in product(
             device.variants_over(interface.name), choices(questions)
         ):
