@@ -75,25 +75,28 @@ def rules_of_check() -> dict[str, Example]:
     """Read the rules of ``check``, each with an example."""
     from importlib.resources import files
 
-    examples: dict[str, Example] = json.loads(
-        files("codewheel.language").joinpath("rules.json").read_text(encoding="utf-8")
-    )
+    rules_file = files("codewheel.language").joinpath("rules.json")
+    examples: dict[str, Example] = json.loads(rules_file.read_text(encoding="utf-8"))
     return examples
 
 
 def _list_rules(examples: dict[str, Example]) -> str:
+    """Return all rules: those of diff with their impacts, and the names of those of check."""
     from ..changes.rules import RULES
     from ..say.plain_text import WIDTH, wrapped
 
-    rule_lines = []
+    lines = ["Rules of diff:", ""]
     for rule in RULES.values():
-        columns = f"{rule.name:<22} {rule.impact.word:<14} "
-        rule_lines.append(wrapped(rule.when, WIDTH, " " * 38, columns))
-    names = textwrap.fill(", ".join(sorted([*examples, *_SEVERAL_FILES])), WIDTH, break_on_hyphens=False)
-    return "\n".join(["Rules of diff:", "", *rule_lines, "", "Rules of check:", "", names])
+        name_and_impact = f"{rule.name:<22} {rule.impact.word:<14} "
+        indent = " " * len(name_and_impact)
+        lines.append(wrapped(rule.when, WIDTH, prefix=indent, first=name_and_impact))
+    names_of_check_rules = ", ".join(sorted([*examples, *_SEVERAL_FILES]))
+    lines += ["", "Rules of check:", "", textwrap.fill(names_of_check_rules, WIDTH, break_on_hyphens=False)]
+    return "\n".join(lines)
 
 
 def _describe_rule_of_check(name: str, examples: dict[str, Example]) -> list[str]:
+    """Return the description of a rule of check, or nothing if there is no such rule."""
     from ..say.plain_text import WIDTH, wrapped
 
     if name in _SEVERAL_FILES:
@@ -107,6 +110,7 @@ def _describe_rule_of_check(name: str, examples: dict[str, Example]) -> list[str
 
 
 def _describe_rule_of_diff(name: str) -> list[str]:
+    """Return the description of a rule of diff with its impact on each output, or nothing if there is no such rule."""
     from ..changes.rules import OUTPUTS, RULES, TITLES
     from ..say.plain_text import WIDTH, wrapped
 

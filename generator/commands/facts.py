@@ -50,9 +50,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json:
         print_json({"version": JSON_VERSION, "facts": facts_data(facts)})
     else:
-        print(
-            "\n".join([*(fact.shown for fact in facts), f"{counted(len(facts), 'fact')} from {_place(section, page)}"])
-        )
+        for fact in facts:
+            print(fact.shown)
+        print(f"{counted(len(facts), 'fact')} from {_section_and_page(section, page)}")
     return 0 if facts else 1
 
 
@@ -73,10 +73,12 @@ def family_named(name: str, paths: Sequence[Path]) -> Family:
     return families_by_name[name.lower()]
 
 
-def _place(section: str | None, page: int | None) -> str:
+def _section_and_page(section: str | None, page: int | None) -> str:
     if section is None:
         return f"page {page}"
-    return f"section {section}" if page is None else f"section {section} page {page}"
+    if page is None:
+        return f"section {section}"
+    return f"section {section} page {page}"
 
 
 def facts_data(facts: Iterable[Citing]) -> list[Mapping[str, Any]]:

@@ -80,17 +80,17 @@ def run(arguments: argparse.Namespace) -> int:
     masters, report = sheet.load_masters(arguments.masters)
     if report:
         raise problems(report)
-    _refuse_incomplete(arguments)
+    _refuse_incomplete_options(arguments)
     if arguments.order_code is None:
         if arguments.json:
             print_json(text.masters_data(masters))
         else:
             print(text.masters_text(masters))
         return 0
-    _refuse_unknown(arguments.master, masters)
+    _refuse_unknown_master(arguments.master, masters)
     device, match, encoder_record = _requested_record(arguments)
     if arguments.format is not None or arguments.device is not None:
-        print(_file(arguments, device, masters, encoder_record))
+        print(_file_for_master(arguments, device, masters, encoder_record))
         return 0
     sheets = [sheet.sheet(master, encoder_record) for master in masters if arguments.master in (None, master.name)]
     if arguments.json:
@@ -101,8 +101,8 @@ def run(arguments: argparse.Namespace) -> int:
     return 1 if is_refused or encoder_record.obstacle else 0
 
 
-def _refuse_incomplete(arguments: argparse.Namespace) -> None:
-    """Check that options have what they need.
+def _refuse_incomplete_options(arguments: argparse.Namespace) -> None:
+    """Check that the order code and the master are given if an option needs them.
 
     Raises:
         Stop: They do not. The exit code is 2.
@@ -115,7 +115,7 @@ def _refuse_incomplete(arguments: argparse.Namespace) -> None:
         raise Stop("--edition needs an order code", 2)
 
 
-def _refuse_unknown(name: str | None, masters: Sequence[Master]) -> None:
+def _refuse_unknown_master(name: str | None, masters: Sequence[Master]) -> None:
     """Check that there is a master of this name, if the user named one.
 
     Raises:
@@ -147,7 +147,8 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, Match, Rec
     try:
         variant = with_registers(device, match.variant, register_bytes)
         answers = answers_of(device, match.variant, arguments.choose)
-        return device, match, record(device, variant, not register_bytes, arguments.cable, answers)
+        has_factory_defaults = not register_bytes
+        return device, match, record(device, variant, has_factory_defaults, arguments.cable, answers)
     except RegisterError as error:
         raise Stop(str(error), 2) from None
     except Undecided as error:
@@ -156,25 +157,29 @@ def _requested_record(arguments: argparse.Namespace) -> tuple[Device, Match, Rec
         raise Stop(str(error), 1) from None
 
 
-def _file(arguments: argparse.Namespace, device: Device, masters: Sequence[Master], encoder_record: Record) -> str:
-    """Return the file of the master in the format that the user chose.
+def _file_for_master(
+    arguments: argparse.Namespace, device: Device, masters: Sequence[Master], encoder_record: Record
+) -> str:
+    """Return the text of a file for the master in the format that the user chose.
 
     Raises:
         Stop: There is no such format or device, or the master cannot use the encoder. The exit code is 2.
     """
     from ..language.problems import listed
     from ..masters.sheet import sheet
+    from ..model import member_named
     from ..targets.masters.files import file_text
 
-    master = next(candidate for candidate in masters if candidate.name == arguments.master)
+    master = member_named(masters, arguments.master, "master")
     file_format = _chosen_format(arguments, master, masters)
     master_sheet = sheet(master, encoder_record)
     if master_sheet.refusals:
-        raise Stop(_cannot_use(master_sheet, masters, encoder_record), 2)
-    devices = master_sheet.devices_with(file_format)
-    master_device = devices[0] if arguments.device is None else arguments.device
-    if master_device not in devices:
-        raise Stop(f"'{master_device}' is not a device with this format; use --device {listed(devices, 'or')}", 2)
+        raise Stop(_cannot_use_message(master_sheet, masters, encoder_record), 2)
+    devices_with_format = master_sheet.devices_with(file_format)
+    master_device = devices_with_format[0] if arguments.device is None else arguments.device
+    if master_device not in devices_with_format:
+        known_devices = listed(devices_with_format, "or")
+        raise Stop(f"'{master_device}' is not a device with this format; use --device {known_devices}", 2)
     return file_text(device, [encoder_record.code], master_sheet, file_format, master_device).rstrip("\n")
 
 
@@ -198,13 +203,13 @@ def _chosen_format(arguments: argparse.Namespace, master: Master, masters: Seque
     return formats[arguments.format]
 
 
-def _cannot_use(master_sheet: Sheet, masters: Sequence[Master], encoder_record: Record) -> str:
+def _cannot_use_message(master_sheet: Sheet, masters: Sequence[Master], encoder_record: Record) -> str:
     """Return the reason why a master cannot use the encoder, and the masters with files that can."""
     from ..language.problems import listed
     from ..masters.sheet import sheet
 
-    with_files = [master for master in masters if master.files]
-    able_names = [master.name for master in with_files if not sheet(master, encoder_record).refusals]
-    hint = f"; there are files for {listed(able_names)}" if able_names else ""
+    masters_with_files = [master for master in masters if master.files]
+    usable_names = [master.name for master in masters_with_files if not sheet(master, encoder_record).refusals]
+    hint = f"; there are files for {listed(usable_names)}" if usable_names else ""
     reason = master_sheet.refusals[0].reason.rstrip(".")
     return f"{master_sheet.master.name} cannot use {encoder_record.code}: {reason}{hint}"

@@ -38,7 +38,9 @@ def run(arguments: argparse.Namespace) -> int:
     from .read_specs import specs_to_judge
 
     paths = specs_to_judge(arguments.specs, "migrate").paths
-    changes = sum(_migrate(path, arguments.check) for path in _files(paths))
+    changes = 0
+    for path in _specs_and_second_readings(paths):
+        changes += _migrate_file(path, only_check=arguments.check)
     if arguments.check:
         print(f"{counted(changes, 'change')} to apply")
         return 1 if changes else 0
@@ -58,20 +60,21 @@ def _print_decisions(paths: Sequence[Path], changes: int) -> int:
     return 1 if problems else 0
 
 
-def _files(paths: Iterable[Path]) -> Iterator[Path]:
+def _specs_and_second_readings(paths: Iterable[Path]) -> Iterator[Path]:
     """Yield the specs, each followed by its second reading if it has one."""
     from ..language.files import find_files, is_folder
     from ..language.schema_files import second_reading_path
 
     for path in paths:
-        for spec in find_files(path).specs if is_folder(path) else (path,):
+        specs = find_files(path).specs if is_folder(path) else (path,)
+        for spec in specs:
             yield spec
-            second = second_reading_path(spec)
-            if second.is_file():
-                yield second
+            second_path = second_reading_path(spec)
+            if second_path.is_file():
+                yield second_path
 
 
-def _migrate(path: Path, only_check: bool) -> int:
+def _migrate_file(path: Path, *, only_check: bool) -> int:
     """Print and apply the changes to one file, and return their number."""
     from ..language.migrate import migrate
     from ..language.problems import Report
@@ -82,11 +85,11 @@ def _migrate(path: Path, only_check: bool) -> int:
     for edit in edits:
         print(f"{path}:{edit.line}:{edit.column}: {edit.old} is now {edit.new}")
     if edits and not only_check:
-        _apply(edits, path)
+        _apply_edits(edits, path)
     return len(edits)
 
 
-def _apply(edits: Sequence[Edit], path: Path) -> None:
+def _apply_edits(edits: Sequence[Edit], path: Path) -> None:
     """Replace the file at once by one with the changes.
 
     Raises:

@@ -69,10 +69,10 @@ def run(arguments: argparse.Namespace) -> int:
 
     if arguments.write and not arguments.coverage:
         raise Stop("--write needs --coverage", 2)
-    named = [*arguments.specs, *arguments.more_specs]
-    specs = specs_to_judge(named, "check")
+    named_paths = [*arguments.specs, *arguments.more_specs]
+    specs = specs_to_judge(named_paths, "check")
     # Specs that the user names may be only some of those that the settings refer to.
-    settings = None if named else specs.settings
+    settings = None if named_paths else specs.settings
     if arguments.format in ("github", "sarif") and arguments.coverage:
         raise Stop(f"--format {arguments.format} lists problems only; leave --coverage out", 2)
     arguments.json = arguments.json or arguments.format == "json"
@@ -91,10 +91,10 @@ def _print_stored(result: CachedResult, arguments: argparse.Namespace) -> bool:
     """Print the result of an earlier run without problems, and return whether there is one."""
     from ..cached_result import report_of
 
-    specs = result.get()
-    if specs is None:
+    specs_read = result.get()
+    if specs_read is None:
         return False
-    _print_problems(specs["families"], report_of(specs), {}, arguments)
+    _print_problems(specs_read["families"], report_of(specs_read), {}, arguments)
     return True
 
 
@@ -117,31 +117,30 @@ def _check(
     targets = targets_named(arguments.target, WITH_PROBLEMS)
     with Progress("codewheel: checking the specs"):
         checked = check_specs(paths, targets, NO_CACHE if arguments.coverage else cache)
-    names = [family.device.name for family in checked.families]
-    report_unknown_families(settings, names, checked.report)
-    covered: Sequence[Coverage] = []
-    counts: dict[str, Any] = {}
+    family_names = [family.device.name for family in checked.families]
+    report_unknown_families(settings, family_names, checked.report)
+    coverage_by_family: Sequence[Coverage] = []
+    coverage_data: dict[str, Any] = {}
     if arguments.coverage:
         coverage.check_counts(checked, write=arguments.write)
-        covered = checked.readings
-        counts = coverage.as_data(covered)
-    _print_problems(names, checked.report, counts, arguments)
+        coverage_by_family = checked.readings
+        coverage_data = coverage.as_data(coverage_by_family)
+    _print_problems(family_names, checked.report, coverage_data, arguments)
     if arguments.coverage and not arguments.json:
-        print(coverage.as_text(covered, checked))
+        print(coverage.as_text(coverage_by_family, checked))
     if not checked.report and are_built_in(targets, WITH_PROBLEMS):
-        result.put(specs_read(names, checked.report))
-    return 0 if coverage.is_complete(covered, checked.report) else 1
+        result.put(specs_read(family_names, checked.report))
+    return 0 if coverage.is_complete(coverage_by_family, checked.report) else 1
 
 
 def _print_problems(
-    families: Sequence[str], report: Report, counts: dict[str, Any], arguments: argparse.Namespace
+    family_names: Sequence[str], report: Report, coverage_data: dict[str, Any], arguments: argparse.Namespace
 ) -> None:
     """Print the problems and, in JSON, also the counts of the coverage."""
-    data = {"version": JSON_VERSION} | as_data(report) | counts
     if arguments.json:
-        print_json(data)
+        print_json({"version": JSON_VERSION} | as_data(report) | coverage_data)
     else:
-        print(as_text(families, report, arguments.format))
+        print(as_text(family_names, report, arguments.format))
 
 
 def as_data(report: Report) -> dict[str, Any]:
@@ -162,7 +161,7 @@ def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     ``families`` are the names of all families.
     """
     if form in ("github", "sarif"):
-        return _for_review(report, form)
+        return _review_text(report, form)
     from ...say.plain_text import counted
     from ..read_specs import placeholder_lines, read_line
 
@@ -179,13 +178,14 @@ def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     return "\n".join(lines)
 
 
-def _for_review(report: Report, form: str) -> str:
+def _review_text(report: Report, form: str) -> str:
+    """Return the problems in a form for review tools, ``github`` or ``sarif``."""
     from ..review_formats import as_review
 
-    return as_review([_finding(problem) for problem in report.shown], form)
+    return as_review([_finding_of(problem) for problem in report.shown], form)
 
 
-def _finding(problem: Problem) -> Finding:
+def _finding_of(problem: Problem) -> Finding:
     from ..review_formats import Finding
 
     return Finding(

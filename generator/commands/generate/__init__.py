@@ -114,18 +114,18 @@ def run(arguments: argparse.Namespace) -> int:
     Raises:
         Stop: The specs or the arguments have problems, a target fails, or the output differs or cannot be written.
     """
-    from ..selection import selected
+    from ..selection import select_specs
     from .files import is_unchanged
 
     cache = cache_for(arguments)
-    selection = selected(arguments, cache)
-    result = _cached_result(arguments, selection, cache)
+    selection = select_specs(arguments, cache)
+    result = _result_of_earlier_run(arguments, selection, cache)
     if is_unchanged(arguments, result.get()):
         return 0
-    return _generate(arguments, cache, selection, result)
+    return _render_and_write(arguments, cache, selection, result)
 
 
-def _generate(arguments: argparse.Namespace, cache: Cache, selection: Selection, result: CachedResult) -> int:
+def _render_and_write(arguments: argparse.Namespace, cache: Cache, selection: Selection, result: CachedResult) -> int:
     """Render the outputs, store the result, write or compare the files, and return the exit code."""
     from ...loading.library import load_families
     from ...removable_outputs import owners
@@ -137,38 +137,40 @@ def _generate(arguments: argparse.Namespace, cache: Cache, selection: Selection,
     with Progress("codewheel: reading the specs"):
         families, report = load_families(selection.paths, cache)
     targets = targets_named(arguments.target)
-    read_devices = [family.device for family in families]
-    report_unknown_families(selection.settings, [device.name for device in read_devices], report)
-    c_devices = accepted_devices("c", read_devices, selection.only)
+    devices_in_specs = [family.device for family in families]
+    report_unknown_families(selection.settings, [device.name for device in devices_in_specs], report)
+    # Only the C headers have an option that depends on the families.
+    c_devices = accepted_devices("c", devices_in_specs, selection.only)
     options = options_named(selection.options_for([device.name for device in c_devices]), targets)
     _refuse_misused_options(arguments, targets)
     with Progress("codewheel: checking the specs"):
         devices = complete(families, targets, arguments.edition, report, selection.only)
     if report:
         raise problems(report)
-    read_line = _read_line(devices, report, arguments.packaged, selection.packaged)
-    print(read_line)
+    specs_line = _line_about_specs(devices, report, arguments.packaged, selection.packaged)
+    print(specs_line)
     accepted = devices_by_target([target.name for target in targets], devices, selection.only)
-    files = _rendered(Library(devices, arguments.templates), accepted, targets, options, cache)
+    files = _render(Library(devices, arguments.templates), accepted, targets, options, cache)
     families_by_target = {name: owners(target_devices) for name, target_devices in accepted.items()}
     if are_built_in(targets, arguments.target):
-        result.put(result_to_store(read_line, files, families_by_target))
+        result.put(result_to_store(specs_line, files, families_by_target))
 
-    def gate() -> None:
+    def refuse_unproved_specs() -> None:
         from ..check.specs import refuse_unproved
 
         refuse_unproved(families, "written", cache)
 
     guard = selection.guard(arguments, devices, report.files)
-    return write_or_compare(arguments, files, families_by_target, gate, guard)
+    return write_or_compare(arguments, files, families_by_target, gate=refuse_unproved_specs, guard=guard)
 
 
-def _cached_result(arguments: argparse.Namespace, selection: Selection, cache: Cache) -> CachedResult:
+def _result_of_earlier_run(arguments: argparse.Namespace, selection: Selection, cache: Cache) -> CachedResult:
     """Return the result of an earlier run. There is none with templates of the user or a document type."""
     from ...cache import NO_CACHE
     from ...loading.configuration import filters_as_texts
     from ..cached_result import cached_result
 
+    # Empty texts separate the lists, so that no value can move from one to the next.
     options = [*(arguments.target or ()), "", *selection.options, "", *arguments.edition, "", *arguments.packaged, ""]
     options += filters_as_texts(selection.only)
     is_cacheable = arguments.templates is None and arguments.biss_dtd is None
@@ -187,17 +189,18 @@ def _refuse_misused_options(arguments: argparse.Namespace, targets: Sequence[Tar
         raise Stop("--biss-dtd needs the target biss", 2)
 
 
-def _read_line(
+def _line_about_specs(
     devices: Sequence[Device], report: Report, packaged: Sequence[str], packaged_files: Sequence[Path]
 ) -> str:
-    """Return the line about the specs that were read, and one about values that are still the template's."""
+    """Return the line about the specs that were read, and one about values that are still the template's, if any."""
     from ..read_specs import placeholder_line, read_line
 
-    read = read_line([device.name for device in devices], report, packaged, packaged_files)
-    return "\n".join(filter(None, (read, placeholder_line(report.files))))
+    specs_line = read_line([device.name for device in devices], report, packaged, packaged_files)
+    todo_line = placeholder_line(report.files)
+    return f"{specs_line}\n{todo_line}" if todo_line else specs_line
 
 
-def _rendered(
+def _render(
     library: Library,
     accepted: Mapping[str, tuple[Device, ...]],
     targets: Sequence[Target],
@@ -212,11 +215,12 @@ def _rendered(
     from ...targets.registry import files_of
     from ..outputs import rendered
 
-    files_from = FamilyParts(cache).files_of if cache else files_of
+    render_target = FamilyParts(cache).files_of if cache else files_of
     with Progress("codewheel: rendering") as progress:
 
-        def files_with_progress(target: Target, library: Library, target_options: Options) -> Mapping[str, str]:
+        def render_with_progress(target: Target, library: Library, target_options: Options) -> Mapping[str, str]:
             progress.text = f"codewheel: rendering {target.name}"
-            return files_from(target, replace(library, devices=accepted[target.name]), target_options)
+            accepted_library = replace(library, devices=accepted[target.name])
+            return render_target(target, accepted_library, target_options)
 
-        return rendered(library, targets, options, files_with_progress)
+        return rendered(library, targets, options, render_with_progress)
