@@ -75,7 +75,10 @@ def _more_help() -> str:
     from ..virtual import FAULTS, faults_of
 
     lines = [fill(_HOW_TO_USE, 79)]
-    interfaces = dict.fromkeys(interface for effects in FAULTS.values() for interface in effects)
+    # Each fault has an effect for each interface over which it can occur.
+    interfaces = dict.fromkeys(
+        interface for effect_by_interface in FAULTS.values() for interface in effect_by_interface
+    )
     for interface in interfaces:
         lines += ["", f"faults over {INTERFACES[interface].short}:"]
         lines += [f"  {name:<10}{effect}" for name, effect in faults_of(interface).items()]
@@ -98,7 +101,7 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         _, _, paths = find_order_code(specs_to_read(arguments.specs), arguments.order_code, cache_for(arguments))
     try:
-        encoder = _encoder(arguments, paths)
+        encoder = _virtual_encoder(arguments, paths)
     except ValueError as error:
         raise Stop(str(error), 2) from None
     try:
@@ -116,7 +119,7 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _encoder(arguments: argparse.Namespace, paths: Sequence[Path]) -> VirtualEncoder:
+def _virtual_encoder(arguments: argparse.Namespace, paths: Sequence[Path]) -> VirtualEncoder:
     """Return the encoder with its position, flags and registers.
 
     Raises:
@@ -124,9 +127,13 @@ def _encoder(arguments: argparse.Namespace, paths: Sequence[Path]) -> VirtualEnc
     """
     from ..virtual import VirtualEncoder, motion
 
+    answers: dict[str, str] = {}
+    for pair in arguments.choose:
+        name, _, answer = pair.partition("=")
+        answers[name] = answer
     encoder = VirtualEncoder(
         arguments.order_code,
-        choose=dict(pair.partition("=")[::2] for pair in arguments.choose),
+        choose=answers,
         faults=arguments.fault,
         seed=arguments.seed,
         edition=arguments.edition or "",
