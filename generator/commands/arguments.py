@@ -44,6 +44,7 @@ class Parser(argparse.ArgumentParser):
         return f"{help_text}\n{self.more_help()}\n" if self.more_help is not None else help_text
 
     def _check_value(self, action: argparse.Action, value: Any) -> None:
+        """Reject a value that is not among the choices, with the nearest of them."""
         if action.choices is not None and value not in action.choices:
             from ..language.problems import suggestion
 

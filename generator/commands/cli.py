@@ -113,6 +113,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 
 def _run(arguments: Sequence[str] | None) -> int:
+    """Parse the arguments, run the command, and return its exit code."""
     try:
         words = sys.argv[1:] if arguments is None else arguments
         parsed = parse(parser_for(words), words)

@@ -76,6 +76,7 @@ def add_arguments(parser: Parser) -> None:
 
 
 def _add_record_options(parser: Parser) -> None:
+    """Add the options that save the changes and the next version."""
     parser.add_argument(
         "--record",
         action="store_true",
@@ -351,6 +352,7 @@ def _findings(changes: Sequence[Change], side: _Side) -> list[Finding]:
 
 
 def _finding_at(change: Change, document: Document, path: SpecPath, file_names: Mapping[str, str]) -> Finding:
+    """Return a change in the form for review tools, at its place in the new spec."""
     from ..changes.report import about
     from .review_formats import Finding
 
@@ -388,6 +390,7 @@ def _paths_to(step: str, node: Any) -> Iterator[SpecPath]:
 
 
 def _children_named(step: str, node: Any) -> Iterator[SpecPath]:
+    """Yield the paths to a key of a map, or to the items of a list with this name."""
     from ..language.document import label_of
 
     if isinstance(node, list):

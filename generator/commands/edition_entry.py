@@ -53,7 +53,7 @@ def edition_entries(olds: Sequence[Family], news: Sequence[Family], changes: Seq
         renamed_names = {str(change.old) for change in renamings if change.family == new.device.name}
         edition_changes = list(_edition_changes(old, new, renamed_names))
         if edition_changes:
-            lines = [*_lines_of_missing_history(old, new), *_lines_of_entry(old, new, edition_changes)]
+            lines = [*_lines_of_missing_history(old, new), *_lines_of_entry(new, edition_changes)]
             yield "\n".join(lines)
 
 
@@ -80,7 +80,7 @@ def _lines_of_missing_history(old: Family, new: Family) -> Iterator[str]:
     yield ""
 
 
-def _lines_of_entry(old: Family, new: Family, edition_changes: Iterable[Mapping[str, Any]]) -> Iterator[str]:
+def _lines_of_entry(new: Family, edition_changes: Iterable[Mapping[str, Any]]) -> Iterator[str]:
     """Yield the lines of the entry for the old edition, with an introduction."""
     name, revision = new.device.name, new.device.manual.revision
     has_editions = "editions" in new.document.data

@@ -184,6 +184,7 @@ def _read_positions(text: str, count: int) -> tuple[float, ...]:
 
 
 def _json_data(recording: Recording, proposals: Sequence[Answer]) -> dict[str, Any]:
+    """Return the proposals in the form that ``--json`` prints."""
     return {
         "version": JSON_VERSION,
         "frames": len(recording.frames),

@@ -315,10 +315,12 @@ def _find_in_group(
     """Return the family or order code in a group of specs, or None, and the report if specs have problems."""
     possible_families = families_for(paths, text, cache)
     if possible_families is not None:
-        matches = _all_matches(possible_families, text, accepts_family=accepts_family)
         # Several may share an order code by mistake, which only the check of all specs finds.
-        if len(matches) < 2:
-            return (matches[0] if matches else None), None
+        matches = _all_matches(possible_families, text, accepts_family=accepts_family)
+        if not matches:
+            return None, None
+        if len(matches) == 1:
+            return matches[0], None
     from ..loading.library import load_sound
 
     devices, report = load_sound(paths)

@@ -100,6 +100,7 @@ def rows(devices: Sequence[Device]) -> list[Row]:
 
 
 def _row(device: Device) -> Row:
+    """Return the facts about a family."""
     manual = device.manual
     return {
         "family": device.name,

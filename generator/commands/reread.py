@@ -202,6 +202,7 @@ def _shortened(text: str) -> str:
 
 
 def _as_data(family: Family, changed_passages: Sequence[_ChangedPassage], *, compares_words: bool) -> Mapping[str, Any]:
+    """Return the changed passages in the form that ``--json`` prints."""
     return {
         "version": JSON_VERSION,
         "spec": family.document.file,
@@ -211,6 +212,7 @@ def _as_data(family: Family, changed_passages: Sequence[_ChangedPassage], *, com
 
 
 def _passage_data(changed_passage: _ChangedPassage) -> Mapping[str, Any]:
+    """Return a changed passage with the facts that cite its section, for JSON."""
     passage = changed_passage.passage
     return {
         "section": passage.section.number,

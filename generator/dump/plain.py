@@ -124,6 +124,7 @@ class _Dump:
         }
 
     def _order_codes(self, variants: Iterable[Variant], parameters: Mapping[str, int]) -> Item:
+        """Return the order codes, their grammar, their parameters, and the questions that the manual leaves open."""
         source = self.device.order_code.source
         return {
             "parameters": dict(parameters),
@@ -209,6 +210,7 @@ class _Dump:
         return expression.constant if expression.is_constant else expression.render()
 
     def _interface(self, interface: Interface) -> Item:
+        """Return an interface with the names of its layouts."""
         interface_data: Item = self.plain(interface, interface.source)
         # In the data, these objects are a word, and their source is a member of the interface.
         for name, word_member in (("alignment", "end"), ("output_code", "code")):
@@ -221,6 +223,7 @@ class _Dump:
         return filled(interface_data, "interface")
 
     def _layout(self, layout: Layout, interface: str, inherited: Sources) -> Item:
+        """Return a frame of an interface with its fields."""
         own_sources = layout.source or inherited
         layout_data: Item = self.plain(replace(layout, fields=()), own_sources)
         layout_data |= {"carried_as": layout.carried_as, "interface": interface}
@@ -258,17 +261,7 @@ class _Dump:
             case Number(signed, zero_means, power_of_two):
                 return "number", {"signed": signed, "zero_means": zero_means, "power_of_two": power_of_two}
             case Flag():
-                return "flag", {
-                    "when_active": kind.when_active,
-                    "when_inactive": kind.when_inactive,
-                    "makes_position": kind.makes_position.value if kind.makes_position is not None else "",
-                    "sums_up": list(kind.sums_up),
-                    "only": kind.only,
-                    "only_while": kind.only_while,
-                    "verdict_parameter": kind.verdict_parameter,
-                    "verdict_if_set": kind.verdict_if_set.value if kind.verdict_if_set is not None else "",
-                    "active": "low" if kind.active_low else "high",
-                }
+                return "flag", _flag_members(kind)
             case Choice(values):
                 return "choice", {"values": self.plain(values, inherited)}
             case Constant(value, padding_of):
@@ -294,6 +287,7 @@ class _Dump:
         return {"name": join.name, "fields": list(join.fields), "width": self._number(width)}
 
     def _register(self, register: Register) -> Item:
+        """Return a register with its fields and its default."""
         register_data: Item = self.plain(register, ())
         data = register.default_bytes()
         register_data["default_bytes"] = data.hex(" ").upper() if data is not None else ""
@@ -319,6 +313,21 @@ class _Dump:
                 timing_data = self.plain(timing, interface.source)
                 timings.append(timing_data | {"interface": interface.name})
         return timings
+
+
+def _flag_members(flag: Flag) -> Item:
+    """Return the members of a flag. A verdict that it does not have is an empty text."""
+    return {
+        "when_active": flag.when_active,
+        "when_inactive": flag.when_inactive,
+        "makes_position": flag.makes_position.value if flag.makes_position is not None else "",
+        "sums_up": list(flag.sums_up),
+        "only": flag.only,
+        "only_while": flag.only_while,
+        "verdict_parameter": flag.verdict_parameter,
+        "verdict_if_set": flag.verdict_if_set.value if flag.verdict_if_set is not None else "",
+        "active": "low" if flag.active_low else "high",
+    }
 
 
 def _opened_by(register: Register) -> Item:

@@ -309,6 +309,7 @@ def _is_always_present(member: DataMember) -> bool:
 
 
 def _attribute_type(member: DataMember) -> str:
+    """Return the type of an attribute that does not list its words."""
     types = [name for name in member.types if name != "null"]
     if member.kind is Kind.LIST:
         return "numbers" if types == ["integer"] else "words"

@@ -97,6 +97,7 @@ def _expressions_over(device: Device, kind: str) -> Iterator[Expression]:
 
 
 def _expressions_of_layout(layout: Layout) -> Iterator[Expression]:
+    """Yield the length, the positions and widths of all fields, and their documented values."""
     yield layout.bits
     for field in layout.fields:
         yield field.low
@@ -108,6 +109,7 @@ def _expressions_of_layout(layout: Layout) -> Iterator[Expression]:
 
 
 def _expressions_of_measurement(measurement: Measurement) -> Iterator[Expression]:
+    """Yield the counts, turns, steps and limits of the position that the manual gives."""
     expressions = (
         measurement.counts_per_turn,
         measurement.turns,
@@ -248,10 +250,10 @@ def with_registers(device: Device, variant: Variant, register_bytes: Mapping[int
     for parameter in device.run_time_parameters:
         register = device.register(parameter.register)
         addresses = range(register.address, register.address + register.length)
-        if not used_addresses.union(addresses) & register_bytes.keys():
-            continue
-        used_addresses.update(addresses)
-        parameters[parameter.name] = _value_from_bytes(register, parameter, register_bytes)
+        is_given = any(address in register_bytes for address in addresses)
+        if is_given:
+            used_addresses.update(addresses)
+            parameters[parameter.name] = _value_from_bytes(register, parameter, register_bytes)
     unknown_addresses = sorted(register_bytes.keys() - used_addresses)
     if unknown_addresses:
         raise RegisterError(_unknown_address_message(device, unknown_addresses[0]))

@@ -254,6 +254,7 @@ def _zeros_above(layout: Layout, padded_field: Field, padding: Field) -> ZerosAb
 
 
 def _parity_check(layout: Layout, parity_bit: Field, kind: Parity) -> ParityIs:
+    """Return the check of a parity bit."""
     covered_fields = tuple(layout.field(name) for name in kind.of)
     return ParityIs(
         field=parity_bit,

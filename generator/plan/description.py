@@ -243,6 +243,7 @@ def _constant_ones(codec: Codec) -> Iterator[tuple[Place, int]]:
 
 
 def _column(field: Field, is_power: bool) -> Column:
+    """Return a field with the name of the operation that converts its bits."""
     column = Column(Name(field.name), field.low, field.width, power_of_two=is_power, scale=field.scale)
     match meaning_of(field):
         case Raw():
@@ -292,6 +293,7 @@ def _join(whole: Whole) -> Join:
 
 
 def _parity(parity_bit: Field, parity: ParityOf) -> Check:
+    """Return the parity that a parity bit must have."""
     return Check(
         low=parity_bit.low,
         width=parity_bit.width,
@@ -323,6 +325,7 @@ def _speaks(judgement: verdicts.Judgement) -> Iterator[Speaks]:
 
 
 def _tells(report_cause: reports.ReportCause) -> Tells:
+    """Return the cause of a report as data."""
     cause = report_cause.by
     return Tells(
         report=report_cause.report.name,

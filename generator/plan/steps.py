@@ -337,6 +337,7 @@ def _unused_bits(register: Register, byte_index: int) -> int:
 
 
 def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Operation:
+    """Return the operation that a step of the manual is."""
     match step:
         case WaitStep():
             return Waits(step)
@@ -402,6 +403,7 @@ def _written_value(register: Register, step: WriteStep, argument: Argument | Non
 
 
 def _argument_of_source(value: Source) -> Argument | None:
+    """Return the argument that a step writes, or None for a fixed number."""
     match value:
         case FixedNumber():
             return None

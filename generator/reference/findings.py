@@ -154,6 +154,7 @@ def _verdict_of_kind(kind: Kind) -> Verdict | None:
 
 
 def _report(field: Field, alarm: Alarm | None) -> Report:
+    """Return the report of an active field, with the texts of its alarm if the manual has one."""
     return Report(
         field=field.name,
         printed_name=field.printed_name,
@@ -202,6 +203,7 @@ def _differences(
 def _difference_message(
     placed_field: PlacedField, variant: Variant, actual: int | str, documented: int | str, is_register: bool
 ) -> str:
+    """Return the message about a value that differs from the manual or, in a register, from the order code."""
     name = placed_field.field.printed_name or placed_field.name
     actual_text, documented_text = _quoted_or_hex(actual), _quoted_or_hex(documented)
     if is_register:

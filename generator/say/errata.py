@@ -225,7 +225,8 @@ def changed(correction: Erratum) -> Iterator[tuple[str, str]]:
         yield "Text", f"{correction.used}"
     else:
         yield "In the spec", change
-        yield "In that edition" if correction.edition else "With the overlay", f"{correction.used}"
+        label_of_used = "In that edition" if correction.edition else "With the overlay"
+        yield label_of_used, f"{correction.used}"
 
 
 def question(alternative: Alternative) -> Statement:

@@ -356,6 +356,7 @@ def _network_words(network: Network) -> str:
 
 
 def data_id(request: DataId) -> Statement:
+    """Return a T-format request with its control field, its purpose and its meaning."""
     meaning_text = f": {request.meaning}" if request.meaning else ""
     return statement(
         f"{request.control:02X}h, {request.purpose}{meaning_text}",

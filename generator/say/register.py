@@ -260,6 +260,7 @@ def _names_as_code(names: Iterable[str]) -> list[Part]:
 
 
 def _unused_rules(device: Device, frame_field: Field, unused: Unused) -> Iterator[Statement]:
+    """Yield the documented value of unused bits, and the effect of other values."""
     yield statement(f"Unused, documented as {short(unused.value)}")
     if _is_in_frame_with_position(device, frame_field):
         verdict = Code(unused.makes_position.value)
@@ -277,6 +278,7 @@ def _is_in_frame_with_position(device: Device, frame_field: Field) -> bool:
 
 
 def _number_rules(kind: Number) -> Iterator[Statement]:
+    """Yield how the bits of a number are read."""
     if kind.signed:
         yield statement("Signed, in two's complement")
     if kind.zero_means:

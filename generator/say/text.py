@@ -175,7 +175,8 @@ def listed(items: Sequence[Part], last: str = " and ") -> Iterator[Part]:
     for index, part in enumerate(items):
         is_last = index == len(items) - 1
         if index > 0:
-            yield last if is_last else ", "
+            separator = last if is_last else ", "
+            yield separator
         yield part
 
 

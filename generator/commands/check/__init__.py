@@ -186,6 +186,7 @@ def _review_text(report: Report, form: str) -> str:
 
 
 def _finding_of(problem: Problem) -> Finding:
+    """Return a problem in the form for review tools."""
     from ..review_formats import Finding
 
     return Finding(

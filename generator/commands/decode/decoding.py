@@ -320,6 +320,7 @@ def _problem_data(problem: codec.Problem) -> dict[str, Any]:
 
 
 def _difference_data(difference: Difference) -> dict[str, Any]:
+    """Return a value that differs from the manual, for JSON."""
     return {
         "field": difference.field,
         "found": difference.actual,
@@ -329,6 +330,7 @@ def _difference_data(difference: Difference) -> dict[str, Any]:
 
 
 def _field_data(field: codec.DecodedField) -> dict[str, Any]:
+    """Return a field with its value as sent and as decoded, for JSON."""
     return {
         "name": field.name,
         "raw": field.raw,
@@ -340,6 +342,7 @@ def _field_data(field: codec.DecodedField) -> dict[str, Any]:
 
 
 def _quantity_data(scale: Scale, number: int | str | bool) -> dict[str, Any]:
+    """Return the quantity that a number stands for, as decimal and as fraction, for JSON."""
     exact = scale.quantity(int(number))
     return {
         "decimal": scale.decimal(int(number)),
@@ -351,6 +354,7 @@ def _quantity_data(scale: Scale, number: int | str | bool) -> dict[str, Any]:
 
 
 def _report_data(report: Report) -> dict[str, Any]:
+    """Return a report of the encoder, for JSON."""
     return {
         "field": report.field,
         "meaning": report.meaning,
@@ -361,6 +365,7 @@ def _report_data(report: Report) -> dict[str, Any]:
 
 
 def _why_data(why: Why) -> dict[str, Any]:
+    """Return the explanations of a frame with an error, for JSON."""
     return {
         "explanations": [_explanation_data(explanation) for explanation in why.explanations],
         "tried": why.tried,
@@ -373,6 +378,7 @@ def _why_data(why: Why) -> dict[str, Any]:
 
 
 def _explanation_data(explanation: Explanation) -> dict[str, Any]:
+    """Return one explanation, for JSON."""
     return {
         "kind": explanation.kind,
         "text": explanation.text,

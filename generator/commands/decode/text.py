@@ -327,11 +327,12 @@ def _hint_lines(why: Why) -> list[str]:
     return lines
 
 
-def together_lines(mistakes: Sequence[CommonMistake], failed: int) -> Iterator[str]:
-    """Yield lines about the mistakes that explain the most of several frames with an error."""
+def together_lines(mistakes: Sequence[CommonMistake], failed_frames: int) -> Iterator[str]:
+    """Yield lines about the mistakes that explain the most of several frames with an error, the likeliest first."""
     if not mistakes or mistakes[0].frames < 2:
         return
-    introduction = say.explained_together(f"{mistakes[0].frames}", f"{failed}")
+    explained_frames = mistakes[0].frames
+    introduction = say.explained_together(f"{explained_frames}", f"{failed_frames}")
     yield f"\n{wrapped(introduction, WIDTH, prefix='  ', first='')}:"
     for mistake in mistakes:
         chance = f"; matches by chance in {_frequency(mistake.one_in)}" if mistake.one_in > 1 else ""

@@ -101,6 +101,7 @@ def _manual_lines(device: Device) -> list[str]:
 
 
 def _order_code_lines(device: Device) -> Iterator[str]:
+    """Yield the pattern of the order codes, the values of each part, and other spellings on labels."""
     yield ""
     yield f"Order codes: {device.order_code.pattern}"
     for part in device.order_code.parts:
