@@ -304,11 +304,9 @@ def _makes_writes_effective(write: Writes) -> bool:
 
 def _writes_same_place(write: Writes, earlier_write: Writes) -> bool:
     """Return whether two writes change the same bits: the same field, or a register and one of its fields."""
-    if write.register is not earlier_write.register:
-        return False
-    if write.field is None or earlier_write.field is None:
-        return True
-    return write.field is earlier_write.field
+    has_same_register = write.register is earlier_write.register
+    writes_whole_register = write.field is None or earlier_write.field is None
+    return has_same_register and (writes_whole_register or write.field is earlier_write.field)
 
 
 def _can_be_read_back(write: Writes) -> bool:
@@ -359,13 +357,8 @@ def _operation_of_step(device: Device, procedure: Procedure, step: Step) -> Oper
             return Writes(step, register, field, pieces_of(register, field), value)
         case WriteStep():
             register = device.register(step.register)
-            return Writes(
-                step=step,
-                register=register,
-                field=None,
-                pieces=pieces_of(register),
-                value=_written_value(register, step, _argument_of_step(procedure, step)),
-            )
+            source = _written_value(register, step, _argument_of_step(procedure, step))
+            return Writes(step=step, register=register, field=None, pieces=pieces_of(register), value=source)
         case _:
             assert_never(step)
 
@@ -404,13 +397,7 @@ def _written_value(register: Register, step: WriteStep, argument: Argument | Non
 
 def _argument_of_source(value: Source) -> Argument | None:
     """Return the argument that a step writes, or None for a fixed number."""
-    match value:
-        case FixedNumber():
-            return None
-        case InField() | AsNumber() | AsMember():
-            return value.argument
-        case _:
-            assert_never(value)
+    return None if isinstance(value, FixedNumber) else value.argument
 
 
 def _checked_argument(device: Device, argument: Argument, writes: Sequence[Writes]) -> CheckedArgument:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from typing import NamedTuple
 
 from ..model import (
@@ -13,18 +13,13 @@ from ..model import (
     Device,
     Fault,
     Field,
-    Flag,
     Join,
-    Number,
     Parity,
     PlacedField,
     PlacedLayout,
     Scale,
-    Text,
     Unused,
-    Value,
     Variant,
-    assert_never,
     number_from_bytes,
 )
 from ..model.device import PositionRange
@@ -33,8 +28,10 @@ from ..say import report
 from ..say.layout import as_one_number
 from ..say.plain_text import counted
 from .bits import compute, documented_bits, from_gray, join_value, parity_bit, to_gray, unused_bits
-
-Values = Mapping[str, "int | str | bool"]
+from .values import EncodeError as EncodeError
+from .values import Values as Values
+from .values import checked_number, encode_digits, encode_value, signed_or_plain, value_and_meaning
+from .values import number_of_text as number_of_text
 
 #: Name of the number that holds the unused bits of a decoded frame.
 UNUSED = "unused"
@@ -47,10 +44,6 @@ class Problem:
     fault: Fault
     field: str
     message: str
-
-
-class EncodeError(ValueError):
-    """A value is missing, unknown, or does not fit its field."""
 
 
 class DecodedField(NamedTuple):
@@ -92,11 +85,6 @@ class Decoded:
     @property
     def values(self) -> dict[str, int | str | bool]:
         return {field.name: field.value for field in self.fields}
-
-
-def number_of_text(text: str) -> int:
-    """Return the bits of a text field as one number. Latin-1 has a character for every byte."""
-    return int.from_bytes(text.encode("latin-1", "replace"), "big")
 
 
 def select(
@@ -229,7 +217,7 @@ def _range_message(position_range: PositionRange, placed_field: PlacedField, raw
     """Return the error if the encoder does not have this position, or an empty string."""
     lowest = position_range.lowest.value(placed.parameters)
     highest = position_range.highest.value(placed.parameters)
-    position = _signed_or_plain(placed_field.field.number, raw, placed_field.width)
+    position = signed_or_plain(placed_field.field.number, raw, placed_field.width)
     if lowest <= position <= highest:
         return ""
     if placed_field.field.number.signed:
@@ -268,33 +256,11 @@ def _computed_field(name: str, raw: int, value: int, meaning: str) -> DecodedFie
 def _decode_field(placed_field: PlacedField, sent_value: int, binary_value: int) -> Iterator[DecodedField]:
     """Yield a decoded field, and then each run of its digits. ``sent_value`` may be in Gray code."""
     field, high, low = placed_field.field, placed_field.high, placed_field.low
-    value, meaning = _value_and_meaning(field, binary_value, placed_field.width)
+    value, meaning = value_and_meaning(field, binary_value, placed_field.width)
     yield DecodedField(field.name, sent_value, value, field.unit, meaning, high, low, field.scale)
     for run in field.runs:
         digits = binary_value // run.divisor % run.modulus
         yield DecodedField(run.name, raw=digits, value=digits, unit="", meaning=run.meaning, high=high, low=low)
-
-
-def _value_and_meaning(field: Field, raw: int, width: int) -> tuple[int | str | bool, str]:
-    """Return what a number in a field stands for. Numbers that are not valid stand for themselves."""
-    match field.kind:
-        case Number() as number:
-            return _signed_or_plain(number, raw, width), field.meaning
-        case Flag() as flag:
-            is_active = bool(raw) != flag.active_low
-            meaning_of_state = flag.when_active if is_active else flag.when_inactive
-            return is_active, meaning_of_state or field.meaning
-        case Choice(named_values):
-            for named_value in named_values:
-                if named_value.value == raw:
-                    return named_value.name, named_value.meaning or field.meaning
-            return raw, field.meaning
-        case Text():
-            return raw.to_bytes(width // 8, "big").decode("latin-1"), field.meaning
-        case Constant() | Decimal() | Unused() | CrcValue() | Parity():
-            return raw, field.meaning
-        case _ as kind:
-            assert_never(kind)
 
 
 def _problems_of_value(field: Field, raw: int) -> Iterator[Problem]:
@@ -312,13 +278,6 @@ def _problems_of_value(field: Field, raw: int) -> Iterator[Problem]:
                 yield Problem(Fault.RANGE, name, report.digits(name, f"{raw}", f"{decimal.digits}"))
 
 
-def _signed_or_plain(number: Number, raw: int, width: int) -> int:
-    """Return the value of these bits: two's complement if the field is signed. Zero may stand for another value."""
-    if number.signed and raw >> (width - 1):
-        return raw - (1 << width)
-    return raw or number.zero_means
-
-
 def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     """Encode these values.
 
@@ -331,11 +290,11 @@ def encode(device: Device, placed: PlacedLayout, values: Values) -> int:
     field_values = dict(values)
     for join in placed.layout.joins:
         if join.name in field_values:
-            joined_value = _checked_number(field_values.pop(join.name))
+            joined_value = checked_number(field_values.pop(join.name))
             field_values |= _split_join(placed, join, joined_value, field_values)
     number = _encode_fields(device, placed, field_values)
     if placed.layout.unused:
-        inverted_bits = _checked_number(field_values.pop(UNUSED, 0))
+        inverted_bits = checked_number(field_values.pop(UNUSED, 0))
         number |= _encode_unused(placed, inverted_bits)
     _check_names(placed, field_values)
     number = to_gray(placed, number)
@@ -390,12 +349,6 @@ def _encode_unused(placed: PlacedLayout, inverted_bits: int) -> int:
     return number
 
 
-def _checked_number(value: int | str | bool) -> int:
-    if isinstance(value, str):
-        raise EncodeError(f"'{value}' is not a number")
-    return int(value)
-
-
 def _split_join(placed: PlacedLayout, join: Join, joined_value: int, values: Values) -> dict[str, int]:
     """Return the value of each field of a join. Values of these fields in ``values`` must be the same."""
     value_by_field: dict[str, int] = {}
@@ -421,60 +374,12 @@ def _encode_field(placed: PlacedLayout, placed_field: PlacedField, values: Value
     if isinstance(kind, (Unused, CrcValue, Parity)):
         return 0
     if isinstance(kind, Decimal) and name not in values:
-        return _encode_digits(kind, values)
+        return encode_digits(kind, values)
     if name not in values:
         if name == placed.layout.selector and len(placed.layout.selects) == 1:
             return placed.layout.selects[0]
         raise EncodeError(f"'{name}' is missing")
-    raw = _encode_value(kind, placed_field, values[name])
+    raw = encode_value(kind, placed_field, values[name])
     if raw < 0 or raw > placed_field.mask:
         raise EncodeError(report.too_wide(name, f"{raw}", f"{placed_field.width}"))
     return raw
-
-
-def _encode_value(
-    kind: Number | Flag | Choice | Text | Decimal, placed_field: PlacedField, value: int | str | bool
-) -> int:
-    """Return the number that stands for a value of a field."""
-    match kind:
-        case Number():
-            return _encode_number(kind, placed_field, _checked_number(value))
-        case Flag():
-            return int(bool(value) != kind.active_low)
-        case Choice(named_values) if isinstance(value, str):
-            return _number_of_name(placed_field.name, named_values, value)
-        case Text() if isinstance(value, str):
-            return number_of_text(value)
-        case Choice() | Text() | Decimal():
-            return _checked_number(value)
-        case _:
-            assert_never(kind)
-
-
-def _encode_number(number: Number, placed_field: PlacedField, value: int) -> int:
-    """Return the bits of a number, which may be signed."""
-    raw = 0 if value == number.zero_means else value & placed_field.mask
-    if _signed_or_plain(number, raw, placed_field.width) != value:
-        raise EncodeError(report.too_wide(placed_field.name, f"{value}", f"{placed_field.width}"))
-    if number.power_of_two and value.bit_count() != 1:
-        raise EncodeError(report.no_power_of_two(placed_field.name, f"{value}"))
-    return raw
-
-
-def _number_of_name(field_name: str, named_values: Sequence[Value], name: str) -> int:
-    """Return the number of the value ``name`` of a field."""
-    for named_value in named_values:
-        if named_value.name == name:
-            return named_value.value
-    raise EncodeError(f"{field_name} has no value '{name}'")
-
-
-def _encode_digits(decimal: Decimal, values: Values) -> int:
-    """Return the number that consists of all runs of digits, of which a missing one is 0."""
-    number = 0
-    for run in decimal.runs:
-        value = _checked_number(values.get(run.name, 0))
-        if not 0 <= value < run.modulus:
-            raise EncodeError(f"{run.name} {value} has more than {run.digits} digits")
-        number += value * run.divisor
-    return number

@@ -148,6 +148,29 @@ def frame_bytes(layout: Layout, length: int, high: int, low: int) -> str:
     return f"{bits(high, low)} of the frame as one number"
 
 
+def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
+    """Return a field's position as people write it: ``46:31``, or ``byte 2.7:4`` with the first byte as 0."""
+    is_one_bit = high == low
+    if not layout.in_bytes:
+        return f"{high}" if is_one_bit else f"{high}:{low}"
+    if layout.byte_order == "low_byte_first":
+        first_bit, last_bit = low, high
+        first_byte, last_byte = low // 8, high // 8
+    else:
+        first_bit, last_bit = high, low
+        bytes_after = bits // 8 - 1
+        first_byte, last_byte = bytes_after - high // 8, bytes_after - low // 8
+    if first_byte != last_byte:
+        is_whole_bytes = low % 8 == 0 and high % 8 == 7
+        if is_whole_bytes:
+            return f"bytes {first_byte}-{last_byte}"
+        return f"bytes {first_byte}.{first_bit % 8}-{last_byte}.{last_bit % 8}"
+    if high - low == 7:
+        return f"byte {first_byte}"
+    place = f"byte {first_byte}.{high % 8}"
+    return place if is_one_bit else f"{place}:{low % 8}"
+
+
 def field_place(layout: Layout, field: Field, alternatives: Sequence[Alternative] = ()) -> Iterator[Part]:
     """Yield the location of a field with its padding, in bytes for a frame of bytes, otherwise in bits.
 

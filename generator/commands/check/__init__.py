@@ -145,7 +145,7 @@ def _print_problems(
 
 def as_data(report: Report) -> dict[str, Any]:
     """Return the problems in the form that ``--json`` prints."""
-    from ..read_specs import placeholders_data
+    from ..placeholders import placeholders_data
 
     return {
         "files": report.files,
@@ -163,7 +163,8 @@ def as_text(families: Sequence[str], report: Report, form: str = "text") -> str:
     if form in ("github", "sarif"):
         return _review_text(report, form)
     from ...say.plain_text import counted
-    from ..read_specs import placeholder_lines, read_line
+    from ..placeholders import placeholder_lines
+    from ..read_specs import read_line
 
     lines = [problem.format() for problem in report.shown]
     lines += placeholder_lines(report.files)

@@ -8,7 +8,7 @@ from functools import lru_cache
 from types import MappingProxyType
 from typing import TYPE_CHECKING, NamedTuple
 
-from ...model import Alternative, Crc, Device, Layout, Measurement, PlacedLayout, Variant, Verdict
+from ...model import Alternative, Crc, Device, Measurement, PlacedLayout, Variant, Verdict
 from ...model.expressions import Expression
 from ...order_codes.labels import Match
 from ...order_codes.parameters import parameters_of
@@ -16,7 +16,7 @@ from ...reference import codec
 from ...reference.findings import Findings, Report
 from ...say import report as say
 from ...say.evidence import origin, placeholders
-from ...say.names_and_places import words
+from ...say.names_and_places import bit_place, words
 from ...say.order_code import not_on_label
 from ...say.plain_text import WIDTH, decimal, quantity
 from ...say.plain_text import wrapped as wrapped_anew
@@ -367,29 +367,6 @@ def _parts_of_recording(explanation: Explanation) -> str:
 
 def _frequency(frames_per_match: int) -> str:
     return f"1 of {frames_per_match:,}" if frames_per_match < 1_000_000 else "fewer than 1 of a million"
-
-
-def bit_place(layout: Layout, bits: int, high: int, low: int) -> str:
-    """Return a field's position as people write it: ``46:31``, or ``byte 2.7:4`` with the first byte as 0."""
-    is_one_bit = high == low
-    if not layout.in_bytes:
-        return f"{high}" if is_one_bit else f"{high}:{low}"
-    if layout.byte_order == "low_byte_first":
-        first_bit, last_bit = low, high
-        first_byte, last_byte = low // 8, high // 8
-    else:
-        first_bit, last_bit = high, low
-        bytes_after = bits // 8 - 1
-        first_byte, last_byte = bytes_after - high // 8, bytes_after - low // 8
-    if first_byte != last_byte:
-        is_whole_bytes = low % 8 == 0 and high % 8 == 7
-        if is_whole_bytes:
-            return f"bytes {first_byte}-{last_byte}"
-        return f"bytes {first_byte}.{first_bit % 8}-{last_byte}.{last_bit % 8}"
-    if high - low == 7:
-        return f"byte {first_byte}"
-    place = f"byte {first_byte}.{high % 8}"
-    return place if is_one_bit else f"{place}:{low % 8}"
 
 
 class _FieldRow(NamedTuple):

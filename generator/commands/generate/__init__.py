@@ -193,7 +193,8 @@ def _line_about_specs(
     devices: Sequence[Device], report: Report, packaged: Sequence[str], packaged_files: Sequence[Path]
 ) -> str:
     """Return the line about the specs that were read, and one about values that are still the template's, if any."""
-    from ..read_specs import placeholder_line, read_line
+    from ..placeholders import placeholder_line
+    from ..read_specs import read_line
 
     specs_line = read_line([device.name for device in devices], report, packaged, packaged_files)
     todo_line = placeholder_line(report.files)

@@ -37,11 +37,11 @@ from ...say import register as say_register
 from ...say.errata import answer as say_answer
 from ...say.errata import needed_answers, question
 from ...say.evidence import grade, origin
-from ...say.names_and_places import bits, field_at, hexadecimal
+from ...say.names_and_places import bit_place, bits, field_at, hexadecimal
 from ...say.order_code import open_values, spelling
 from ...say.plain_text import WIDTH, decimal, pairs, wrapped
 from ...say.text import BY_NAME, Style, counted, language
-from ..decode.text import bit_place, label_differences
+from ..decode.text import label_differences
 
 
 def device_text(device: Device) -> str:
@@ -124,7 +124,8 @@ def _paragraph(text: str) -> str:
 def _parameter_lines(device: Device, variant: Variant) -> list[str]:
     """Return the lines about parameters that the order code sets and those held in registers."""
     parameters = parameters_of(device, variant.interface)
-    in_registers = [parameter for parameter in parameters if parameter.name in run_time_names(device)]
+    names_in_registers = run_time_names(device)
+    in_registers = [parameter for parameter in parameters if parameter.name in names_in_registers]
     # The user chooses parameters of alternatives, so they are listed with the questions.
     fixed = [parameter for parameter in parameters if parameter not in in_registers and not parameter.alternative]
     lines = []
@@ -135,9 +136,7 @@ def _parameter_lines(device: Device, variant: Variant) -> list[str]:
         lines += ["", heading, *_value_lines(device, in_registers, variant)]
         registers = [device.register(parameter.register) for parameter in in_registers if parameter.read_from]
         example = f"--register 0x{registers[0].address:02X}=0x.."
-        lines.append(
-            wrapped(f"decode accepts other values, one byte at a time: {example}", WIDTH, prefix="  ", first="  ")
-        )
+        lines.append(wrapped(f"decode accepts other values, one byte at a time: {example}", WIDTH, prefix="  "))
     return lines
 
 
