@@ -36,14 +36,14 @@ from .text import Code, Part, Ref, Statement, listed, microseconds, sentence, sp
 
 
 def procedure(device: Device, sequence: Procedure) -> Iterator[Statement]:
-    """Yield all statements that follow its title, without arguments and steps."""
+    """Yield all statements about a procedure that follow its title, without arguments and steps."""
     yield from about_procedure(sequence)
     yield from spec_text(sequence.note)
     yield from map(erratum, errata(device, f"procedures.{sequence.name}"))
 
 
 def about_procedure(sequence: Procedure) -> Iterator[Statement]:
-    """Yield its preconditions and its result."""
+    """Yield the preconditions and the result of a procedure."""
     yield from spec_text(sequence.precondition, label="Before")
     yield from spec_text(sequence.result, label="Result")
 

@@ -45,7 +45,7 @@ def head(interface: Interface, layout: Layout, name: Part, alternatives: Sequenc
 
 
 def size(layout: Layout, alternatives: Sequence[Alternative] = ()) -> tuple[Part, ...]:
-    """Return its length and transmission order."""
+    """Return the length and the transmission order of a frame as parts of a statement."""
     if not layout.in_bytes:
         return *_number_of_bits(layout, alternatives), " bits, most significant first"
     length_text = counted(layout.widest // 8, "byte")
@@ -71,7 +71,7 @@ def _number_of_bits(layout: Layout, alternatives: Sequence[Alternative]) -> Iter
 
 
 def layout(device: Device, interface: Interface, frame: Layout) -> Iterator[Statement]:
-    """Yield all statements that follow the head in running text."""
+    """Yield all statements about a frame that follow its head in running text."""
     yield from spec_text(frame.printed_name, label="In the manual")
     yield from facts(interface, frame)
     yield from needed_answers(device, frame)
@@ -105,7 +105,7 @@ def _excess_number_or_parameter(layout: Layout) -> str | Code:
 
 
 def facts(interface: Interface, layout: Layout) -> Iterator[Statement]:
-    """Yield its selector, its code, its gaps, its joined numbers and its combinations of values."""
+    """Yield the selector of a frame, its code, its gaps, its joined numbers and its combinations of values."""
     yield from carries(interface, layout)
     yield from _gray_code(layout)
     if _has_parity_over_gray(layout):
@@ -183,14 +183,14 @@ def as_one_number(parts: str) -> str:
 
 
 def crc(device: Device, checksum: Crc) -> Iterator[Statement]:
-    """Yield all statements about it in order, for running text."""
+    """Yield all statements about a CRC in order, for running text."""
     yield crc_head(device, checksum)
     yield from spec_text(checksum.note)
     yield from map(erratum, errata(device, f"crcs.{checksum.name}"))
 
 
 def crc_head(device: Device, checksum: Crc) -> Statement:
-    """Return its parameters in one sentence."""
+    """Return the name, the width and the parameters of a CRC in one sentence."""
     return statement(
         f"CRC {checksum.name} of {counted(checksum.width, 'bit')}: {crc_parameters(device, checksum)}",
         source=checksum.source,
@@ -198,7 +198,7 @@ def crc_head(device: Device, checksum: Crc) -> Statement:
 
 
 def crc_parameters(device: Device, checksum: Crc) -> str:
-    """Return polynomial, start value, reflection and final XOR."""
+    """Return polynomial, start value, reflection and final XOR of a CRC."""
     start_value = f"0x{checksum.init:X}" if checksum.init else "0"
     texts = [checksum.polynomial, f"start value {start_value}", crc_reflected(device, checksum), crc_sent(checksum)]
     return ", ".join(text for text in texts if text)
@@ -212,7 +212,7 @@ def crc_reflected(device: Device, checksum: Crc) -> str:
 
 
 def crc_sent(checksum: Crc) -> str:
-    """Return how the remainder is changed before it is sent."""
+    """Return how the remainder of a CRC is changed before it is sent."""
     if checksum.xorout == checksum.mask:
         return "sent inverted"
     return f"sent after an XOR with 0x{checksum.xorout:X}" if checksum.xorout else "sent unchanged"

@@ -60,7 +60,7 @@ from .text import (
 
 
 def order_code(device: Device) -> Iterator[Statement]:
-    """Yield all statements about it in order, for running text."""
+    """Yield all statements about the order codes, for running text."""
     code = device.order_code
     yield statement(Code(code.pattern), label="Order codes", source=code.source)
     for code_part in code.parts:
@@ -106,14 +106,14 @@ def spelling(label_spelling: Spelling) -> Statement:
 
 
 def parameter(device: Device, device_parameter: Parameter) -> Iterator[Statement]:
-    """Yield all statements about it in order, for running text."""
+    """Yield all statements about a parameter, for running text."""
     yield from spec_text(device_parameter.meaning, source=device_parameter.source)
     yield from spec_text(device_parameter.unit, label="Unit")
     yield from parameter_origin(device, device_parameter)
 
 
 def parameter_origin(device: Device, device_parameter: Parameter) -> Iterator[Statement]:
-    """Yield the source of its value if no order code sets it."""
+    """Yield where the value of a parameter comes from if no order code sets it."""
     if device_parameter.equals is not None:
         yield statement("Equals ", device_parameter.equals)
     if device_parameter.alternative:
@@ -163,12 +163,12 @@ def initial(device: Device) -> str:
 
 
 def parameter_value(device_parameter: Parameter, count: int) -> str:
-    """Return its value for an order code. IDs and other codes are in the hexadecimal notation of manuals."""
+    """Return the value of a parameter for an order code. IDs and other codes are hexadecimal, such as ``3Fh``."""
     return hexadecimal(count) if device_parameter.hexadecimal else number(count)
 
 
 def timing(printed_time: Timing) -> Statement:
-    """Return its duration, labelled with the symbol in the manual or with our name."""
+    """Return a time with its meaning, labelled with the symbol in the manual or with our name."""
     description = f": {printed_time.meaning}" if printed_time.meaning else ""
     if printed_time.only:
         description += f" (only with {printed_time.only})"
@@ -211,13 +211,13 @@ PURPOSES = {"position": "requests the position", "read": "reads a register", "wr
 
 
 def interface(device: Device, line: Interface) -> Iterator[Statement]:
-    """Yield all statements that follow its title in running text, without the errata."""
+    """Yield all statements about an interface that follow its title, without the errata."""
     yield from spec_text(line.note)
     yield from facts(device, line)
 
 
 def facts(device: Device, line: Interface) -> Iterator[Statement]:
-    """Yield its settings, its times, and the requests and control data sent over it."""
+    """Yield the settings and times of an interface, and the requests and control data sent over it."""
     yield from settings(device, line)
     yield from map(timing, line.timings)
     match line:
@@ -396,7 +396,7 @@ def control_field(bits_field: ControlField) -> Statement:
 
 
 def input_facts(device: Device, hardware_input: Input) -> Iterator[Statement]:
-    """Yield the meanings of its levels, its effect, and the rules for its use."""
+    """Yield the meaning of each level of a hardware input, its effect, and the rules for its use."""
     yield from spec_text(hardware_input.low, label="Low level")
     yield from spec_text(hardware_input.high, label="High level")
     if hardware_input.pulse_at_least_us is not None:

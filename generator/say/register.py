@@ -55,7 +55,7 @@ def head(device: Device, register: Register, name: Part) -> Statement:
 
 
 def register(device: Device, device_register: Register) -> Iterator[Statement]:
-    """Yield all statements that follow the head in running text."""
+    """Yield all statements about a register that follow its head in running text."""
     yield from spec_text(device_register.meaning)
     yield from facts(device, device_register)
     yield from spec_text(device_register.note)
@@ -63,7 +63,7 @@ def register(device: Device, device_register: Register) -> Iterator[Statement]:
 
 
 def facts(device: Device, register: Register) -> Iterator[Statement]:
-    """Yield its content and the rules for reading and writing it."""
+    """Yield the content of a register, and the rules for reading and writing it."""
     yield from _content_facts(register)
     yield from needed_answers(device, register.layout)
     yield from _access_rules(device, register)
@@ -172,7 +172,7 @@ def _register_meaning(device: Device, register_meaning: RegisterMeaning) -> Stat
 
 
 def field(device: Device, frame_field: Field) -> Iterator[Statement]:
-    """Yield all statements about it in order, for running text."""
+    """Yield all statements about a field, for running text."""
     yield from meaning(frame_field, frame_field.meaning)
     yield from rules(device, frame_field)
     yield from spec_text(frame_field.note)
@@ -188,7 +188,7 @@ def meaning(named_item: Named, text: str) -> Iterator[Statement]:
 
 
 def rules(device: Device, frame_field: Field) -> Iterator[Statement]:
-    """Yield the interpretation of its bits and the rules for its use."""
+    """Yield how the bits of a field are read, and the rules for its use."""
     yield from spec_text(frame_field.unit, label="Unit")
     scale = frame_field.scale
     if scale is not None:

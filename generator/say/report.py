@@ -29,14 +29,14 @@ from .text import Code, Part, Ref, Statement, listed, parted, sentence, spec_tex
 
 
 def alarm(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
-    """Yield all statements that follow its name in running text."""
+    """Yield all statements about an alarm that follow its name in running text."""
     yield from spec_text(device_alarm.meaning, source=device_alarm.source)
     yield from alarm_facts(device, device_alarm)
     yield from map(erratum, errata(device, f"alarms.{device_alarm.name}"))
 
 
 def alarm_facts(device: Device, device_alarm: Alarm) -> Iterator[Statement]:
-    """Yield the flag that shows it, its cause, and the procedures that clear it."""
+    """Yield the flag that shows an alarm, its cause, and the procedures that clear it."""
     if device_alarm.group:
         group = member_named(device.field_groups, device_alarm.group, "field group")
         yield statement(Code(device_alarm.field), " in ", Ref("group", group.name, title(group)), label="Flag")
