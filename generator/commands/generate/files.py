@@ -74,10 +74,6 @@ def write_or_compare(
         if not arguments.prune:
             guard.check(changes_by_target)
 
-    def refuse_unproved_specs() -> None:
-        if not arguments.unchecked:
-            gate()
-
     try:
         if arguments.check:
             changes_by_target = {name: changes(arguments.output, name, texts) for name, texts in files.items()}
@@ -90,7 +86,7 @@ def write_or_compare(
                 files,
                 force=arguments.force,
                 waiting=lambda: _print_wait(arguments.output),
-                gate=refuse_unproved_specs,
+                gate=gate,
                 guard=refuse_removals,
                 families=families,
             )
